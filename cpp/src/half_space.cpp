@@ -43,10 +43,10 @@ constexpr std::int64_t max_coarse_iterations = 100;
 // A solution needs more evaluations in double precision only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Largest accepted relative difference between the displacements of contact points, which should all be equal.
-// The error of the compliance depends on the square of this difference, and is about 1e-7.
+// The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
 // Factor on `compliance_tolerance` for problems that define only differences of displacements.
-// The compliance of such a problem is not an energy, so its error does not depend on the square of the difference.
+// If only differences of displacements are defined, the compliance is not an energy, so its error is larger.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
@@ -62,7 +62,7 @@ constexpr double selection_approach_ratio = 1.1;
 // Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // Deviation of displacements that counts as round-off.
-// The deviation is relative to the displacement of a single loaded cell under the same pressure.
+// The deviation is a fraction of the displacement of a single loaded cell under the same pressure.
 constexpr double round_off = 1e-9;
 // Three numbers limit the search for the load at which a given approach is reached:
 // - the largest number of trial loads, although more than six trial loads are rarely needed
@@ -117,7 +117,7 @@ double standard_deviation(Values values) {
 }
 
 // Interpolate values linearly along one axis to a grid of the same length with a different number of points.
-// Each value may be a whole row of `width` numbers.
+// Each interpolated value may be a whole row of `width` numbers.
 void interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);
@@ -302,7 +302,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the grid points that meet a condition. Stops as soon as there are too many points for a dense kernel.
+  // Return the grid points that meet a condition. Stops if there are too many such points for a dense matrix.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -361,8 +361,8 @@ class LevelSolver {
   ProjectedCgSolver cg_;
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
-  // Rows that contain points with a bound above 0, if each point has its own bound.
-  // In rows without such points, no point can come into contact, and potentials are not computed.
+  // Rows of the grid that contain points with a pressure bound above 0, if each point has its own bound.
+  // Potentials in other rows are not computed, because points with a pressure bound of 0 carry no pressure.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
@@ -373,7 +373,7 @@ class LevelSolver {
 };
 
 // Return ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
-// The second logarithm is 0 if `full_contact` is infinite.
+// If `full_contact` is infinite, the logarithm that contains it is 0.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();
@@ -398,8 +398,8 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return pressures at the given points that displace all these points by 1.
-// The pressures are computed by conjugate gradients with the dense matrix of the points.
+// Return pressures at the given points that displace all of these points by 1 µm.
+// The linear system of the dense matrix of the given points is solved by conjugate gradients.
 // Returns an empty array if a pressure is negative. Round-off may cause negative pressures at single-point contacts.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
@@ -530,7 +530,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
 }
 
 // Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure.
-// The pressure is uniform, or proportional to the bounds.
+// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to it.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -543,7 +543,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // Pressures that displace all points equally are possible bounds. The deviation is then only round-off.
+    // If the bounds are the pressures that displace all points equally, the computed deviation is only round-off.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -560,8 +560,8 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
 }
 
 // Return whether the solution at another load is a better starting point than the solution on a coarser grid.
-// If each point has its own bound, the solution at the other load is always used.
-// On lines with a single bound, the solution at the other load is never used.
+// If each point has its own bound, the solver always starts from the solution at another load.
+// On lines with a single bound, the solver never starts from the solution at another load.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -597,7 +597,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 
 // Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois algorithm).
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
-// On periodic surfaces, the excess includes the remaining distance to full contact.
+// On periodic surfaces, `log_excess` includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
@@ -662,7 +662,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   for (double& pressure : start) {
     pressure *= factor;
   }
-  // On the coarser grids, transforms are as fast as dense matrices.
+  // On coarser grids, transforms are as fast as dense matrices, so displacements are computed at all points.
   const Grid& grid = grids_->levels()[level];
   const auto num_loaded = std::count_if(start.begin(), start.end(), is_above_zero);
   const bool selects_points =

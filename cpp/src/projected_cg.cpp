@@ -130,7 +130,7 @@ struct ClippedSum {
   }
 };
 
-// Subtract the shift, clip the pressures to 0 and to their bounds, and return their sum.
+// Subtract a shift from the pressures, clip the pressures to 0 and to their bounds, and return their sum.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, lanes> sums{};
@@ -172,7 +172,7 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
 
 // Return the shift that must be subtracted from all pressures so that the clipped pressures have the given sum.
 // The sum of the clipped pressures is a decreasing, piecewise linear function of the shift.
-// Newton's method within a bracket finds the shift.
+// Newton's method within a bracket finds the shift of the pressures.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -327,7 +327,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
     pending_fraction_ = 0.0;
   }
   approach_ = between.between > 0.0 ? between.sum / between.between : approach_from_bounds();
-  // Add the pending response and find the free points in one pass over the grid.
+  // Add the pending response to the potential, and find the free points, in one pass over the grid.
   const std::size_t size = pressure_.size();
   task_free_points_.resize((size + grid_points_per_task - 1) / grid_points_per_task);
   pool.run(task_free_points_.size(), [&](std::size_t task, std::size_t) {
@@ -397,9 +397,9 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 }
 
 // Return the approach if no pressure lies strictly between the bounds.
-// Points at their bound must not have a gap, and points without pressure must not overlap.
-// If an approach meets both conditions, return the largest potential of the points under pressure.
-// Otherwise, return an approach at which some points at their bound and some points without pressure become free.
+// At the approach, points at their pressure bound must not have a gap, and points without pressure must not overlap.
+// If no potential under pressure exceeds one without pressure, the approach is the largest potential under pressure.
+// Otherwise, the approach is chosen so that some points at their bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -415,8 +415,8 @@ double ProjectedCgSolver::approach_from_bounds() const {
 
 // Call the visitor for each run of constrained points.
 // The visitor receives the indices into `free_points_` of both neighbours, and the number of constrained points.
-// The visitor also receives the segments of the run before and after the edge of the grid.
-// A segment consists of its first point, its length, and its offset in the run.
+// The visitor also receives the two segments into which the edge of the grid divides a run of constrained points.
+// A segment is described by its first point, its length, and its offset in the run of constrained points.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());
@@ -633,7 +633,7 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     return false;
   }
   // A full step that is clipped at bounds is accepted if it lowers the energy.
-  // A fraction of the step would leave some pressure at points at which the full step removes all pressure.
+  // A shortened step would leave some pressure at points at which the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

@@ -22,7 +22,7 @@ struct SolverMemory;
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
 /// Each coarser grid has about half as many points along an axis as the next finer grid.
 /// The coarsest grid has about 16 points along an axis.
-/// Several threads may use the same object at the same time.
+/// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
   /// Elastic kernels of one grid: one kernel for its points, and one kernel for its blocks of points.
@@ -45,7 +45,7 @@ class HalfSpaceGrids {
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
-  /// Returns an empty array if the grid is too large for storing these displacements.
+  /// Returns an empty array if the grid is too large for storing the displacements of all points.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
   /// Compute the displacements [µm] due to pressures [GPa] on the finest grid.
@@ -145,7 +145,7 @@ struct LinearResponse {
 };
 
 /// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
-/// The error of the compliance is the square of the error of the pressures, because the compliance is an energy.
+/// The compliance is an energy, so its relative error is the square of the relative error of the pressures.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

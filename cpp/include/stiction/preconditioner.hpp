@@ -39,7 +39,7 @@ class Preconditioner {
   static Grid block_grid(const Grid& area);
 
   /// Create the preconditioner from the stencil of an area and the elastic kernel of its blocks.
-  /// The kernel must outlive this object.
+  /// The elastic kernel must outlive the preconditioner.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   /// The preconditioner reuses the memory of `arrays`, whose values are ignored.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays = {});
@@ -47,7 +47,7 @@ class Preconditioner {
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
   /// The indices of the free points must be in increasing order.
   /// Displacements must be 0 at all points that are not free.
-  /// Elements of the result at points that are not free are unspecified.
+  /// The returned pressures at points that are not free are unspecified.
   /// The returned pressures are valid until the next call.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());

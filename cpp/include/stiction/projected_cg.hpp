@@ -25,7 +25,7 @@ namespace stiction {
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 /// ->  advance(K step)
 ///
-/// M acts on the whole grid, so the residual r must be extended from the free points to the constrained points.
+/// The preconditioner M acts on the whole grid, so the residual r is extended from free to constrained points.
 /// The best extension of r has the smallest r·Mr, which equals r·K⁻¹r on the free points.
 /// On areas, zeros at the constrained points give nearly the smallest r·Mr.
 /// On lines with short contacts, zeros at the constrained points give a much larger r·Mr.
@@ -49,8 +49,8 @@ class ProjectedCgSolver {
   /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// The solver does not copy bounds of single points, so their memory must outlive the solver.
   /// Points with a pressure bound of 0 carry no pressure.
-  /// Throws std::invalid_argument for 2³¹ points or more, and for negative bounds.
-  /// Also throws if the total is not positive, or not below the sum of the bounds.
+  /// Throws std::invalid_argument for 2³¹ points or more, and for negative pressure bounds.
+  /// Also throws if the total load is not positive, or not below the sum of the bounds.
   /// The solver reuses the memory of `arrays`, whose values are ignored.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
@@ -68,7 +68,7 @@ class ProjectedCgSolver {
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
   /// Return whether the next step is a steepest-descent step.
-  /// A steepest-descent step uses the residual instead of M residual, and is certain to lower the energy.
+  /// A steepest-descent step uses the residual instead of the preconditioned residual, and always lowers the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
   /// Compute the direction of the next pressure step [GPa]. The direction is 0 at points that are not free.
@@ -81,14 +81,14 @@ class ProjectedCgSolver {
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
   /// Scale the pressures that are below their bounds, so that all pressures add up to the total.
-  /// After this scaling, the potential must be recomputed.
+  /// After the pressures have been scaled, the potential must be recomputed.
   void rescale_to_total();
 
   /// Replace the potential by a recomputed potential, and restart with steepest descent.
   void restart(std::vector<double> potential);
 
   /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
-  /// If the gap is zero, the sum is twice the elastic energy divided by the area of a cell.
+  /// If the gap is zero, pressure · potential is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }
@@ -127,8 +127,8 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // 1 for each block of points that contains a bound above 0, and 0 for other blocks, whose potentials are not updated.
-  // The array is empty if all points have the same bound.
+  // 1 for each block of points with a pressure bound above 0. In other blocks (0), potentials are not updated.
+  // The array `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
@@ -138,8 +138,8 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;        // preconditioned residual at free points
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
-  // Response of the last step: K times the step.
-  // `pending_fraction_` times this response has not been added to the potential yet.
+  // Response of the last step: the kernel K times the step.
+  // `pending_fraction_` times the response of the last step has not been added to the potential yet.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
