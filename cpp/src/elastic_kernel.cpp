@@ -24,7 +24,7 @@ constexpr std::size_t columns_per_block = 8;
 // Number of rows between the row that is copied and the row that is loaded into the cache.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes per task, and between two cancellation checks.
-// Smaller areas are not divided between threads, because the threads would wait for each other.
+// Areas with fewer values are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
 // The sum of the weights multiplies long wavelengths, so it must be small if contact patches are many points wide.
@@ -91,7 +91,7 @@ constexpr std::size_t wavenumbers_per_block = 64;
 // Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
 // `factors` contains the factors for wavenumbers along y up to half of `size`.
 // Coefficient i of column k is combined with coefficient size - i of column m - k.
-// Coefficients i and size - i have the same factors.
+// The Fourier coefficients i and size - i of a column have the same factor.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -112,7 +112,7 @@ STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict
       multiply_mirrored(first, second + 1, first_factors.data(), second_factors.data(), mixing_factors.data(), 2);
       skip = 1;
     }
-    // If the size is even, the coefficient at the index size / 2 is its own mirror image.
+    // For an even `size`, the Fourier coefficient size / 2 is its own mirror image.
     const std::size_t mirrored_count = size % 2 == 0 && from + count == size / 2 + 1 ? count - 1 : count;
     if (count > skip) {
       multiply_mirrored(first + 2 * (from + skip), second + 2 * (size - from - skip) + 1, &first_factors[2 * skip],
@@ -332,7 +332,7 @@ class Filter {
       result_rows = all_rows;
     }
     // Columns k and m - k are transformed together, because packing combines them.
-    // Column 0 and, for even m, the middle column are paired with themselves.
+    // Column 0 of a transform is paired with itself and, for even m, so is the middle column.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -363,7 +363,7 @@ class Filter {
     Complex* values = buffers[1].template get<Real>(columns_per_block * column_stride);
     std::array<Complex*, 2> coefficients = {buffers[2].template get<Real>(columns_per_block * column_stride),
                                             buffers[3].template get<Real>(columns_per_block * column_stride)};
-    // Column 0 and the middle column are paired with themselves. The middle column is the last column.
+    // Column 0 of a transform and the middle column, which is the last one, are paired with themselves.
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
@@ -479,8 +479,8 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 }
 
 // Return the displacement [µm] of the origin due to a pressure of 1 GPa.
-// On a line, the pressure acts between the origin and x.
-// On an area, the pressure acts on the rectangle between the origin and the corner (x, y).
+// On a line, the pressure of 1 GPa acts between the origin and x.
+// On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);

@@ -15,7 +15,7 @@ namespace stiction {
 inline constexpr std::size_t alignment = 64;
 
 /// Memory for complex numbers, aligned to a cache line.
-/// The memory grows on demand. The contents are lost when the memory grows.
+/// An AlignedBuffer grows on demand, and loses its contents when it grows.
 class AlignedBuffer {
  public:
   template <class Real>
@@ -49,9 +49,9 @@ class ComplexFft {
   ComplexFft& operator=(const ComplexFft&) = delete;
 
   std::size_t points() const { return points_; }
-  /// Compute Σ_a values[a] exp(-2πi a b/points).
+  /// Compute the forward transform, coefficients[b] = Σ_a values[a] exp(-2πi a b/points).
   void forward(std::complex<Real>* values, std::complex<Real>* coefficients) const;
-  /// Compute Σ_a coefficients[a] exp(2πi a b/points).
+  /// Compute the inverse transform, values[b] = Σ_a coefficients[a] exp(2πi a b/points).
   void inverse(std::complex<Real>* coefficients, std::complex<Real>* values) const;
 
  private:

@@ -30,7 +30,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
 // If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
-// The logarithm is 44 if a long double has 64 binary digits, and 33 if a long double is a double.
+// The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
 // Number of points per block. The group profiles of one block must fit into the second-level cache.
@@ -59,7 +59,7 @@ double to_radians(Turns turns) {
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d with θ = `lanes` k Δx.
-// The error of the recurrence grows only with the number of steps, even for very small θ.
+// The round-off of this recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
   // Difference from the value that is `lanes` points earlier.
@@ -81,7 +81,7 @@ struct Harmonic {
 
   // Start the recurrence of the harmonic from its phase at a point.
   // The first `lanes` values start as a run of one value, whose length is doubled several times.
-  // Each doubling appends a copy of the run that is rotated by the phase difference.
+  // Each doubling of a run of values appends a copy, rotated by the phase difference.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -212,7 +212,7 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// Compute sums(row, j) = Σ_n weights(row, n) values[n][j] for all j < block and for as many rows as `rows`.
+// Compute sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and all j < block.
 // A tile of sums stays in registers for all frequencies n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
@@ -235,7 +235,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// If possible, a tile has ten rows, so that each loaded value is used ten times.
+// If possible, a tile of sums has ten rows, so that each loaded value is used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {
@@ -301,7 +301,7 @@ constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
 // Rotate a table of cosines and sines by the phase of the first point of a run.
-// Adding the phase difference point by point instead would accumulate errors.
+// Computing a run by adding the phase difference point by point would accumulate errors.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -332,8 +332,8 @@ struct Rotations {
 };
 
 // Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
-// The sum of their harmonics is -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X,
-// where even, odd = e^(i φ) ± e^(i φ').
+// The harmonics of m and M - m add up to -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X.
+// The factors are even = e^(i φ) + e^(i φ') and odd = e^(i φ) - e^(i φ').
 // For a direction m without a partner M - m, even = odd = e^(i φ).
 struct ArealHarmonic {
   Complex even;

@@ -54,7 +54,7 @@ struct HarmonicArea {
   bool band_limited = false;  ///< true to omit harmonics whose wavenumber along x or y exceeds π/Δx or π/Δy
 };
 
-/// Write the areal form of Eq. 1 to `heights` [µm] (rows along y, columns along x).
+/// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
 /// All harmonics of a frequency have the same weight w_n [µm].
 /// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
