@@ -1,5 +1,5 @@
 // Fuzz test of the core functions with arbitrary numbers.
-// Each function must either throw std::invalid_argument or return results that satisfy the invariants below.
+// Each core function must either throw std::invalid_argument or return results that satisfy the checked invariants.
 // Sanitizers detect all other faults, such as access outside an array.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"

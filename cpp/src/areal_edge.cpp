@@ -22,7 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // Cosine of the angle between the normals of neighbouring sides. The sign alternates from corner to corner.
+    // Cosine of the angle between the normals of neighbouring sides of the parallelogram. Its sign alternates.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -32,7 +32,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 
 // Let h be the distance from the centre of the unit circle to a side of the parallelogram.
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
-// The pressure varies as (1 - r²)^(1/2) with the distance r from the centre of the unit circle.
+// The Hertzian pressure varies as (1 - r²)^(1/2) with the distance r from the centre of the unit circle.
 // The sector between φ₁ and φ₂ contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction.
 // Where |tan φ| > (1 - h²)^(1/2)/h, the side lies outside the unit circle, and the whole sector lies inside the map.
 // The closed forms of the integrals avoid cancellation if only a small part of the ellipse lies inside the map.

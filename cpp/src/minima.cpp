@@ -33,7 +33,7 @@ STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 // A block of n cells depends on n + 3 columns of coefficients.
 constexpr Index cells_per_block = 29;
 
-// Mark the blocks of a row in which at least one coefficient is at most `max_value`.
+// Mark the blocks of cells of a row in which at least one coefficient is at most `max_value`.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -113,7 +113,7 @@ using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 // Number of cells that are classified together.
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests for a part of a cell: without minimum, convex (at most one minimum), or undecided.
+// Result of the sign tests for a part of a cell: no minimum possible, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
 // Bernstein coefficients of several squares in SIMD registers.

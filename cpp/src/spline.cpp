@@ -40,7 +40,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
 }
 
 // Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which differ by round-off.
-// The expression is symmetric in x. The slopes of a mirrored profile are therefore bit-identical except for their sign.
+// The expression for the slope is symmetric in x, so slopes of a mirrored profile differ in their sign only.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -139,8 +139,8 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // At an end point, the curvature is zero, and the load is continued with odd symmetry.
-  // Beyond the end, the load is the mirror image of the load inside, with opposite sign.
+  // At both ends of the profile, the curvature of the spline is zero.
+  // Beyond an end of the profile, the load on the spline is the mirror image of the load inside, with opposite sign.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

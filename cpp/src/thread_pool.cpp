@@ -81,7 +81,7 @@ struct ThreadPool::Workers {
   }
 
   // Start one thread. Return false if the system cannot create it, for example at a limit on the number of threads.
-  // An exception would end a calculation that the calling thread can finish without this thread.
+  // No exception is thrown if a thread cannot start, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });

@@ -111,7 +111,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // At this approach, the contact area equals the area of the map.
+    // At approaches of 1 mm or more, the contact ellipse covers the map, so the contact area is the area of the map.
     // The maximum force is the product of the map area and the central pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));

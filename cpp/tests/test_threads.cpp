@@ -1,5 +1,5 @@
 // Test of reentrancy: several concurrent threads compute the same results as a single thread.
-// The test also runs under the thread sanitizer.
+// The test of reentrancy also runs under the thread sanitizer.
 #include "stiction/amplitude.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/harmonics.hpp"

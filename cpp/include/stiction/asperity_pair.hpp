@@ -44,7 +44,7 @@ enum class Curvature { convex, signed_ };
 /// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
 /// If a surface is nearly flat, the difference R_u + R_l - |X| of two large numbers has no correct digits.
-/// The overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), which avoids this cancellation.
+/// The overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), which avoids cancellation.
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
@@ -68,7 +68,7 @@ struct SpherePair {
 };
 
 /// A sphere and a flat. The flat is the limit of a sphere of infinite radius.
-/// The contact normal is the normal of the flat.
+/// The contact normal of a sphere and a flat is the normal of the flat.
 struct SphereOnFlat {
   Vector3 normal;        ///< normal of the flat, pointing upwards
   Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]

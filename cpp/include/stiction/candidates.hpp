@@ -3,7 +3,7 @@
 // Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
 // A profile counts as a flat of infinite radius if its points lie on a straight line to within round-off.
-// The normal of such a flat is the normal of the straight line.
+// The normal of a flat profile is the normal of the straight line through its points.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -24,7 +24,7 @@ namespace stiction {
 enum class Detection { cell, gap_minimum };
 
 /// Parse a detection method ("cell" or "gap-minimum") and a curvature rule ("convex" or "signed").
-/// Throws std::invalid_argument for any other name.
+/// Throws std::invalid_argument for any other name of a method or rule.
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
 

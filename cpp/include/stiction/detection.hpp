@@ -44,7 +44,7 @@ struct IndexRange {
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference of the gap between successive grid points.
+/// The bound on the dip of the spline is 3/8 of the largest second difference of the gap between successive points.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
 /// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
 double max_dip(Values upper, Values lower);
@@ -63,7 +63,7 @@ struct Derivatives {
 
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// Every point at which contact is possible is marked. Other points may be marked too.
+/// All points at which contact is possible are marked. Points at which contact is impossible may be marked too.
 /// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
 /// `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
@@ -98,8 +98,8 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   // At a minimum of the gap, the slope increases through zero. Both forms of the quadratic formula avoid cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs of the slope at both ends guarantee a root in the interval.
-    // Only round-off can place the computed root outside the interval.
+    // The signs of the slope at both ends of an interval guarantee a minimum in the interval.
+    // Only round-off can place the computed minimum outside the interval.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

@@ -18,9 +18,9 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// Find the arguments at which a function crosses given levels from below.
 /// For each level, returns the first argument found at which the function is not below the level.
 /// The function is below the level at the argument `left`, and not below the level at the argument `right`.
-/// The tolerance is relative to the argument.
+/// The tolerance of the search is relative to the argument.
 /// If the function jumps over the level, the result is the argument just after the jump.
-/// The method combines inverse quadratic interpolation and bisection.
+/// The search combines inverse quadratic interpolation and bisection.
 /// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
 /// Each call of the function serves all levels, because a call with many arguments takes hardly longer than with one.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,

@@ -36,7 +36,7 @@ struct CellRange {
 /// A minimum at the edge of the given range may therefore belong to a cell outside this range.
 ///
 /// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
-/// The signs either exclude a minimum in a part of a cell, or show that the spline is convex in this part.
+/// The signs of the coefficients either exclude a minimum in a part of a cell, or show that the spline is convex there.
 /// In a convex part of a cell, Newton's method finds the only possible minimum.
 /// Parts with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.

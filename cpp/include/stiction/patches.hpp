@@ -16,7 +16,7 @@ struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< pressure at each point [GPa]
   std::vector<double> contact_fraction;  ///< contact fraction of the cell of each point
-  /// Patch number of each point; patches are numbered from 1 in the order of their first points.
+  /// Patch number of each point. Patches are numbered from 1, in the order of their first points.
   std::vector<std::int32_t> patch;
   std::int32_t count = 0;  ///< number of patches
 };

@@ -7,7 +7,7 @@ namespace stiction {
 
 /// Compute slope f' [-] and curvature f'' [1/µm] at every point of the natural cubic spline through `heights` [µm].
 /// At least 4 heights are required, and the spacing [µm] must be positive.
-/// The outputs must have as many elements as `heights`. At both ends of the profile, f'' = 0.
+/// `slope` and `curvature` must have as many elements as `heights`. At both ends of the profile, f'' = 0.
 /// GSL solves the tridiagonal system of the spline.
 /// Throws std::invalid_argument for invalid arguments, and std::runtime_error for errors of GSL.
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);

@@ -87,7 +87,7 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors that project the forces of a sliding contact on the upper surface.
+/// Factors of the normal force and the friction force in the loads of a sliding contact.
 /// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
@@ -110,7 +110,7 @@ enum class Status { ok, no_contact, self_locked };
 /// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
 Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Return F_T / F_N, or NaN unless the status is `ok`.
+/// Return the coefficient of friction F_T / F_N, or NaN unless the status is `ok`.
 double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
 
 // ---- Inline functions, which take most of the time per contact ------------------------------------------------------
