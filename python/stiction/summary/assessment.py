@@ -1,4 +1,4 @@
-"""Assessment of a coefficient of friction: caveats with their remedies, and whether the value may be quoted."""
+"""Assessment of a friction coefficient: caveats with remedies, and whether the coefficient may be quoted."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which 
 
 @dataclass(frozen=True)
 class Caveat:
-    """Reason not to quote a value, or to quote it only with care. Each caveat has a remedy."""
+    """Caveat: a reason not to quote a coefficient, or to quote it only with care, and a remedy."""
 
     text: str
     remedy: str
@@ -132,7 +132,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Upper limit for a number, and the caveat that is issued if the number exceeds the limit.
+    """Check of a number against an upper limit, with the caveat for numbers above it.
 
     The placeholder {} in the text stands for the number `about`.
     """
@@ -148,11 +148,11 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the checked number, as printed in the text of the caveat."""
+        """Number that the text of the caveat contains, by name."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Create the caveat for a point that fails the check. The text contains the numbers of the point."""
+        """Return the caveat for a point that fails the check, with the numbers of the point."""
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
@@ -265,7 +265,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks of a coefficient and its interval; only the first check that fails is reported."""
+    """Return checks of a coefficient and its interval, of which only the first failed one is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -285,7 +285,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks for too few contacts; only the first check that fails is reported."""
+    """Return checks for too few contacts, of which only the first failed one is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -308,7 +308,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return checks of the contacts and of the pull-off force."""
+    """Return checks of the contacts and of the pull-off force at a point."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:  # a gap between two faces has only one relative position
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -326,7 +326,7 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats about one point of a result. They depend on the numbers and the status of the point."""
+    """Yield the caveats about one point of a result, which depend on its numbers and its status."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -366,13 +366,13 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the smallest limit that contact checks set for a number, or None if no check uses the number."""
+    """Return the smallest limit of a number in the checks of contacts, or None without such a check."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield one caveat for each group of checks in which a check fails, for the first failed check of the group.
+    """Yield the caveat of the first failed check in each group.
 
     A check passes if its number is missing.
     """
@@ -385,7 +385,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute, for each point of a result, the numbers that are checked against limits.
+    """Return, for each point of a result, the numbers that checks compare with limits.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -411,7 +411,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """List the names of the numbers that are checked for the contacts, the pull-off force and the rms gradient."""
+    """Return the names of the numbers that checks of contacts, pull-off force and rms gradient use."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -439,7 +439,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
 
 
 def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
-    """Return checks that compare the mean contact pressure with the pressures at which the bodies would yield.
+    """Return checks that compare the mean contact pressure with the pressure at which the bodies would yield.
 
     The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
@@ -480,7 +480,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Assess each point of a result for generated bodies, using the status and the checks of the point.
+    """Return the assessment of each point of a result for generated bodies, from its status and checks.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
@@ -528,13 +528,13 @@ def assess_ensemble_points(
 
 
 def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
-    """Return the assessment that follows from the most severe of the given caveats or failed checks."""
+    """Return the assessment that the most severe of several caveats or failed checks requires."""
     severities = {reason.severity for reason in reasons}
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about the growth of contacts under shear, and about interfaces stronger than the softer body."""
+    """Yield caveats about contacts that grow under shear, and about interfaces stronger than the softer body."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -575,7 +575,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if small contacts of metals are harder than assumed, or less hard."""
+    """Yield a caveat if small contacts of metals may be harder or less hard than assumed."""
     contact, softer_material = study.contact, softest_material(*find_materials(study))
     if contact.yield_exponent is None:
         return
@@ -611,7 +611,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if soft bodies would slide at a lower coefficient because they lose area under shear."""
+    """Yield a caveat if soft bodies may slide at a lower coefficient, because their contacts lose area under shear."""
     contact = study.contact
     is_soft = contact.hardness is None and effective_modulus_at(point, study) < MAX_RUBBER_MODULUS
     if not (study.is_measured and is_soft) or contact.area_loss is not None:
@@ -636,7 +636,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if some input samples leave friction without an upper limit, or nearly do so."""
+    """Yield a caveat if friction has no upper limit for some samples of the inputs, or nearly so."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -661,7 +661,7 @@ def _find_unlimited_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected or unresolved adhesion, and about inputs whose effect the interval ignores."""
+    """Yield caveats about neglected or unresolved adhesion, and about inputs that the interval ignores."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model does not include adhesion.
@@ -701,7 +701,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
-    """Estimate how much typical adhesion would add to the load on the contacts, as a fraction of the applied load.
+    """Return the load that typical adhesion would add to the contacts, divided by the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
@@ -773,7 +773,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat for each body with a single scan whose drift of the roughness affects the coefficient.
+    """Yield a caveat for each body with a single scan, if the drift of its roughness affects the coefficient.
 
     The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
     """
@@ -793,7 +793,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, unless the study specifies the orientation or the positions of the maps.
+    """Yield a caveat if both maps have a lay, and the study specifies neither their orientation nor positions.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """
@@ -836,7 +836,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the ratio of true to nominal area. It is NaN for generated profiles, which have no nominal area."""
+    """Return true area divided by nominal area, or NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

@@ -1,4 +1,4 @@
-"""Caveats about the inputs of a study, such as implausible heights, form, spikes, noise, loads and coefficients."""
+"""Caveats about the inputs of a study: heights, form, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def find_input_caveats(
     upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
     alternatives: Collection[str] = (),
 ) -> tuple[Caveat, ...]:  # fmt: skip
-    """Return caveats about two bodies that were read from files, about their study, and about the given loads (mN).
+    """Return caveats about two scanned bodies, about their study, and about given loads (mN).
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -89,7 +89,7 @@ def find_input_caveats(
     is_vouched = bool(study.surfaces.vouched)
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about the scans of a body. For each kind, keep only the caveat with the longest cutoff."""
+        """Return the caveats about the scans of a body, with only the longest cutoff of each kind."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
@@ -156,7 +156,7 @@ def find_input_caveats(
 
 
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two faces fit, such as those of a fracture, and the positions are not specified."""
+    """Yield a caveat if two faces fit, such as those of a fracture, and their position is not specified."""
     surfaces: Any = study.surfaces
     if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no position
         return
@@ -187,7 +187,7 @@ _MIRROR_ALTERNATIVES = (
 
 
 def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two maps at the position (0, 0) would fit much better if the upper map were mirrored."""
+    """Yield a caveat if two maps at the position (0, 0) would fit much better with the upper one mirrored."""
     surfaces: Any = study.surfaces
     if (
         surfaces.press != "areas"
@@ -214,7 +214,7 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
 
 
 def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
-    """Return the rms height (µm) of the gap between two maps after levelling, over the points measured on both."""
+    """Return the rms height (µm) of the levelled gap between two maps, over points measured on both."""
     missing = combine_missing_masks(
         facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
     )
@@ -223,7 +223,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or other advice if the remedy is a cutoff above the largest one (µm)."""
+    """Return the remedy of a caveat, or other advice if it is a cutoff above the largest one (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -233,7 +233,7 @@ def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
 
 
 def _get_shortest_side_length(body: MeasuredBody) -> float:
-    """Return the length of a profile, or the length of the shorter side of a height map (µm)."""
+    """Return the length (µm) of a profile, or of the shorter side of a map."""
     return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
 
 
@@ -241,12 +241,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without numbers, which identifies the kind of caveat."""
+    """Return the text of a caveat without numbers, which is equal for caveats of one kind."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. If a number differs between the texts, include both numbers."""
+    """Merge the texts of two caveats of one kind, with both numbers where they differ."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -269,7 +269,7 @@ def find_scan_caveats(
     alternatives: Collection[str] = (),
     periodic: bool = False,
 ) -> list[Caveat]:
-    """Return caveats about heights, form, steps and spikes of a scan, and about wavelengths not due to the surface.
+    """Return caveats about a scan: heights, form, steps, spikes, and wavelengths not due to the surface.
 
     If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
     humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
@@ -285,7 +285,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about the scan files of a study of measured surfaces, or an empty tuple if files are missing.
+    """Return caveats about the scans of a study, or nothing if files are missing.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -300,7 +300,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return the alternative preparations that the interval of a study of measured surfaces has to include.
+    """Return the alternative preparations of scans that the interval of a study must cover.
 
     Spikes and a blunt tip each require one alternative. Bodies with a hardness need the tip alternative because the
     interval of their true area does not include finer roughness. Raises a `ValueError` if a file cannot be read.
@@ -323,7 +323,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
 
 
 def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
-    """Return the extents (µm) of a body along both axes.
+    """Return the lengths (µm) of a body along both axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.
     """
@@ -333,13 +333,13 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return True if a scan differs from all other scans together, significantly and by more than a factor of 2."""
+    """Return True if the spectrum of a scan differs from all others together, significantly and by a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if the spectra of scans disagree, and a caveat if all scans lack the same wavelengths."""
+    """Yield a caveat if the spectra of scans disagree, and one if all scans lack the same wavelengths."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -350,7 +350,7 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _find_instrument_caveats(
     defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that come from the instrument, or that the tip does not resolve."""
+    """Yield caveats about wavelengths that the instrument adds or the tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.tip_limit
     except ValueError:  # a flat body raises a ValueError
@@ -401,7 +401,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Describe the fraction of the mean square slope that comes from unreliable wavelengths."""
+    """Return text about the fraction of the mean square slope that is due to unreliable wavelengths."""
     # Round the fraction, so that similar scans have the same caveat.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
@@ -446,7 +446,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height due to a parabola; 0 for a map with large higher-degree terms."""
+    """Return the fraction of the mean square height that a parabola explains, or 0 with large higher terms."""
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights
