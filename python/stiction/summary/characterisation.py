@@ -1,4 +1,4 @@
-"""Values of one scan: roughness parameters, spectrum, Hurst exponent, limits of the instrument, and caveats."""
+"""Characterisation of one scan: roughness parameters, spectrum, Hurst exponent, instrument limits and caveats."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _HANN_LOG_VARIANCE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface. Properties are computed on first access.
+    """Characterisation of a levelled profile or surface, each result of which is computed on first use.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Characterisation:
 
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
-        """Roughness parameters of heights and slopes."""
+        """Roughness parameters of the heights and slopes of the body."""
         body = self.scale_limited_body
         return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
 
@@ -97,7 +97,7 @@ class Characterisation:
 
     @cached_property
     def neighbour_slope(self) -> float:
-        """Rms slope or gradient, computed from height differences of neighbouring points."""
+        """Rms slope or rms gradient from height differences of neighbouring points."""
         body = self.scale_limited_body
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -105,7 +105,7 @@ class Characterisation:
 
     @cached_property
     def section_parameters(self) -> SectionParameters | SectionLengthError | None:
-        """R- and W-parameters of a profile, or the error that prevented their computation; None for a surface."""
+        """R- and W-parameters of a profile, or the error that prevents them; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -117,12 +117,12 @@ class Characterisation:
 
     @property
     def defects(self) -> ScanDefects:
-        """Spikes of the scan, and wavelengths that its instrument or tip does not resolve."""
+        """Defects of the scan: spikes, and wavelengths that instrument or tip do not resolve."""
         return find_scan_defects(self.body, self.tip_radius, textured=self.textured, periodic=self.periodic)
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, whose spectrum is computed."""
+        """Body with interpolated outliers, from which the spectrum is computed."""
         return self.defects.body_without_outliers
 
     @property
@@ -139,7 +139,7 @@ class Characterisation:
 
     @cached_property
     def areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, moments along x and y, and the direction of the largest rms slope."""
+        """Radial spectrum of a surface, moments along x and y, and the steepest direction."""
         assert isinstance(self.body_without_outliers, Surface)
         spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -147,7 +147,7 @@ class Characterisation:
 
     @cached_property
     def binned_spectrum(self) -> PowerSpectrum | RadialSpectrum:
-        """Power spectrum averaged in bins of log q."""
+        """Power spectrum averaged in bins of ln(wave number)."""
         return self.areal_analysis[0] if self.spectrum is None else self.spectrum.in_bins()
 
     @cached_property
@@ -158,7 +158,7 @@ class Characterisation:
 
     @cached_property
     def power_law_fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, regardless of the quality of the fit, or None if no band can be fitted."""
+        """Power law fitted to the spectrum, however well it fits, or None without a suitable band."""
         try:
             return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -168,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def power_law_misfit(self) -> float:
-        """Factor by which the spectrum deviates from its power law, or NaN if no power law was fitted."""
+        """Rms factor between spectrum and fitted power law, or NaN without a power law."""
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
@@ -179,27 +179,27 @@ class Characterisation:
 
     @property
     def valid_power_law(self) -> HurstEstimate | None:
-        """Power law of the spectrum, or None if the spectrum deviates from a power law."""
+        """Power law fitted to the spectrum, or None if the spectrum deviates from it."""
         return None if self.power_law_misfit > MAX_POWER_LAW_MISFIT else self.power_law_fit
 
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
-        """Cumulative slope and curvature as functions of wavelength."""
+        """Rms slope and rms curvature as functions of the shortest included wavelength."""
         return scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, limited by pixels and noise but not by the tip."""
+        """Shortest reliable wavelength, which pixels and noise limit, without the tip."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
+        """Shortest reliable wavelength, which pixels, noise and tip limit, or None without a tip radius."""
         return self.defects.limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of friction along x and y between two equally rough bodies; empty for a flat body."""
+        """Small-slope estimates of friction along x and y for two equally rough bodies; empty for a flat body."""
         # The gap between two equally rough bodies has twice the mean square slope of one body.
         # Reverse the slopes, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]

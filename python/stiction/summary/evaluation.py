@@ -1,4 +1,4 @@
-"""Values of a study, evaluated from the contact sums of its members and cached."""
+"""Evaluation of a study: friction and other quantities from the contact sums of its members, cached."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Contact sums of a study, the values evaluated from the sums, and further results stored alongside."""
+    """Contact sums of a study, what is evaluated from them, and further results stored beside them."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -68,7 +68,7 @@ class Evaluation(MemberSums):
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair for the first load, mu0 and tau0 in the study.
+        """Onset of sliding of a measured pair, for the first load, mu0 and tau0 of the study.
 
         Its tangential loads are scaled to the sliding load μ_s F. None if the onset is not stored, or if the result has
         no coefficient.
@@ -80,7 +80,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset of sliding to the coefficient of the result, with friction at all contacts.
+        """Scale a computed onset of sliding to the coefficient of the result with friction at all contacts.
 
         Returns None if the result has no coefficient. The onset is not changed if the result has no values for friction
         at all contacts.
@@ -102,17 +102,17 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Values of the cutoff study: a few members at several cutoffs. None if no cutoff study is stored."""
+        """Friction at several cutoffs, from a few members; None without a stored cutoff study."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results for alternative preparations of the scans, by name, which the combined interval includes."""
+        """Stored results for alternative preparations of the scans, by name."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, or None if no contact picture is stored."""
+        """Heights, contacts and pressures of a typical member, or None if they are not stored."""
         return self.load_companion(load_contact_picture)
 
     @property
@@ -125,7 +125,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact, and the forces on the upper profile at each contact of the asperity model.
+        """Two profiles in contact, with the force on the upper one at each contact in the asperity model.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
@@ -133,12 +133,12 @@ class Evaluation(MemberSums):
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Stored height factors, in separate lists for both bodies, only the upper body and only the lower body."""
+        """Stored height factors: for both bodies, for the upper body alone and for the lower body alone."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the measured bodies. They apply at all loads.
+        """Caveats about the measured bodies, which apply at all loads.
 
         The files are read on first use.
         """
@@ -156,7 +156,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) in the study, or a few loads within the range of the result if the study has no loads.
+        """Loads (mN) of the study, or a few loads in the range of the result if the study has none.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -164,7 +164,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_study_loads(self) -> xarray.Dataset:
-        """Values, intervals and uncertainty budget at the loads, mu0 and tau0 of the study, in read-only arrays.
+        """Result at the loads, mu0 and tau0 of the study, with intervals and uncertainty budget.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` values are evaluated.
         """
@@ -187,7 +187,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_report_loads(self) -> xarray.Dataset:
-        """Values and intervals of measured bodies at the loads of the study and at all computed loads.
+        """Result for measured bodies at the loads of the study and at all computed loads, with intervals.
 
         mu0 and tau0 have the values of the study. Values at the loads of the study equal those of `at_study_loads`,
         which also contains predictions and the uncertainty budget. The arrays are read-only.
@@ -212,7 +212,7 @@ class Evaluation(MemberSums):
         budget: bool = False, height_scale: str | ArrayLike | None = None,
         scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result with its intervals at any loads, mu0 and tau0.
+        """Evaluate the result at any loads, mu0 and tau0, with intervals.
 
         The contacts need no new computation.
 
@@ -311,14 +311,14 @@ class Evaluation(MemberSums):
 
     @property
     def nominal_area(self) -> float | None:
-        """Nominal area (µm²) of a member of measured bodies or generated maps, or None for generated profiles."""
+        """Nominal area (µm²) of one member, or None for generated profiles."""
         if self.study.is_measured:
             return float(self.head["nominal_area"])
         surfaces: Any = self.study.surfaces
         return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to mN. Pressures are multiplied by the nominal area."""
+        """Convert loads to mN, multiplying pressures by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
@@ -354,7 +354,7 @@ class Evaluation(MemberSums):
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         units: UnitSystem = DEFAULT_JOINT_UNITS,
     ) -> JointTable:  # fmt: skip
-        """Tabulate closure, stiffness, friction and true area of a measured pair against the nominal pressure.
+        """Return closure, stiffness, friction and true area of a measured pair against the nominal pressure.
 
         Finite-element programs describe a joint by these properties.
 
@@ -404,7 +404,7 @@ class Evaluation(MemberSums):
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the values to report at the given loads, mu0 and tau0.
+        """Summarize the result at given loads, mu0 and tau0.
 
         By default the loads, mu0 and tau0 are the values in the study.
         The default summary is computed only once.
@@ -423,7 +423,7 @@ class Evaluation(MemberSums):
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset returned by `at` with `budget=True`, or a selection from such a dataset."""
+        """Summarize a dataset of `at` with `budget=True`, or a selection from it."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
@@ -435,7 +435,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that explains why the result has no values.
+        """Summary at the loads of the study, or the error that explains why friction is missing.
 
         The error is cached too, because it takes as long to compute as a summary.
         """
@@ -452,29 +452,29 @@ class Evaluation(MemberSums):
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction at the reported point, or NaN if the result has no coefficient."""
+        """Static friction coefficient at the quoted point, or NaN if it is missing."""
         return self._first_reported_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, over inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
     def interval_of_mean(self) -> tuple[float, float]:
-        """Limits of the 95 % confidence interval of the mean over positions. Inputs have their central values."""
+        """Limits of the 95 % interval of the mean over positions, with inputs at their central values."""
         lower, upper = self._first_reported_point.rules[0].interval_of_mean
         return lower, upper
 
     @property
     def prediction_interval(self) -> tuple[float, float]:
-        """Limits of the 95 % prediction interval for one test at one position in one direction of motion."""
+        """Limits of the 95 % prediction interval of one test at one position in one direction."""
         lower, upper = self._first_reported_point.rules[0].prediction_interval
         return lower, upper
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget. Each row contains the interval that would remain if one input were exact.
+        """Uncertainty budget, with the interval that would remain if one input were exact in each row.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and fraction (of the width that would vanish).
@@ -496,5 +496,5 @@ class Evaluation(MemberSums):
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about `value`, each with a remedy. Faults come first."""
+        """Caveats about `value`, each with a remedy, the most severe ones first."""
         return self._first_reported_point.caveats

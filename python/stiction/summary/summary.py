@@ -1,4 +1,4 @@
-"""Summary of a result: all values to report, which are computed once for all views.
+"""Summary of a result: everything to report, computed once for all outputs.
 
 A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
 these points, and compute no further values.
@@ -72,7 +72,7 @@ MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 @dataclass(frozen=True)
 class UncertaintyBudgetEntry(Estimate):
-    """Entry of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
+    """Row of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
 
     _: KW_ONLY
     label: str  # label of an input in the uncertainty budget
@@ -81,7 +81,7 @@ class UncertaintyBudgetEntry(Estimate):
 
 @dataclass(frozen=True)
 class DwellTimeCoefficient(Estimate):
-    """Friction coefficient after a dwell time under load, and its combined 95 % interval."""
+    """Friction coefficient after a dwell time under load, with its combined 95 % interval."""
 
     _: KW_ONLY
     seconds: float
@@ -89,7 +89,7 @@ class DwellTimeCoefficient(Estimate):
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Values, intervals, caveats and assessment at one roughness or cutoff, load, mu0 and tau0.
+    """Friction with intervals, caveats and assessment at one roughness or cutoff, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -149,23 +149,23 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm, 0 for no filter) of the scans of the upper and of the lower body; None for generated bodies."""
+        """Cutoffs (µm, 0 for no filter) of the upper and of the lower scans; None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Values for the quoted sliding rule. The true area of generated bodies depends slightly on the rule."""
+        """Quantities under the quoted sliding rule, on which the true area of generated bodies depends slightly."""
         return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
 
     @property
     def members(self) -> float:
-        """Number of members over which the values are averaged."""
+        """Number of members over which the coefficient is averaged."""
         return mean_over_directions(self.values, "members")
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Number of scanned places on each body, as a pair (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -175,7 +175,7 @@ class PointSummary:
 
     @property
     def has_junction_growth(self) -> bool:
-        """True if plastic contacts grow under shear."""
+        """True if contacts at the hardness grow under shear."""
         return bool(self.study.contact.junction_growth)
 
     @property
@@ -190,56 +190,56 @@ class PointSummary:
 
     @property
     def roughness_exponent(self) -> tuple[str, float]:
-        """Name and value of the roughness exponent: H for self-affine surfaces, and D otherwise."""
+        """Name and number of the roughness exponent: H for self-affine surfaces, or else D."""
         return get_roughness_exponent(self.study, self.at["fractal_dimension"])
 
     @property
     def nominal_pressure(self) -> float:
-        """Load over the nominal area (GPa), or NaN if the nominal area is not meaningful for the contact model."""
+        """Nominal pressure (GPa), or NaN if the contact model has no nominal area."""
         return nominal_pressure_at(self.values, self.study)
 
     @property
     def mean_pressure(self) -> float:
-        """Mean contact pressure (GPa)."""
+        """Mean contact pressure (GPa) at this point."""
         return mean_contact_pressure(self.quoted_values)
 
     @property
     def effective_modulus(self) -> float:
-        """Effective modulus E* (GPa)."""
+        """Effective modulus E* (GPa) at this point."""
         return effective_modulus_at(self.values, self.study)
 
     @property
     def adhesion_range(self) -> float:
-        """Range of the attraction (µm) that the solver used for adhesive bodies."""
+        """Range of the attraction (µm) with which adhesive bodies were solved."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
     @property
     def directions(self) -> tuple[float, ...]:
-        """Directions of motion of the upper body (degree) over which the coefficients are averaged."""
+        """Directions of motion of the upper body (degrees) over which coefficients are averaged."""
         if "direction" not in self.values.coords:
             return ()
         return tuple(np.atleast_1d(self.values["direction"].values).astype(float).tolist())
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Distances between the points of the surfaces (µm), without duplicates; empty if they are unknown."""
+        """Different grid spacings of the surfaces (µm); empty if they are unknown."""
         return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
 
     @property
     def kappa(self) -> float:
-        """Dimensionless true area A E* h'/F (kappa), or NaN if the root-mean-square gradient is missing."""
+        """Area coefficient κ = A E* h'/F, or NaN without a root-mean-square gradient."""
         if "rms_gradient" not in self.quantities:
             return math.nan
         return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference of the coefficients for the two definitions of the load, or NaN if it is unknown."""
+        """Relative difference of the coefficients at equal normal and equal elastic load, or NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
     def value(self) -> float:
-        """Coefficient of static friction, evaluated with the reported sliding rule."""
+        """Static friction coefficient under the quoted sliding rule."""
         return self.rules[0].value
 
     @property
@@ -254,7 +254,7 @@ class PointSummary:
 
     @property
     def dominant_input(self) -> UncertaintyBudgetEntry | None:
-        """Input that contributes most to the width of the interval, or None if no input dominates."""
+        """Input that contributes most to the interval, or None if no input dominates."""
         largest_entry, width = self.budget[:1], self.upper - self.lower
         return (
             largest_entry[0]
@@ -264,7 +264,7 @@ class PointSummary:
 
     @property
     def ageing(self) -> float:
-        """Increase of the coefficient per unit increase of ln(dwell time), or NaN if there are no dwell times."""
+        """Increase of the coefficient per increase of ln(dwell time), or NaN without dwell times."""
         if not self.after_dwell or self.after_dwell[-1].seconds == 1:
             return math.nan
         longest_wait = self.after_dwell[-1]
@@ -272,7 +272,7 @@ class PointSummary:
 
     @property
     def contact_size(self) -> Estimate:
-        """Median size of the contacts (µm): diameter of a circle of the same area, or length across grooves."""
+        """Median contact size (µm): diameter of a circle of equal area, or length across grooves."""
         median = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
         sizes = [
             2 * math.sqrt(area / math.pi) if self.study.is_areal else area / PROFILE_WIDTH
@@ -282,7 +282,7 @@ class PointSummary:
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
-        """Caveats that prevent the value from being quoted."""
+        """Caveats for which `value` must not be quoted."""
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
@@ -293,7 +293,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Summary of a result at some loads, mu0 and tau0. It has one entry per point, and data from companion files.
+    """Summary of a result at some loads, mu0 and tau0, with one element per point.
 
     Attributes
     ----------
@@ -319,11 +319,11 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution, or None if the surfaces are generated or if files are missing."""
+        """Effect of the scan resolution, or None for generated surfaces or missing files."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return values at several cutoffs with resolution limits, for one load and one pair of mu0 and tau0.
+        """Return friction at several cutoffs and its bounds for finer scans, at one load, mu0 and tau0.
 
         The load is the first load of the study or, if the summary does not contain it, the nearest load. Returns None
         if there is only one cutoff.
@@ -336,23 +336,23 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Values at several cutoffs, from the result itself or, if the result has one cutoff, from its cutoff study."""
+        """Friction at several cutoffs, from the result itself or from its cutoff study."""
         values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if values is None else sort_sliding_rules(values, self.study)
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
-        """Values of the onset of sliding, or None if the onset has not been computed."""
+        """Onset of sliding, or None if it has not been computed."""
         return None if self.onset is None else find_onset_values(self.onset)
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Points to report. Points at a second cutoff are omitted, because the reported intervals cover them."""
+        """Points to quote, without those at a second cutoff, which the intervals cover."""
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """First of the reported points."""
+        """First of the points to quote."""
         return self.reported_points[0]
 
 
@@ -360,7 +360,7 @@ def summarize(
     at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (),
     alternatives: Mapping[AlternativeName, Summary] | None = None, **alongside: Any,
 ) -> Summary:  # fmt: skip
-    """Summarize a dataset that `Result.at` returned for a given study.
+    """Summarize a dataset of `Result.at` for a given study.
 
     Parameters
     ----------
@@ -390,7 +390,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficients for all alternative preparations have an interval at a point."""
+    """Return whether the coefficient has an interval at a point in all alternative preparations."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -400,7 +400,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a point the faults that only an alternative preparation has.
+    """Return a point with the faults that only an alternative preparation has.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -419,7 +419,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to include the intervals at the second cutoff.
+    """Extend the intervals at the first cutoff to those at the second cutoff.
 
     The list begins with the points at the first cutoff. The other points are marked as covered.
     """
@@ -443,7 +443,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return the reported point with intervals and caveats that also cover another cutoff.
+    """Return a quoted point whose intervals and caveats also cover another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -473,7 +473,7 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the budget entry for possible noise: the interval at the first cutoff alone."""
+    """Return the row of the uncertainty budget for possible noise: the interval at the first cutoff alone."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -482,7 +482,7 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
-    """Extend the intervals of a value to include the intervals of the same value at another cutoff."""
+    """Extend the intervals of a quantity to those of the same quantity at another cutoff."""
     return replace(
         value.extended_to(other_value),
         prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
@@ -492,7 +492,7 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize one point of a dataset that `Result.at` returned, including caveats about the bodies.
+    """Summarize one point of a dataset of `Result.at`, with caveats about the bodies.
 
     `covers_alternatives` is true if the interval, if there is one, covers all alternative preparations of the scans.
     """
@@ -533,7 +533,7 @@ def summarize_point(
 
 
 def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
-    """Return the assessment of each coefficient of a dataset that `Result.at` returned for generated surfaces.
+    """Return the assessment of each coefficient in a dataset of `Result.at` for generated surfaces.
 
     A summary assesses only the coefficient for the reported sliding rule; this array has the dimension `sliding`.
     """
@@ -557,7 +557,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return the status of a coefficient averaged over all directions; a missing one has the status of a direction."""
+    """Return the status of a mean over directions, or of a direction if the mean is missing."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -568,7 +568,7 @@ def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCo
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient for a sliding rule, given the values of a point for the rule."""
+    """Return the coefficient under one sliding rule at a point."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -593,7 +593,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have the status "ok", and otherwise the alphabetically first other status."""
+    """Return "ok" if all directions are "ok", or else the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -604,12 +604,12 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along the coordinates of a dimension; empty if they do not depend on the dimension."""
+    """Return the coefficients along one dimension of a dataset, or nothing without this dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None if the quantity has no interval or is missing."""
+    """Return the 95 % interval of a quantity, or None if there is none."""
     if name not in table:
         return None
     estimate = read_estimate(table[name])
@@ -619,7 +619,7 @@ def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
 def _list_budget_entries(
     point: xarray.Dataset, coefficient: SlidingRuleCoefficient
 ) -> tuple[UncertaintyBudgetEntry, ...]:
-    """Return the intervals that would remain if one input at a time were exact, sorted by increasing width."""
+    """Return the rows of the uncertainty budget, sorted by the width that remains if an input is exact."""
     if "remaining_interval" not in point:
         return ()
     budget = select_sliding_rule(point[["remaining_interval", "remaining_width"]], coefficient.rule)
@@ -648,7 +648,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, and otherwise None."""
+    """Return the contributions of mu0, tau0 and slopes with friction at all contacts, or else None."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
@@ -660,7 +660,7 @@ def _compute_friction_contributions(
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a point, including the Hurst exponent if the surfaces are self-affine."""
+    """Return the coordinates of a point, with the Hurst exponent of self-affine surfaces."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -690,7 +690,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bounds for finer scans.
+    """Return whether a caveat makes the bounds for finer scans invalid.
 
     Every caveat of severity "fault" does so, except those about few contacts per member.
     """
@@ -700,7 +700,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return bounds on the friction coefficients of all finer scans. The bounds are valid to second order in the slope.
+    """Return bounds on friction for all finer scans, valid to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
