@@ -1,1 +1,1 @@
-"""Values that a result reports, with caveats and an assessment."""
+"""Results to report, with caveats and an assessment."""

@@ -1,4 +1,4 @@
-"""Datasets and surfaces that figures draw, evaluated from a result or generated from a study."""
+"""Datasets and surfaces for figures, evaluated from a result or generated from a study."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the friction coefficients of single members to a point of `Result.at`.
+    """Add the coefficients of single members to a point of `Result.at`.
 
     The added variable `member_friction` has the dimensions repetition, direction and sliding.
     """
@@ -47,14 +47,14 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Evaluate the friction coefficients of single members at the first load, mu0 and tau0 in the study."""
+    """Return the coefficients of single members at the first load, mu0 and tau0 of the study."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts of a contact picture that oppose the motion of the upper body.
+    """Return which contacts of a contact map oppose the motion of the upper body, as a mask.
 
     The direction of motion is in degrees from +x towards +y.
     """
@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate a result at its stored height factors, for the first load and one pair of mu0 and tau0 in the study.
+    """Evaluate a result at its stored height factors, for the first load, mu0 and tau0 of the study.
 
     The nominal area is omitted if it is not meaningful.
     """
@@ -77,7 +77,7 @@ def evaluate_height_factors(
 
 
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
-    """Remove the nominal area and the area fraction from a result of `Result.at` if they are not meaningful."""
+    """Remove nominal area and area fraction from a dataset of `Result.at` without a nominal area."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 
@@ -87,7 +87,7 @@ def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Datase
 
 @dataclass(frozen=True, eq=False)
 class FrictionOverDimension:
-    """Friction of generated surfaces against the fractal dimension, for one mu0 and at most two values of tau0.
+    """Friction of generated surfaces against fractal dimension, for one mu0 and at most two tau0.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield a file name suffix and a result for each combination of sliding rule and direction."""
+    """Yield a file name suffix and a dataset for each sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -119,7 +119,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces for each mu0, at the lowest and the highest tau0 in the study."""
+    """Evaluate friction of generated surfaces for each mu0, at the lowest and the highest tau0 of the study."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that nine of ten cells reach. Powers of ten from `lowest` upwards are preferred."""
+    """Return a load (mN), if possible a power of ten, that nine of ten cells reach."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -143,7 +143,7 @@ def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces at loads over the range of the result, for the first mu0 and tau0.
+    """Evaluate the true area of generated surfaces over the load range, for the first mu0 and tau0.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
     """
@@ -156,7 +156,7 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads, or return None if it is not computed.
+    """Evaluate the onset of sliding of generated surfaces at a few loads, or return None without an onset.
 
     mu0 and tau0 are taken from the entry `onset` of the study. Raises a `ValueError` if no pair is in contact.
     """
@@ -173,7 +173,7 @@ def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
 
 
 def generate_profiles(study: Study) -> dict[float, Profile]:
-    """Generate one profile for each of at most `MAX_DRAWN_PROFILES` fractal dimensions, all with the same phases."""
+    """Generate one profile per fractal dimension, all with the same phases."""
     surfaces: Any = study.surfaces
     dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
     drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
@@ -186,7 +186,7 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), all with the same phases."""
+    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), with the same phases."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))
@@ -209,5 +209,5 @@ def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, 
 
 
 def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
-    """Return at most `max_count` evenly spaced indices out of `count`, including both ends."""
+    """Return at most `max_count` evenly spaced indices out of `count`, with the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

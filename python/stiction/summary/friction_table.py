@@ -1,4 +1,4 @@
-"""Contact laws for other codes: tables of friction, true area and stiffness of self-affine surfaces."""
+"""Friction tables for other programs: friction, true area and stiffness of self-affine surfaces."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study for a friction table. The study presses periodic half-spaces with self-affine surfaces together.
+    """Create the study for a friction table, in which self-affine surfaces are periodic half-spaces.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _to_hardness_entry(hardness: str | float) -> Any:
 
 
 def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
-    """Return the values as a list of numbers, after checking that each of them is above 0."""
+    """Check that all numbers of an argument are above 0, and return them as a list."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -159,7 +159,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Evaluation | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to the area and the stiffness.
+    r"""Compute friction, true area and stiffness against pressure, with laws fitted to area and stiffness.
 
     Parameters
     ----------
@@ -290,7 +290,7 @@ def friction_table(
 def _fit_area_and_stiffness_laws(
     pressure: Floats, is_light_load: NDArray[np.bool_], values_of_pairs: dict[str, Floats]
 ) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with their 95 % intervals.
+    """Fit the laws A/A0 = a p and k/A0 = b p^c. Return a, b and c with 95 % intervals.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
     area or no stiffness.

@@ -1,4 +1,4 @@
-"""Contact properties of a joint for other programs: closure, stiffness, friction and true area against pressure."""
+"""Joint table for other programs: closure, stiffness, friction and true area against pressure."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ JOINT_TITLES = {
 
 @dataclass(frozen=True)
 class JointUnits:
-    """Units of length, force and pressure in which a joint table is written."""
+    """Units of length, force and pressure of a joint table."""
 
     length: str
     force: str
@@ -64,12 +64,12 @@ class JointUnits:
 
     @classmethod
     def parse(cls, text: str) -> JointUnits:
-        """Parse a unit system such as "mm,N,MPa"."""
+        """Parse a system of units such as "mm,N,MPa"."""
         check_choice("units", text, UnitSystem)
         return cls(*text.split(","))
 
     def convert(self, estimate: Estimate) -> Estimate:
-        """Return an estimate in these units. Numbers without a unit are not changed."""
+        """Convert an estimate to these units. Numbers without a unit are not changed."""
         length, pressure = quantity(f"1 {self.length}", "length"), quantity(f"1 {self.pressure}", "pressure")
         conversions = {
             "um": (self.length, float(length)),
@@ -84,7 +84,7 @@ class JointUnits:
 
 @dataclass(frozen=True)
 class JointRow:
-    """Contact properties per nominal area at one nominal pressure.
+    """Row of a joint table: contact properties per nominal area at one nominal pressure.
 
     Attributes
     ----------
@@ -108,17 +108,17 @@ class JointRow:
 
     @property
     def pressure(self) -> Estimate:
-        """Nominal pressure: load over nominal area."""
+        """Nominal pressure of the row: load per nominal area."""
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Percentile 5, 50 or 95 of the coefficient of static friction."""
+        """Percentile 5, 50 or 95 of the static friction coefficient."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
 @dataclass(frozen=True)
 class JointTable:
-    """Contact properties of a joint against pressure, as `Result.joint_table` returns them.
+    """Joint table: contact properties against pressure, as returned by `Result.joint_table`.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class JointTable:
 
 
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
-    """Return the computed loads (mN) of a measured pair, and loads between them at ratios up to `MAX_LOAD_RATIO`.
+    """Return the computed loads (mN) of a measured pair, with further loads at ratios up to `MAX_LOAD_RATIO`.
 
     The loads between them belong to nominal pressures of four digits. Raises a `ValueError` if the bodies were
     generated.
@@ -160,13 +160,13 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
 
 
 def build_joint_study(study: Study, nominal_area: float | None) -> Study:
-    """Return the study of a measured pair at all loads of its joint table. Errors are as for `choose_joint_loads`."""
+    """Return the study of a measured pair at all loads of its joint table."""
     loads = choose_joint_loads(study, nominal_area).tolist()
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
 
 
 def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str]) -> JointTable:
-    """Build the joint table of a dataset that `Result.at` returned for a measured pair, at its first mu0 and tau0.
+    """Build the joint table of a measured pair from a dataset of `Result.at`, at the first mu0 and tau0.
 
     `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
     are omitted.
@@ -210,7 +210,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return the estimates of a row in core units."""
+    """Return the estimates of one row of a joint table, in core units."""
     pressure = float(f"{pressure:.12g}")  # remove round-off from the pressure
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
@@ -261,7 +261,7 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
 
 
 def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
-    """Return a description of how the tangential stiffness was computed, or why it is missing."""
+    """Describe how the tangential stiffness was computed, or why it is missing."""
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
@@ -284,7 +284,7 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return |β| of Dundurs in plane strain, for Poisson's ratios and the lower body's fraction of the compliance."""
+    """Return |β| of Dundurs in plane strain, from Poisson's ratios and the lower body's part of the compliance."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 

@@ -1,4 +1,4 @@
-"""Data of a report. Every number of the report is evaluated here."""
+"""Data of a report, with all of its numbers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report sho
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportData:
-    """Data that the reports of generated and measured surfaces have in common.
+    """Data of any report, on generated or on measured surfaces.
 
     Attributes
     ----------
@@ -145,12 +145,12 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate the numbers of a report on measured surfaces at all its loads, mu0 and tau0. No figure needs them."""
+    """Evaluate the numbers that a report on measured surfaces shows, but no figure: at all loads, mu0 and tau0."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
-    """Evaluate the numbers of a report on generated surfaces, as for `evaluate_measured_values`.
+    """Evaluate the numbers that a report on generated surfaces shows, but no figure: at all loads, mu0 and tau0.
 
     None if no pair is in contact.
     """
@@ -166,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Evaluate the data that a report shows for single loads, mu0 and tau0 of the study.
+    """Evaluate the data that a report needs at single loads, mu0 and tau0 of the study.
 
     `picture` is a result of `contact_picture`; by default the picture stored with the result.
     """

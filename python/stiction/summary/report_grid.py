@@ -1,4 +1,4 @@
-"""Loads, mu0 and tau0 that a report shows, and the evaluation of a result at these inputs."""
+"""Loads, mu0 and tau0 of a report, and evaluation of a result at all of them."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
 
 @dataclass(frozen=True, eq=False)
 class ParameterAxis:
-    """Values of mu0 or of tau0 (GPa) that a report shows, in ascending order.
+    """Values of mu0 or of tau0 (GPa) in a report, in ascending order.
 
     `has_range` is true for values of the study that have an uncertainty range. All other values are exact.
     """
@@ -58,12 +58,12 @@ class ParameterAxis:
     has_range: NDArray[np.bool_]
 
     def find_index(self, value: float) -> int:
-        """Return the index of the value on the axis that is nearest to a given value."""
+        """Return the index of the value on the axis that is closest to a number."""
         return int(np.abs(self.values - value).argmin())
 
 
 class ReportGrid:
-    """Loads, mu0 and tau0 that a report shows.
+    """Loads, mu0 and tau0 of a report.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class ReportGrid:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) that a report shows. The array is empty if no pair of bodies is in contact."""
+        """Loads (mN) of a report; empty if no pair of bodies touches."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.loading_steps())
         try:
@@ -96,7 +96,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members (scans or surrogates), starting with the quoted kind."""
+        """Kinds of members (scans or surrogates), the quoted kind first."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -104,20 +104,20 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of directions (indices) over which the reported values are averaged."""
+        """Groups of directions, by index, over which a report averages the coefficient."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients of all kinds, cells, sliding rules, motions, loads, mu0 and tau0."""
+        """Number of coefficients in a report: kinds, cells, sliding rules, motions, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
 
     def evaluate(self) -> tuple[xarray.Dataset, ...]:
-        """Return values and intervals for each kind of member, at all loads, mu0 and tau0.
+        """Evaluate friction with intervals for each kind of member, at all loads, mu0 and tau0 of the report.
 
         For measured bodies, the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
         """
@@ -135,14 +135,14 @@ class ReportGrid:
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
-        """Return all quantities of measured bodies for each kind of member, at the first mu0 and tau0 of the study."""
+        """Evaluate all quantities of measured bodies for each kind of member, at the first mu0 and tau0."""
         other_kinds = [at_load(self.result, self.loads, member_kind=kind) for kind in self.member_kinds[1:]]
         tables = [self.result.at_report_loads, *other_kinds]
         return tuple(table.isel(mu0=0, tau0=0).sel(load=self.loads) for table in tables)
 
 
 def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
-    """Return the values of mu0 and tau0 (GPa) that a report shows: the values of the study, and round values from 0."""
+    """Return mu0 and tau0 (GPa) of a report: those of the study, and round numbers from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
     mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])
@@ -160,7 +160,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
 
 
 def _round_steps(largest: float, max_count: int) -> Floats:
-    """Return the multiples of a step of 1, 2 or 5 times 10^n from 0 up to `largest`.
+    """Return multiples of 1, 2 or 5 times 10^n from 0 up to `largest`.
 
     The step is the smallest for which `largest` is at most `max_count` steps.
     """

@@ -1,4 +1,4 @@
-"""Arrays of all values that a report shows, for each of its loads, mu0 and tau0."""
+"""Numbers of a report at each of its loads, mu0 and tau0, as arrays."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredReportValues:
-    """Values of measured surfaces at all loads, mu0 and tau0 of a report.
+    """Numbers of a report on measured surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
     estimates contains value, lower limit and upper limit.
@@ -93,7 +93,7 @@ class MeasuredReportValues:
 
 
 def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
-    """Evaluate measured surfaces at all loads, mu0 and tau0 of a report."""
+    """Evaluate the numbers of a report on measured surfaces, at all loads, mu0 and tau0."""
     tables, load_tables = grid.evaluate(), grid.evaluate_study_inputs()
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return arrays of the estimates, status codes, member counts and slopes of all motions."""
+    """Return estimates, status codes, member counts and slopes of all motions as arrays."""
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
@@ -155,7 +155,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each mean over directions. Array axes: cutoff, sliding rule, load, mu0 and tau0."""
+    """Return the status code of each mean over directions, by cutoff, sliding rule, load, mu0 and tau0."""
     bulk_shear_code = ORDERED_STATUSES.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
@@ -183,7 +183,7 @@ GENERATED_STATUSES = (
 
 @dataclass(frozen=True, eq=False)
 class GeneratedReportValues:
-    """Values of generated surfaces at all loads, mu0 and tau0 of a report.
+    """Numbers of a report on generated surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
     axis of estimates contains value, lower limit and upper limit.
@@ -219,7 +219,7 @@ class GeneratedReportValues:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessment that follows from each set of caveats."""
+        """Assessment for each set of caveats."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
@@ -228,19 +228,19 @@ QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity, given its values."""
+    """Return whether a report shows a quantity, which depends on its numbers."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the largest mean of a quantity for which the contact model is valid, or infinity without a limit."""
+    """Return the largest mean of a quantity for which the asperity model is valid, or infinity."""
     if QUANTITIES[name].kind != "validity":
         return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
 def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedReportValues:
-    """Evaluate generated surfaces at all loads, mu0 and tau0 of a report.
+    """Evaluate the numbers of a report on generated surfaces, at all loads, mu0 and tau0.
 
     `num_members` is the number of solved members.
     """
@@ -279,7 +279,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
 
 
 def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the points whose load is negligible compared with the pull-off force."""
+    """Return which points have a load that is negligible compared with the pull-off force, as a mask."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -290,7 +290,7 @@ def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute, for every point, the numbers that the assessment of generated surfaces compares with limits."""
+    """Return, for every point of generated surfaces, the numbers that the assessment compares with limits."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -307,13 +307,13 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, given with or without intervals, broadcast to all points."""
+    """Return the means of a quantity, with or without intervals, for all points."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Transpose values so that `LEADING_DIMENSIONS` come first. Missing dimensions get a length of 1."""
+    """Transpose an array so that `LEADING_DIMENSIONS` come first, with length 1 if missing."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
