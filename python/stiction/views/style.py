@@ -1,4 +1,4 @@
-"""Common style of all figures: sizes, colours, labels and output files."""
+"""Style of all figures: sizes, colours, labels and files."""
 
 from __future__ import annotations
 
@@ -84,14 +84,14 @@ _AXIS_LABELS = {
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure with the given height (millimetres) and width (inches)."""
+    """Return an empty figure of a given height (millimetres) and width (inches)."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes with the layout engine of the figure, and remove the engine, so that the axes stay in place.
+    """Place the axes of a figure with its layout engine, and keep them in place.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """
@@ -101,7 +101,7 @@ def place_axes(figure: Figure) -> None:
 
 
 def axis_label(name: str) -> str:
-    """Return the axis label of a quantity, with its symbol and unit."""
+    """Return the label of an axis with symbol and unit of a quantity."""
     if name in _AXIS_LABELS:
         return _AXIS_LABELS[name]
     quantity = QUANTITIES[name]
@@ -110,7 +110,7 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Return text from a file or a user for a figure, in which Matplotlib interprets neither "$" nor a leading "_"."""
+    """Return text of a file or a user for a figure, in which "$" and a leading "_" have no effect."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
     # a legend omits labels that start with "_"
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
@@ -124,19 +124,19 @@ def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
 
 
 def direction_text(degrees: float) -> str:
-    """Return the direction of motion of the upper body (degrees from +x towards +y) as text for figures."""
+    """Return the direction of motion of the upper body (degrees) as text for a figure."""
     axis_names = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axis_names.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return text with the modulus and the friction parameters (tau0 in GPa) for a figure heading."""
+    """Return E*, mu0 and tau0 (GPa) as text for the heading of a figure."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
-    """Return label positions in the given order, with a minimum distance between neighbours."""
+    """Return positions of labels in a given order, with a minimum distance between them."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     ascending_order = np.argsort(target_positions)
     spread_positions = target_positions[ascending_order].copy()
@@ -161,7 +161,7 @@ FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", 
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return figure formats without duplicates. Raise a `ValueError` for an unknown format or an empty list."""
+    """Return the formats of figure files without duplicates. Raises a `ValueError` for an unknown one."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FIGURE_FORMATS):
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Figures of contacts: two profiles with forces on the upper body, or the contacts of two measured bodies."""
+"""Figures of contacts: two profiles with the forces between them, or the contacts of two measured bodies."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _MIN_PROFILE_ZOOM_HALF_WIDTH = 60
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw two profiles in contact, and the forces on the upper body at the contact with the largest load.
+    """Draw two profiles in contact, with the forces on the upper one at the contact with the largest load.
 
     `forces` is a result of `build_contact_forces`. The load and the shift of the upper profile are in the heading if
     the dataset contains them.
@@ -106,7 +106,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
-    """Return the title, the number of contacts with the approach, and the load and shift if they are known."""
+    """Return the heading of a figure of forces: title, number of contacts, approach and, if known, load and shift."""
     attributes, num_contacts = forces.attrs, forces.sizes["contact"]
     contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
     load_captions = []
@@ -132,7 +132,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _make_room_for_arrows(axes: Axes, highest: float) -> float:
-    """Extend the axes to make room for arrows above the highest contact. Return the longest arrow length (inches)."""
+    """Extend the axes for arrows above the highest contact. Return the longest arrow (inches)."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -153,7 +153,7 @@ def _draw_forces(
     magnification: float,
     max_arrow_length: float,
 ) -> None:
-    """Draw the elastic forces on the upper body and the friction at opposing contacts, both at the same scale.
+    """Draw the elastic forces on the upper body and friction at opposing contacts, on one scale.
 
     Slopes are magnified by the same factor as heights.
     """
@@ -198,7 +198,7 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the marker for the contact wi
 def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the contacts on a height map of the lower body, and the pressure around the contact with the largest load.
+    """Draw the contacts on a map of the lower body, and the pressure around the contact with the largest load.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees from +x towards
     +y). The hardness (GPa) is marked on the colour bar of the pressures. The figure is 80 mm wide.
@@ -245,7 +245,7 @@ def contacts_and_pressure_figure(
 
 
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
-    """Draw heights of the lower body in grey with a colour bar; `box` is (left, right, bottom, top) in µm."""
+    """Draw heights of the lower body in grey, with a colour bar; `box` has the sides of the map in µm."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
@@ -258,7 +258,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 
 
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Label the axes of a map in µm, or in mm if it is long; `box` is (left, right, bottom, top) in µm."""
+    """Label the axes of a map in µm, or in mm for a long map; `box` has the sides of the map in µm."""
     left, right, bottom, top = box
     in_millimetres = max(right - left, top - bottom) >= MIN_MILLIMETRE_LENGTH
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
@@ -268,14 +268,14 @@ def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Draw a frame that is visible on the light and the dark colours of a height map."""
+    """Draw a frame that is visible on light and on dark colours of a map."""
     left, right, bottom, top = box
     for colour, width in (("white", 1.6), ("black", 0.6)):
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
 
 
 def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
-    """Return the extent of a map (left, right, bottom, top) in µm."""
+    """Return the sides of a map (left, right, bottom, top) in µm."""
     extent: list[float] = []
     for axis in ("x", "y"):
         values = picture[f"{name}_{axis}"].values
@@ -309,7 +309,7 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw the contacts of two maps or profiles. Colours mark contacts that oppose the motion or are cut by an edge.
+    """Draw the contacts of two maps or profiles, coloured if they oppose the motion or an edge cuts them.
 
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
@@ -362,7 +362,7 @@ def _draw_contact_map(
 def _draw_profile_contacts(
     panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]
 ) -> None:
-    """Draw both profiles at full length, and magnified around the contact with the largest load."""
+    """Draw two profiles in full length, and magnified around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     is_finite = np.isfinite(gap)  # between measured heights, interpolate missing heights
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
@@ -394,7 +394,7 @@ def _draw_profile_contacts(
 
 
 def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
-    """Return the limits of the magnified range around the contact with the largest load."""
+    """Return the limits of the range to magnify around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))

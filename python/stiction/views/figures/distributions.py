@@ -1,4 +1,4 @@
-"""Figures of distributions: friction over directions and members, contact areas, and pressures."""
+"""Figures of distributions: friction over directions and members, contact areas and pressures."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MAX_COMPASS_RINGS = 5
 
 
 def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient against the direction of motion for each sliding rule, in a figure 80 mm wide.
+    """Draw friction against the direction of motion for each sliding rule (80 mm wide).
 
     `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -88,7 +88,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate values over directions by a periodic cubic spline. Negative results are set to 0."""
+    """Interpolate friction over directions by a periodic cubic spline, with negative results set to 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -97,7 +97,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_polar_circles(axes: Any, highest: float) -> None:
-    """Draw the circles of a polar plot at round values, and label them between two spokes."""
+    """Draw circles at round numbers in a polar plot, labelled between two spokes."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
@@ -115,7 +115,7 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the friction coefficient of each member in each direction, in a figure 80 mm wide.
+    """Draw friction of each member in each direction (80 mm wide).
 
     `point` is a result of `evaluate_positions`. Members of a single traverse are drawn against the offset, other
     members in ascending order. Directions are not averaged, because a test slides in one direction.
@@ -159,7 +159,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _has_single_profile_pair(values: xarray.DataArray) -> bool:
-    """Return whether all members are the same pair of profiles at different offsets."""
+    """Return whether all members are one pair of profiles at different offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -169,7 +169,7 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the distributions of contact size and of pressure over the contact area, in a figure 80 mm wide.
+    """Draw the distributions of contact sizes and of pressure over the contact area (80 mm wide).
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.

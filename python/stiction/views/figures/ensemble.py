@@ -1,4 +1,4 @@
-"""Figures of studies of generated surfaces: friction maps, contact area, and the surfaces."""
+"""Figures of generated surfaces: friction maps, contact area and the surfaces."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines for the model and motion, if they differ from the paper, and for an unfinished ensemble."""
+    """Return heading lines about model and motion, if not as in the paper, and about an unfinished ensemble."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -102,7 +102,7 @@ def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
 
 
 def draw_heading(figure: Figure, lines: list[str]) -> None:
-    """Draw heading lines above all panels."""
+    """Draw heading lines above all panels of a figure."""
     if lines:
         figure.suptitle("\n".join(lines), fontsize=8, y=1 - INCHES_PER_MILLIMETRE / figure.get_figheight(), va="top")
 
@@ -115,7 +115,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return a figure (170 mm wide), its height in mm, and a function that adds axes to a given row."""
+    """Return a figure (170 mm wide), its height (mm), and a function that adds axes to a row."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -189,7 +189,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
 
 
 def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: bool) -> None:
-    """Format the axis of the fractal dimension, with a label below the last row of panels."""
+    """Format the axis for the fractal dimension, which has a label below the last row of panels."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         is_classical = points["fractal_dimension"].attrs.get("convention") == "classical"
@@ -199,7 +199,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the fraction of the load on contacts beyond Hertz theory, at each point of the quantity `name`.
+    """Return the fraction of the load on contacts beyond Hertz's theory, at each point of a quantity.
 
     The half-space model has no asperities; the fraction is then NaN.
     """
@@ -209,7 +209,7 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction curves for the lowest and highest shear strength. They are dotted where the model is invalid."""
+    """Draw friction curves for the lowest and the highest tau0, dotted where the model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -255,7 +255,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale that covers the valid values, or all values if few are valid."""
+    """Return a logarithmic colour scale over the valid numbers, or over all if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(values) & (values > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
@@ -298,7 +298,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]) -> None:
-    """Hatch the cells that are True in a mask, without changing the colours of the cells."""
+    """Hatch the cells of a map that a mask selects, in their own colours."""
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(is_hatched):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
@@ -317,7 +317,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each cell, which increases with the relative width of the cell's interval."""
+    """Return the fading of each cell of a map, which increases with the relative width of its interval."""
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -327,7 +327,7 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Blend colours with grey of equal luminance, so that no cell gets the colour of another coefficient."""
+    """Fade colours to grey of equal luminance, so that none looks like another coefficient."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -372,7 +372,7 @@ def _cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw true contact area and area/load against load, with 95 % intervals and a row of panels per amplitude.
+    """Draw true area and area/load against load with 95 % intervals, one row of panels per amplitude.
 
     `points` is a result of `evaluate_area_over_load`.
     """
@@ -409,7 +409,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
 
 
 def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
-    """Draw area and area/load for each fractal dimension, with labels at the left ends of the curves."""
+    """Draw true area and area/load for each fractal dimension, with labels at the left ends of curves."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
@@ -458,7 +458,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles for several fractal dimensions: the full length, and one length scale.
+    """Draw profiles for several fractal dimensions, in full length and over one length scale.
 
     `profiles` is a result of `generate_profiles`.
     """

@@ -1,4 +1,4 @@
-"""Figure of friction and true contact area for heights scaled by several factors."""
+"""Figure of friction and true contact area for scaled heights."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw friction coefficient and true contact area against the rms gradient, in a figure 80 mm wide.
+    """Draw friction and true contact area against the rms gradient (80 mm wide).
 
     Parameters
     ----------

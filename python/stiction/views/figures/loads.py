@@ -1,4 +1,4 @@
-"""Figures of friction and contact area against load or cutoff, of closure, and of loading with adhesion."""
+"""Figures of friction and contact area against load or cutoff, of closure, and of adhesive loading."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ INTERVAL_BAND_LEGENDS = {
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw friction coefficient and true contact area against load, in a figure 80 mm wide.
+    """Draw friction coefficient and true contact area against load (80 mm wide).
 
     `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
     bands of friction are the combined interval and, in a darker colour, the interval of the mean over
@@ -69,7 +69,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and closure stiffness in an `at_load` dataset against nominal pressure, in a figure 80 mm wide."""
+    """Draw closure and closure stiffness of an `at_load` dataset against nominal pressure (80 mm wide)."""
     pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure divided by the load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -85,7 +85,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against approach (if known) and true contact area, for loading and unloading, in a figure 80 mm wide.
+    """Draw load against approach and true contact area, for adhesive loading and unloading (80 mm wide).
 
     `branches` is a result of `loading_cycle`. The pull-off force is marked.
     """
@@ -129,7 +129,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
-    """Draw friction coefficient and true area at one load against the cutoff wavelength, in a figure 80 mm wide.
+    """Draw friction coefficient and true area at one load against the cutoff (80 mm wide).
 
     Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
     below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed
@@ -157,7 +157,7 @@ MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw the plastic limit and the extrapolated values behind the computed curves."""
+    """Draw the plastic limit and the extrapolated friction behind the computed curves."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(
@@ -278,7 +278,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
 
 
 def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
-    """Mark points at which some members have no result."""
+    """Mark points of a curve at which members have no coefficient."""
     if not {"ok", "members"} <= set(points.variables):
         return
     num_solved = points["ok"].min([dim for dim in points["ok"].dims if dim != dimension])
@@ -290,7 +290,7 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
 
 
 def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> None:
-    """Label an axis with plain numbers, with several labels per decade.
+    """Label a logarithmic axis with plain numbers, several per decade.
 
     Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. For a secondary axis, `limits`
     are the limits of its main axis, because a secondary axis has no limits before it is drawn.

@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: tangential load against displacement, with load cycles, and slipping fractions."""
+"""Figures of the onset of sliding: load against displacement, load cycles and slipping fractions."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against displacement, load cycles, and slipping fractions against load, in a figure 80 mm wide.
+    """Draw load against displacement, load cycles, and slipping fractions against load (80 mm wide).
 
     `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -102,7 +102,7 @@ NUM_CURVE_POINTS = 200  # number of points of a curve between the computed point
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
-    """Return the curve of first loading up to a load, interpolated by a monotone cubic."""
+    """Return the curve of first loading up to a tangential load, interpolated by a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
     fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)
@@ -110,7 +110,7 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a load cycle between a load and its negative. Each branch is the doubled loading curve (Masing's rule)."""
+    """Return a load cycle, whose branches are the doubled loading curve (Masing's rule)."""
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -123,12 +123,12 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a conta
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset contains the data for `slip_figure`. Only areal contacts have such data."""
+    """Return whether an onset of sliding has the data for `slip_figure`, as areal contacts have."""
     return bool("slip" in onset or "contact_slip" in onset)
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw the tangential load at which each contact point starts to slip, on a height map, in a figure 80 mm wide.
+    """Draw on a map the tangential load at which each contact point starts to slip (80 mm wide).
 
     `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
     colour shows the load at which the contact slides.
@@ -181,7 +181,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the part of the map where contact points are densest: its rows, its columns and its extent (µm)."""
+    """Return the part of a map with most contact points: rows, columns and sides (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
@@ -211,7 +211,7 @@ LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from 
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, with a row of panels per amplitude.
+    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, by amplitude.
 
     `points` is a result of `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model
     is not valid.

@@ -1,4 +1,4 @@
-"""Figure of a direct shear test: shear stress and dilation over the displacement, and the contacts at the peak."""
+"""Figure of a direct shear test: shear stress, dilation, and contacts at the peak."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 2
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
-    """Draw a dataset that `shear_test` returned, in a figure 80 mm wide."""
+    """Draw the result of a shear test (80 mm wide)."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
         has_map = has_contacts and test["peak_pressure"].ndim == 2

@@ -1,4 +1,4 @@
-"""Choice of figures for a result: the figures of its study, or the standard figures for measured surfaces."""
+"""Choice of the figures of a result: those of its study, or standard ones for measured surfaces."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def draw_figures(
     result: Evaluation | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
-    """Draw the figures of a result, save them in a directory, and return their paths.
+    """Draw the figures of a result, save them, and return their paths.
 
     Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
@@ -96,7 +96,7 @@ def draw_figures(
 def select_figures(
     result: Evaluation | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the name and the drawing function of each figure of a result. The names have no file extension."""
+    """Yield the name and the drawing function of each figure of a result."""
     result = Evaluation.of(result)
     if not result.study.is_measured:
         yield from _generated_surface_figures(result, result.study)
@@ -105,7 +105,7 @@ def select_figures(
 
 
 def format_print_title(pair_name: str) -> str:
-    """Return the title of a pair for print: file names without extensions, with spaces instead of underscores."""
+    """Return the names of a pair for print: file names without extension, with spaces for underscores."""
     return literal_text(re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " "))
 
 
