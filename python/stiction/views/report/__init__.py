@@ -1,4 +1,4 @@
-"""HTML reports; each report is a single file without external resources."""
+"""Reports as HTML, each a single file without external resources."""
 
 from stiction.views.report.page import ReportError
 from stiction.views.report.result import report_page, save_report

@@ -1,4 +1,4 @@
-"""Content of a report on a result, before it is rendered."""
+"""Content of a report before it is rendered as HTML."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from stiction.views.style import SLIDING_RULE_LABELS
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:
-    """Content of a report: title, texts, and the data for its scripts.
+    """Content of a report: title, texts, and data for its scripts.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ BEYOND_MODEL_TEXT = (
 def common_facts(
     data: MeasuredReportData | GeneratedReportData, axes: tuple[ParameterAxis, ParameterAxis] | None
 ) -> dict[str, Any]:
-    """Return the data that the page script needs for reports of every kind.
+    """Return the data that the page script of every report needs.
 
     `axes` contains the values of mu0 and tau0; None if no pair is in contact.
     """
@@ -90,14 +90,14 @@ def common_facts(
 
 
 def _strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the notice that a page shows for a larger tau0."""
+    """Return the largest plausible tau0 (MPa), and the notice that a report shows above it."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}
 
 
 def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) -> dict[str, Any]:
-    """Return the values of mu0 and tau0 (MPa) on a page, their texts, the initial value and the values with a range."""
+    """Return the sliders of a report for mu0 and tau0 (MPa): numbers, texts, initial number and marked numbers."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

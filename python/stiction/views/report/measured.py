@@ -1,4 +1,4 @@
-"""Report on measured surfaces: friction on a grid of mu0 and tau0, other quantities at every load, and assessments."""
+"""Report on measured surfaces: friction at all mu0 and tau0, other quantities, and assessments."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
-    """Return the content of a report on measured surfaces. The title contains the names of the files and `name`."""
+    """Return the content of a report on measured surfaces, with the file names in its title."""
     pair_name = data.description.name
     name = f"{pair_name} ({name})" if name else pair_name
     histories = [_history_markup(side, history) for side, history in data.bodies.items()]
@@ -112,7 +112,7 @@ def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence about the sliding rule that is valid for mu0 and tau0."""
+    """Return a sentence about the sliding rule for which mu0 and tau0 are valid."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -142,7 +142,7 @@ The keys specify whether the nominal area is meaningful.
 
 
 def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
-    """Return friction at all loads, mu0 and tau0.
+    """Return friction at all loads, mu0 and tau0 of a report as arrays.
 
     Values without an interval are printed with the decimals of the mean over directions.
     """
@@ -157,7 +157,7 @@ def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
 
 
 def _summary_markup(summary: Summary) -> str:
-    """Return paragraphs about the resolved wavelengths, the onset of sliding and the pull-off force."""
+    """Return paragraphs on resolved wavelengths, onset of sliding and pull-off force as HTML."""
     lines = []
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
@@ -205,7 +205,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityEstimates]:
-    """Return a table for each quantity that has values, except friction."""
+    """Return a table of each quantity, other than friction, that the result has."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -244,7 +244,7 @@ _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient for friction at all contacts, its interval, and its contributions as numbers and text."""
+    """Return the coefficient with friction at all contacts, its interval and its contributions."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

@@ -1,4 +1,4 @@
-"""Template of a self-contained HTML page, and functions that return markup.
+"""Template of a self-contained HTML page, and functions that return HTML.
 
 `result.py` and `surface.py` define the content of a page. Markup, style sheet and scripts are in this directory:
 `numbers.js` decodes and prints numbers, `plots.js` draws, `common.js` contains controls and file output, and
@@ -28,12 +28,12 @@ SCRIPT_FILES = ("numbers.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
-    """Error raised for a page that cannot be rendered or written."""
+    """Error raised for a report that cannot be rendered or written."""
 
 
 @dataclass(frozen=True)
 class HtmlPage:
-    """HTML page: title, lines below the title, main part, scripts, and the version that computed the result."""
+    """HTML page: title, lines below it, main part, scripts, and the version of the result."""
 
     name: str
     head: list[str]
@@ -42,7 +42,7 @@ class HtmlPage:
     scripts: str = ""
 
     def html(self) -> str:
-        """Return the complete page."""
+        """Return the complete page as HTML."""
         return REPORT_FILE_SIGNATURE + Template(read_package_file("page.html")).substitute(
             name=escape_html(self.name),
             head="".join(f"<p>{escape_html(line)}</p>" for line in self.head),
@@ -56,18 +56,18 @@ class HtmlPage:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page. Replace an existing file only if it is a report; otherwise raise a `ReportError`."""
+        """Write the page. Raises a `ReportError` if an existing file is not a report."""
         with replace_file_atomically(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
 def read_package_file(name: str) -> str:
-    """Return the text of a file in this package."""
+    """Return the text of a file in this Python package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return markup with the scripts of a page and the data of a result: `facts` as JSON, and packed numbers."""
+    """Return the scripts of a page as HTML, with its data: `facts` as JSON, and encoded numbers."""
     # Escape "<", so that the JSON text cannot close or open an HTML element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -82,7 +82,7 @@ MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters that a report shows 
 
 
 def escape_html(text: object) -> str:
-    """Escape text for HTML, as a single line of limited length without control characters."""
+    """Escape text for HTML, as one line of limited length without control characters."""
     return html.escape(printable_text(str(text), MAX_SHOWN_LINE_LENGTH))
 
 
@@ -92,7 +92,7 @@ def format_count(count: int, singular: str, plural: str | None = None) -> str:
 
 
 def plot_panel_markup(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
-    """Return the markup of a plot: title, description and keyboard help for screen readers, and an empty caption."""
+    """Return the HTML of a plot: title, description and keyboard help for screen readers, and a caption."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'

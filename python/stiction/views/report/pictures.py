@@ -1,4 +1,4 @@
-"""Panels of a page that contain static figures, and figures as inline SVG."""
+"""Panels of a report with figures, as inline SVG."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FigurePanel:
-    """Panel of a page that contains a figure. The figure is drawn when the page is rendered.
+    """Panel of a report with a figure, which is drawn when the page is rendered.
 
     `description` is for screen readers, and `caption` is markup. A main panel is shown next to the result, and other
     panels among the details.
@@ -49,7 +49,7 @@ class FigurePanel:
     is_main: bool = False
 
     def markup(self) -> str:
-        """Draw the figure, and return the markup of a panel that contains the figure and its caption."""
+        """Draw the figure of the panel, and return the panel with its caption as HTML."""
         with mpl.rc_context(MATPLOTLIB_STYLE):
             svg = inline_svg(self.draw_figure(), self.description)
         css_class = "panel wide" if self.is_wide else "panel"
@@ -63,7 +63,7 @@ class FigurePanel:
 
 
 def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels of a report that have data."""
+    """Return the panels of a report for which the result has data."""
     return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
 
 
@@ -77,7 +77,7 @@ def _list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
 
 
 def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
-    """Return the panel that shows two generated profiles in contact."""
+    """Return the panel with two generated profiles in contact."""
     dimension, amplitude = (float(forces[name]) for name in ("fractal_dimension", "amplitude"))
     title = f"$D$ = {dimension:.3g}, amplitude {format_with_unit(amplitude, 'um')}"
     return FigurePanel(
@@ -89,7 +89,7 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 
 
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
-    """Return the panel that shows the onset of sliding of generated pairs."""
+    """Return the panel with the onset of sliding of generated pairs."""
     return FigurePanel(
         "Onset of sliding over fractal dimension",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
@@ -122,7 +122,7 @@ def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
 
 
 def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
-    """Return the panel that shows the contacts for a direction of motion (degrees)."""
+    """Return the panel with the contacts for a direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
@@ -141,7 +141,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int)
 
 
 def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
-    """Return the panel that shows the friction coefficients of single members."""
+    """Return the panel with the friction of single members."""
     singular, plural = study.member_names
     return FigurePanel(
         f"Single {plural}",
@@ -152,7 +152,7 @@ def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePan
 
 
 def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
-    """Return the panel that shows friction and true area over the cutoff wavelength."""
+    """Return the panel with friction and true area against the cutoff."""
     return FigurePanel(
         "Cutoff wavelength",
         "Friction coefficient and true contact area over the cutoff wavelength of the low-pass filter.",
@@ -162,7 +162,7 @@ def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
 
 
 def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[FigurePanel]:
-    """Return the panel with the onset curve and, for maps, the panel with the map of slip."""
+    """Return the panels with the onset curve and, for maps, the map of slip."""
     curve_panel = FigurePanel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
@@ -187,7 +187,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
-    """Return the panel that shows the results for the stored height factors, at the first load, mu0 and tau0."""
+    """Return the panel with friction at the stored height factors, for the first load, mu0 and tau0."""
     surfaces_text, factors = SCALED_SURFACE_TEXTS[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",
@@ -200,7 +200,7 @@ def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, t
 
 
 def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel that shows loading and unloading of bodies that adhere."""
+    """Return the panel with loading and unloading of adhesive bodies."""
     return FigurePanel(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",

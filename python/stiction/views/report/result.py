@@ -1,4 +1,4 @@
-"""Report on a result as an HTML page.
+"""Report of a result as an HTML page.
 
 The report contains values, intervals, statuses, assessments and numbers of decimals on a grid of mu0 and tau0. The
 scripts decode the numbers and draw.
@@ -75,7 +75,7 @@ The number of coefficients is the product of the numbers of mu0, tau0, loads, ce
 def save_report(
     result: Evaluation | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report on a result. An older report with the same name is replaced when the new one is complete.
+    """Write the report of a result, and replace an older one when it is complete.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def save_report(
 
 
 def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
-    """Return the report on a result as HTML without external resources.
+    """Return the report of a result as one HTML page without external resources.
 
     `name` is the title; by default it is the name of a built-in study, or the names of the files. `picture` is a result
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
@@ -103,7 +103,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 
 
 def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -> HtmlPage:
-    """Evaluate the data of the page, compose its content, and render it.
+    """Evaluate the data of a report, compose its content and render it.
 
     A copy of this process evaluates and encodes the numbers while the figures are drawn.
     """
@@ -122,7 +122,7 @@ def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -
 def _compose_content(
     result: Evaluation, data: MeasuredReportData | GeneratedReportData, name: str
 ) -> tuple[ReportContent, dict[str, Any], PackedArrays]:
-    """Evaluate the values of the page. Return its content, the data for its scripts, and the encoded numbers."""
+    """Return the content of a report, the data for its scripts, and its encoded numbers."""
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
     else:
@@ -134,7 +134,7 @@ def _compose_content(
 
 
 def _check_size(result: Evaluation) -> None:
-    """Raise a `ReportError` if there is no result, or if it is too large for a page."""
+    """Raise a `ReportError` if no member was solved, or if a report would have too many coefficients."""
     try:
         study = result.study
     except ValueError as error:
@@ -154,7 +154,7 @@ def _render_page(
     data: MeasuredReportData | GeneratedReportData, content: ReportContent, panel_markup: Mapping[bool, str],
     scripts: str,
 ) -> HtmlPage:  # fmt: skip
-    """Insert the content, the panels (main panels: True, others: False) and the scripts into the template."""
+    """Render a report: insert content, panels (main ones: True) and scripts in the template."""
     notices_markup = _incompleteness_notices(data, content.name)
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
@@ -181,7 +181,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return markup with notices about missing and unsolved members, or an empty string for a complete result."""
+    """Return notices about missing and unsolved members as HTML, or "" for a complete result."""
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(

@@ -1,4 +1,4 @@
-"""Report on a direct shear test: peak, end, caveats, figure, and a table over the displacement."""
+"""Report of a direct shear test: peak, end, caveats, figure, and a table against displacement."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None, command: str = "") -> HtmlPage:
-    """Return the report page of a dataset that `shear_test` returned.
+    """Return the report of a shear test as a page.
 
     `head` contains lines below the title, and `command` is the equivalent command line.
     """
@@ -40,7 +40,7 @@ def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None
 
 
 def _describe_conditions(test: xarray.Dataset) -> list[str]:
-    """Return a line with the conditions of a test: normal stress, interface, hardness, E* and direction."""
+    """Return the conditions of a shear test in a line: normal stress, interface, hardness, E* and direction."""
     attributes = test.attrs
     conditions = [
         f"normal stress {format_with_unit(float(attributes['normal_stress_GPa']), 'GPa')} on the overlap at the start",

@@ -1,4 +1,4 @@
-"""Tables of numbers on a report page. Each number is stored with the number of decimals that the page shows."""
+"""Numbers in the data of a report, each stored with the number of its printed decimals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COMPRESSION_LEVEL = 7  # zlib level that is six times faster than level 9 and g
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode doubles, rounded to their leading bytes, as text: all first bytes, then all second bytes, and so on.
+    """Encode floating-point numbers as text: their first bytes, then their second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -41,7 +41,7 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array whose last axis contains a value and the lower and upper limit of its interval.
+    """Array of estimates: its last axis has the central number and both limits of its interval.
 
     A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
     Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return columns of values, interval limits and numbers of decimals, keyed by name suffix."""
+        """Return the columns of the array by suffix of their name: numbers, limits and decimals."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -73,7 +73,7 @@ class EstimateArray:
 
 @dataclass(frozen=True, eq=False)
 class NumberArray:
-    """Array of numbers without intervals. A page also stores the index of the format of each number.
+    """Array of numbers without intervals, with the printed format of each number.
 
     `formats` are the formats by size, in descending order of `minimum`.
     """
@@ -82,12 +82,12 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return columns of numbers and of the indices of their formats, keyed by name suffix."""
+        """Return the columns of the array by suffix of their name: numbers and formats."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format that `format_number` would choose for each number."""
+    """Return the index of the format of each number, as `format_number` chooses it."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
@@ -99,7 +99,7 @@ ReportArray = NDArray[Any] | EstimateArray | NumberArray
 
 @dataclass(frozen=True)
 class PackedArrays:
-    """Encoded arrays of a page.
+    """Arrays of a report, encoded as text.
 
     `texts` contains two encoded arrays: all floating-point numbers, and all small whole numbers. `offsets` maps the
     name of each column to the index of its first number in the decoded array. `formats` maps the name of each array of
@@ -112,7 +112,7 @@ class PackedArrays:
 
 
 def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
-    """Encode all arrays of a page.
+    """Encode all arrays of a report as text.
 
     Estimates and numbers with formats are split into columns, whose names start with the name of the array.
     """
@@ -144,7 +144,7 @@ QUANTITY_DIGITS = 2  # number of printed digits of the half width of an interval
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
-    """Return a value with its interval and prefixed unit as on the terminal, as in "12.1 [11.0, 13.3] µm²"."""
+    """Return a number with its interval and unit as on the terminal, as in "12.1 [11.0, 13.3] µm²"."""
     estimate = Estimate(*point).in_prefixed_unit(unit)
     return "none" if np.isnan(estimate.value) else f"{estimate.text()}\u00a0{estimate.unit}".strip()
 
@@ -175,7 +175,7 @@ class QuantityEstimates:
     limit: float | None
 
     def record(self) -> dict[str, Any]:
-        """Return a JSON record of the quantity, with values, interval limits, numbers of decimals and texts."""
+        """Return the quantity as JSON: numbers, limits, decimals and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
