@@ -1,4 +1,4 @@
-"""Assessment of the points of a result, their caveats with remedies, and the most useful further measurement."""
+"""Assessment of a result as text: caveats, remedies, and the most useful further measurement."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment of points with equal caveats; for a single point, add the most useful measurement."""
+    """Return the assessment of points with equal caveats and, for one point, the most useful measurement."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -58,18 +58,18 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
 
 
 def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
-    """Return the number of points with each assessment that occurs, starting with "Do not quote"."""
+    """Return the number of points with each assessment, starting with "Do not quote"."""
     counts = Counter(point.assessment for point in points)
     return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
-    """Return each assessment with the number of its points."""
+    """Return each assessment with the number of its points as text."""
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Return groups of caveats that differ only in numbers, starting with faults."""
+    """Return groups of caveats that differ only in numbers, with faults first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -83,14 +83,14 @@ _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e
 
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
-    """Return the first caveat of a group, with ranges for the numbers that differ between the caveats."""
+    """Merge a group of caveats into one, with ranges for numbers that differ."""
     numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
     range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
     return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return the value of a (number, unit) pair, multiplied by the factor of the unit's prefix."""
+    """Return a number in the base unit, given the number and its prefixed unit."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
@@ -109,7 +109,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence that names the measurement that would narrow the interval most, and the resulting interval."""
+    """Return a sentence about the measurement that would narrow the interval most, with the new interval."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""

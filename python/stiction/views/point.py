@@ -1,4 +1,4 @@
-"""Texts that describe one point of a result: sliding rules, materials, load and directions."""
+"""Texts about one point of a result: sliding rules, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def coordinate_text(name: str, value: float) -> str:
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a point with its unit. If the cutoffs of the bodies differ, return both."""
+    """Return a coordinate of a point with its unit, with both cutoffs if those of the bodies differ."""
     if name == "cut_off" and point.cutoffs is not None:
         return cutoff_text(point.cutoffs)
     return coordinate_text(name, point.at[name])
@@ -68,24 +68,24 @@ def nominal_area_text(area: float) -> str:
 
 
 def material_names_text(study: Study) -> str:
-    """Return the material names, as in "mild steel on brass", or an empty string if there are no names."""
+    """Return the materials of a pair, as in "mild steel on brass", or "" without materials."""
     material_names = study.contact.materials
     return "" if material_names is None else " on ".join(material_names)
 
 
 def load_text(load: float, nominal_pressure: float) -> str:
-    """Return a load (mN) with its nominal pressure (GPa) unless it is NaN, as in "10 mN (100 MPa)"."""
+    """Return a load (mN) with its nominal pressure (GPa), as in "10 mN (100 MPa)"."""
     pressure_text = "" if math.isnan(nominal_pressure) else f" ({format_with_unit(nominal_pressure, 'GPa')})"
     return f"{format_with_unit(load, 'mN')}{pressure_text}"
 
 
 def point_load_text(point: PointSummary) -> str:
-    """Return the load of a point with its nominal pressure, or "no load" if the load is negligible."""
+    """Return the load of a point with its nominal pressure, or "no load" for a negligible load."""
     return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return a coefficient of a point with its interval, or the reason why it is missing.
+    """Return the coefficient of a point with its interval, or why it is missing.
 
     A coefficient that is only a lower limit starts with "≥".
     """
@@ -95,7 +95,7 @@ def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -
 
 
 def averaged_directions_text(directions: Any) -> str:
-    """Describe in words the directions (degrees) over which a value is averaged."""
+    """Return the directions (degrees) over which a coefficient is averaged, in words."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_direction_text(float(degrees[0]))}"

@@ -1,4 +1,4 @@
-"""Sentences about the points of a summary: the sentence to quote, its parts, and details of a single point."""
+"""Sentences about a result: the sentence to quote, its phrases, and details of one point."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a phrase with the coefficients that a finer scan would give, or an empty string if they are unknown."""
+    """Return a phrase about the coefficient that finer scans would give, or "" if unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -55,7 +55,7 @@ def finer_scan_text(point: PointSummary) -> str:
 
 
 def quotable_sentence(point: PointSummary) -> str:
-    """Return the sentence to quote, including the inputs, or the reason why the result must not be quoted."""
+    """Return the sentence to quote with all inputs, or why the result must not be quoted."""
     assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [
@@ -82,7 +82,7 @@ def quotable_sentence(point: PointSummary) -> str:
 
 
 def quotable_sentences(summary: Summary) -> list[str]:
-    """Return the sentences to quote for all reported points; for generated surfaces, for all loads of the first cell.
+    """Return the sentences to quote, one per point or, for generated surfaces, per load of the first cell.
 
     A point whose coefficient must not be quoted has a sentence with the reason, so that no load is left out.
     """
@@ -94,7 +94,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a phrase that lists the inputs covered by the 95 % interval, or an empty string without an interval."""
+    """Return a phrase about the inputs that the 95 % interval covers, or "" without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
@@ -104,7 +104,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return the assessment with its caveats and, for stored results, the version that computed the result."""
+    """Return the assessment with caveats and, for stored results, the version that computed them."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -112,7 +112,7 @@ def point_assessment_text(point: PointSummary) -> str:
 
 
 def roughness_contribution_text(point: PointSummary) -> str:
-    """Return text about the contribution of the roughness to the coefficient, or an empty string if it is unknown."""
+    """Return text about the contribution of roughness to friction, or "" if it is unknown."""
     if point.roughness_contribution is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.roughness_contribution, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -122,7 +122,7 @@ def roughness_contribution_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
-    """Return text with the load, the materials and the resolution of a point.
+    """Return text about load, materials and resolution of a point.
 
     If the text is for one of several points, it has the range of the contact hardness over these points.
     """
@@ -162,7 +162,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
 
 
 def junction_growth_text(growth: UncertainInput) -> str:
-    """Return text about the growth of contacts under shear: slip lines or α."""
+    """Return text about the growth of contacts under shear: slip-line theory or α."""
     if not growth.uses_slip_lines:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
@@ -170,7 +170,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return text about the depth (µm) of the indentation, and the hardness of the contacts with its interval.
+    """Return text about the depth (µm) of the indentation and the hardness of the contacts.
 
     The hardness increases with decreasing load. For several points, the text has the range of the hardness, and the
     interval encloses the intervals of all points.
@@ -186,13 +186,13 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
-    """Return text about the fraction of their true area that elastic bodies lose under shear."""
+    """Return text about the true area that elastic bodies lose under shear."""
     is_soft = find_default_area_loss(float(study.contact.effective_modulus)) is not None
     return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets if a point uses the central value; otherwise an empty string."""
+    """Return the range of mu0 or tau0 in brackets if a point is at the central value, or else ""."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
@@ -202,7 +202,7 @@ def _is_central_value(point: PointSummary, name: str) -> bool:
 
 
 def _interface_text(study: Study) -> str:
-    """Return text with the name, the kind and the conditions of the interface that defines mu0 and tau0."""
+    """Return text about the interface that defines mu0 and tau0: name, kind and conditions."""
     interface, name = find_interface(study), study.friction.interface.name if study.friction.interface else ""
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
@@ -213,7 +213,7 @@ def _interface_text(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness, or an empty string if the hardness has no range."""
+    """Return the range of the hardness, or "" if it has none."""
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -231,7 +231,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def point_note_text(point: PointSummary) -> str:
-    """Return a note about the averaged directions and members, and the definition of the load."""
+    """Return a note on the averaged directions and members, and on the definition of the load."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -256,7 +256,7 @@ def point_note_text(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return text with the inputs that are common to all points, a note about the averaged members, and assumptions."""
+    """Return text about the inputs that all points share, the averaged members and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -266,7 +266,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 
 
 def _averaged_members_text(point: PointSummary) -> str:
-    """Return text that counts the averaged members, as in "8 positions"."""
+    """Return the number of averaged members as text, as in "8 positions"."""
     study = point.study
     # A study with positions and surrogates evaluates the members of one kind at a time.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
@@ -278,7 +278,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are
 
 
 def lay_assumption(study: Study) -> str:
-    """Return the assumed lay and width of measured profiles, or an empty string for other surfaces."""
+    """Return text about the assumed lay and width of measured profiles, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -288,7 +288,7 @@ def lay_assumption(study: Study) -> str:
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
-    """Return the assumptions of a study: lay and width of profiles, contact model, and adhesion."""
+    """Return the assumptions of a study about profiles, contact model and adhesion."""
     if not study.is_measured:
         return ()
     contact = study.contact
@@ -302,7 +302,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions of a point. They are part of the sentence to quote."""
+    """Return all assumptions at a point, which the sentence to quote includes."""
     study = point.study
     if not study.is_measured:
         return ()
@@ -322,7 +322,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scan_count_text(study: Study) -> str:
-    """Return text with the number of scans per body. If only one body has a single scan, a remark is added."""
+    """Return the number of scans per body as text, with a remark if only one body has a single scan."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -336,7 +336,7 @@ def _scan_count_text(study: Study) -> str:
 
 
 def small_slope_estimate_text(point: PointSummary) -> str:
-    """Return a sentence with the small-slope estimate and, if it does not apply, the reason; "" without an estimate."""
+    """Return a sentence with the small-slope estimate, and why it may not apply; "" without an estimate."""
     study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
@@ -355,7 +355,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences about contributions, a single test, dwell times, finer scans and the inputs of a point."""
+    """Return sentences about a point: contributions, a single test, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )
@@ -367,7 +367,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans could change the coefficient by an appreciable fraction of its interval."""
+    """Return whether finer scans could change friction appreciably, compared with its interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
@@ -375,7 +375,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return text with the roughness contribution to the coefficient, and the inputs that determine the rest.
+    """Return text about the contribution of roughness, and the inputs that determine the rest of friction.
 
     The text is empty if the contribution is unknown.
     """
@@ -386,7 +386,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return text with the contributions of mu0, adhesion and slopes to the coefficient, or "" if they are unknown."""
+    """Return text about the contributions of mu0, adhesion and slopes, or "" if they are unknown."""
     if point.contributions is None:
         return ""
     mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)
@@ -398,7 +398,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return text with the prediction interval of a single test and the confidence interval of the mean."""
+    """Return text about the prediction interval of a single test and the interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""
@@ -409,7 +409,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return text with the coefficients after the dwell times of the study, or an empty string without dwell times."""
+    """Return text about friction after dwell times, or "" without dwell times."""
     estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
@@ -423,7 +423,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return b and D_c of rate-and-state friction, or an empty string without a rate of ageing or a contact size."""
+    """Return text about b and D_c of rate-and-state friction, or "" if they are unknown."""
     size = point.contact_size
     if not (math.isfinite(point.ageing) and math.isfinite(size.value)):
         return ""
@@ -434,5 +434,5 @@ def rate_and_state_text(point: PointSummary) -> str:
 
 
 def no_values_text(summary: Summary) -> str:
-    """Return the reason why a result has no values."""
+    """Return the reason why a result has no coefficient."""
     return f"μ_s  none: {summary.no_points_reason}"

@@ -1,4 +1,4 @@
-"""Terminal texts of results: values and assessment first, then one table, within the terminal width.
+"""Results as text for a terminal: friction and assessment first, then a table.
 
 The points to print are selected first. Paragraphs of lines and tables are then composed, and laid out at the end.
 """
@@ -69,7 +69,7 @@ def study_result_text(
     max_overview_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a summary at the loads of its study as terminal text.
+    """Return a result at the loads of its study as text for a terminal.
 
     The text is `result_text` for measured surfaces and `overview_text` for generated surfaces. Generated surfaces have
     many cells and loads, so their text contains only coefficients and caveats.
@@ -96,7 +96,7 @@ def result_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a summary as terminal text: values, assessment and a table.
+    """Return a result as text for a terminal: friction, assessment and a table.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def main_values_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return `result_text` without the cutoff study and the onset of sliding."""
+    """Return a result as text without the cutoff study and the onset of sliding."""
     if summary.no_points_reason:
         return no_values_text(summary)
     points = summary.reported_points
@@ -157,7 +157,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return a note above tables of quantities, which states which intervals include the uncertain inputs."""
+    """Return a note above tables on which intervals include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -172,7 +172,7 @@ def _join_paragraphs(*paragraphs: Paragraph) -> str:
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return text about the onset of sliding and, if `verbose`, the cutoff study. Missing results are omitted."""
+    """Return text about the onset of sliding and, if `verbose`, about friction at cutoffs."""
     if not any(math.isfinite(point.value) for point in summary.points):
         return ""
     paragraphs: list[Paragraph] = []
@@ -184,14 +184,14 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a preview line with the friction coefficient computed from the first members of a study."""
+    """Return a line with a preview of the friction coefficient from the first members."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
     return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
 
 
 def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line with the mu0 and tau0 of the study if there are several values, or an empty string."""
+    """Return a line with mu0 and tau0 of the study if there are several, or ""."""
     friction = study.friction
     assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence that names loads without values, the range of the computed loads, and how to compute others.
+    """Return a sentence about loads without a coefficient, and how to compute them.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """
@@ -233,7 +233,7 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return a sentence for each load that lies between two computed loads, with the assessment at the computed loads.
+    """Return a sentence for each load between two computed loads, with their assessments.
 
     `neighbours` contains the two computed loads by load (mN), and `points` all points at the computed loads.
     """
@@ -257,7 +257,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return the content of `interpolation_text` as JSON records, with the number of points of each assessment."""
+    """Return the content of `interpolation_text` as JSON records."""
     return [
         {
             "load": load,
@@ -277,7 +277,7 @@ def interpolation_records(
 
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate, including both ends."""
+    """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate."""
     values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
     if "hurst_exponent" in values:
         values.pop("fractal_dimension", None)
@@ -296,7 +296,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Select the points of the first cell, mu0 and tau0 at given loads, in the order of the loads."""
+    """Return the points of the first cell, mu0 and tau0 at given loads."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -310,13 +310,13 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
+    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" for a single cell."""
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the coordinates in which the points differ, with the Hurst exponent instead of the fractal dimension."""
+    """Return the coordinates in which points differ, with H instead of D for self-affine surfaces."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
@@ -330,7 +330,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a sentence about adhesion without a load, or an empty list if the bodies do not adhere."""
+    """Return a sentence about adhesion without a load, or nothing if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
@@ -339,7 +339,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return one line per sliding rule for a single point, otherwise a table with the varying inputs."""
+    """Return one line per sliding rule for a single point, or else a table of the points."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -366,7 +366,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a sentence about grooves. If `verbose`, add the coefficients along each axis and in each direction."""
+    """Return a sentence about grooves and, if `verbose`, coefficients along each axis and direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -385,7 +385,7 @@ def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficien
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence about grooves if friction depends on the axis. `verbose` adds the values along each axis."""
+    """Return a sentence about grooves if friction depends on the axis, with coefficients if `verbose`."""
     coefficients = {rule.rule: rule.by_axis for rule in _sort_rules_of_directions(point)}
     by_axis = next(iter(coefficients.values()))
     if len(by_axis) < 2:
@@ -397,7 +397,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence about grooves.
+    """Return a sentence about the effect of grooves on friction.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """
@@ -420,7 +420,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with intervals of the mean: a row per coordinate, a column per sliding rule."""
+    """Return a table of coefficients with intervals of the mean, by coordinate and sliding rule."""
     rows = [
         [
             format_coordinate(coordinate),
@@ -433,7 +433,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Format a coefficient with its interval, or with "no interval" if the interval is missing."""
+    """Return a coefficient with its interval, or with "no interval"."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 
@@ -445,7 +445,7 @@ def _axis_label(degrees: float) -> str:
 
 
 def _history_paragraph(point: PointSummary) -> Paragraph:
-    """Return lines that describe the preparation of the surfaces and the contact model."""
+    """Return lines about the preparation of the surfaces and the contact model."""
     dataset, study = point.values, point.study
     descriptions = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs
