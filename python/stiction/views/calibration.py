@@ -1,4 +1,4 @@
-"""Calibration of mu0 and tau0 from friction tests, as text, JSON record and figure."""
+"""Calibration of mu0 and tau0 as text, JSON and figure."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of pairs of mu0 and tau0 that a figure
 
 
 def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:
-    """Format a calibration: the sum mu0 + tau0 A/F, the fits, and mu0 and tau0 if the tests separate them.
+    """Return a calibration as text: mu0 + tau0 A/F, fits, and mu0 and tau0 if the tests separate them.
 
     `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`.
     """
@@ -64,7 +64,7 @@ def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> st
 
 
 def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
-    """Return the caveats that prevent coefficients of tested pairs from being quoted, and the lays of their profiles.
+    """Return the caveats that forbid quoting friction of tested pairs, and the lays of their profiles.
 
     A caveat names the pair and the loads of the tests to which it applies.
     """
@@ -90,7 +90,7 @@ def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionT
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Format the mean A/F of the tests, with its interval if A/F is uncertain, and the range of A/F of the tests."""
+    """Return text about A/F of the tests: its mean with an interval, and its range."""
     area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
     is_exact = not np.isfinite(area_per_load).all() or _is_constant(area_per_load)
     low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
@@ -128,7 +128,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence about the junction growth of the tests, with its fitted interval if it is uncertain."""
+    """Return a sentence about the junction growth of the tests, with its fitted interval."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
@@ -166,7 +166,7 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
 
 
 def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lays: Sequence[str] = ()) -> str:
-    """Return the calibration as a JSON record. `pair_caveats` and `lays` come from `tested_pair_notes`."""
+    """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
     values = [
@@ -200,7 +200,7 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
 
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
-    """Format one paragraph for each interface."""
+    """Return one paragraph of text per interface."""
     paragraphs = []
     for record in interfaces:
         kind_and_motion = ", ".join(record[name] for name in ("kind", "motion") if name in record)
@@ -228,7 +228,7 @@ _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw coefficients against A/F, and the joint distribution of mu0 and tau0, in a figure 170 mm wide.
+    """Draw coefficients of tests against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
 
     Parameters
     ----------

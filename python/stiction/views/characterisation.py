@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface: table rows for text, JSON, CSV and the report."""
+"""Characterisation of a profile or surface as rows for text, JSON, CSV and report."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, whic
 
 
 class TableRow(NamedTuple):
-    """Table row: a label, a text (or one text for x and one for y), and values for JSON and CSV."""
+    """Row of a table: a label, a text (or one for x and one for y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -65,13 +65,13 @@ HEADLINE_PARAMETERS = (
 
 @dataclass(frozen=True, eq=False)
 class CharacterisationTable:
-    """Table of the roughness parameters and other values of one scan."""
+    """Table of the roughness parameters and other results of one scan."""
 
     scan: Characterisation
 
     @cached_property
     def rows(self) -> list[TableRow]:
-        """Table rows for the body as a whole."""
+        """Rows of the table for the body as a whole."""
         points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
@@ -171,7 +171,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return the text for an autocorrelation parameter (Sal or Str) that requires a larger map."""
+        """Return text for a parameter of the autocorrelation (Sal or Str) that needs a larger map."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -306,7 +306,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the density at the longest wavelength of a band, divided by the density at longer wavelengths.
+        """Return the density at the longest wavelength of a band, divided by that at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
@@ -321,7 +321,7 @@ class CharacterisationTable:
 
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
-        """Table rows for the lines of a surface along x and along y."""
+        """Rows of the table for lines of a surface along x and along y."""
         if not self.scan.line_roughnesses:
             return []
         line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
@@ -402,7 +402,7 @@ def to_characterisation(body: Profile | Surface | Characterisation, **options: A
 def characterisation_text(
     body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
 ) -> str:
-    """Format the history, roughness parameters, spectral moments and Hurst exponent of a profile or surface.
+    """Return history, roughness parameters, spectral moments and Hurst exponent of a scan as text.
 
     Parameters
     ----------
@@ -441,7 +441,7 @@ def characterisation_text(
 
 
 def length_text(value: float) -> str:
-    """Format a length (µm) in the unit that gives one to three digits before the decimal point."""
+    """Return a length (µm) as text, in a unit with one to three digits before the decimal point."""
     for unit, unit_length in (("pm", 1e-6), ("nm", 1e-3), ("µm", 1.0), ("mm", 1e3)):
         if value < 999.95 * unit_length or unit == "mm":
             break
@@ -449,12 +449,12 @@ def length_text(value: float) -> str:
 
 
 def _json_unit(parameter: ParameterDefinition) -> str:
-    """Return the JSON unit of a parameter."""
+    """Return the unit of a roughness parameter in JSON."""
     return _JSON_UNIT_EXCEPTIONS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Describe the wavelengths that a tip does not resolve. The limit accounts for pixels, noise and tip.
+    """Return text about the wavelengths that a tip does not resolve, given pixels, noise and tip.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """
@@ -469,7 +469,7 @@ def _tip_limit_text(limit: InstrumentLimit) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return a description of the filters and the evaluation length."""
+    """Return text about the filters and the evaluation length."""
     filters = result.filters
     short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -532,7 +532,7 @@ def _list_estimates(result: Characterisation) -> list[Estimate]:
 
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
-    """Return the characterisations of files as a JSON record, including a description of how each file was read."""
+    """Return the characterisations of files as JSON, with how each file was read."""
     values = [value.to_record({"file": file}) for file, result in files for value in _list_estimates(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
@@ -550,7 +550,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
 
 
 def characterisation_csv(files: CharacterisedFiles) -> str:
-    """Return a CSV table with one row per file and one column per value; missing values are empty."""
+    """Return the characterisations of files as CSV, with one row per file and empty cells for missing numbers."""
     import pandas
 
     rows = []

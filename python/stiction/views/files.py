@@ -1,4 +1,4 @@
-"""Output of results to files. The file extension selects the format."""
+"""Output of results to files in the format of the file extension."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the bytes that mark a replaceable file."""
+    """Raise a `ValueError` if an existing file lacks the bytes that mark it as replaceable."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file. Replace an existing file only if it contains `file_mark`; otherwise raise a `ValueError`."""
+    """Write a text file. Raises a `ValueError` if an existing file lacks `file_mark`."""
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def write_new_text_file(path: Path, text: str) -> None:
-    """Write a new text file. Raise a `ValueError` if the file exists or cannot be written."""
+    """Write a new text file. Raises a `ValueError` if it exists or cannot be written."""
     with create_file_atomically(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return the values of a result as CSV, computed at the loads of the study."""
+    """Return a result at the loads of its study as CSV."""
     return frame_to_csv(summary_table(result.summary()))
 
 
@@ -71,7 +71,7 @@ JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json
 
 
 def write_result(result: Evaluation, path: Path) -> None:
-    """Write a result to a new file in the format that the file extension selects.
+    """Write a result to a new file in the format of the file extension.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
     """
@@ -80,7 +80,7 @@ def write_result(result: Evaluation, path: Path) -> None:
 
 
 def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Write the joint table of a result to a new file, in a format of `JOINT_FORMATS`.
+    """Write the joint table of a result to a new file in one of `JOINT_FORMATS`.
 
     Raises a `ValueError` as `write_result` does, or if the result has no joint table.
     """
@@ -91,14 +91,14 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check the file of a joint table in advance, with the errors of `write_joint_table`."""
+    """Check the file for a joint table in advance, with the errors of `write_joint_table`."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
 
 def is_card(path: Path) -> bool:
-    """Return whether a file name has the extension of an input card of another program."""
+    """Return whether a file has the extension of an input card of another program."""
     return path.suffix.lower() in CARD_FORMATS
 
 

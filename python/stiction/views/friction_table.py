@@ -1,4 +1,4 @@
-"""Friction tables (friction, contact area and stiffness for other simulation codes) as terminal text and CSV."""
+"""Friction tables for other programs, as text and CSV."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return a `friction_table` as CSV. The header contains units, and each combination of inputs has one row.
+    """Return a `friction_table` as CSV with units, one row per combination of inputs.
 
     Tables of earlier versions have no assessments.
     """
@@ -48,7 +48,7 @@ def friction_table_csv(table: xarray.Dataset) -> str:
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
-    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, with one row per H and Sq."""
+    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, one row per H and Sq."""
     return _table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
@@ -76,7 +76,7 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Format the fitted laws for each roughness, and the range of the friction coefficients for each sliding rule."""
+    """Return the fitted laws of each roughness, and the range of friction under each sliding rule, as text."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
@@ -105,7 +105,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return the number of coefficients of a table with each assessment, and the most frequent remedies.
+    """Return the number of coefficients with each assessment, and the most frequent remedies, as text.
 
     `summary` contains the caveats of the points of the table. The text is empty if every coefficient may be quoted.
     """

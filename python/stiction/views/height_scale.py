@@ -1,4 +1,4 @@
-"""Terminal text and JSON record of friction and true contact area for heights scaled by several factors."""
+"""Friction and true contact area for scaled heights, as text and JSON."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Format a dataset from `evaluate_at_height_factors`. Each load, mu0 and tau0 has a table with a row per factor."""
+    """Return friction for scaled heights as tables, with one row per height factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -76,7 +76,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of the table row for one height factor."""
+    """Return the cells of the row for one height factor."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         rms_heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
@@ -100,7 +100,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
 
 
 def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
-    """Return a dataset from `evaluate_at_height_factors` as a JSON record."""
+    """Return friction for scaled heights as JSON."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     values = rows.values_frame(sort_sliding_rules(dataset, study))

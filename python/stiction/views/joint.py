@@ -30,7 +30,7 @@ _ASCII_REPLACEMENTS = {
 
 
 def joint_frame(table: JointTable) -> pandas.DataFrame:
-    """Return a joint table as a data frame, with one row per pressure and units in the column names."""
+    """Return a joint table as a data frame, with one row per pressure and units in column names."""
     import pandas
 
     columns: dict[str, list[Any]] = {}
@@ -49,13 +49,13 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return a joint table as CSV. It does not contain the source and the notes."""
+    """Return a joint table as CSV, without its source and notes."""
     del source
     return frame_to_csv(joint_frame(table))
 
 
 def joint_json(table: JointTable, source: str) -> str:
-    """Return a joint table as a JSON record, with its notes and the sentence that describes the pair."""
+    """Return a joint table as JSON, with its notes and the sentence about the pair."""
     values = []
     for row in table.rows:
         at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
@@ -77,7 +77,7 @@ def joint_json(table: JointTable, source: str) -> str:
 
 
 def abaqus_card(table: JointTable, source: str) -> str:
-    """Return a surface interaction for Abaqus and CalculiX."""
+    """Return the input card of a surface interaction for Abaqus and CalculiX."""
     row = table.reference
     friction, stiffness = row.friction(50), row.estimates["tangential_stiffness_per_area"]
     has_stick_slope = math.isfinite(stiffness.value)
@@ -121,7 +121,7 @@ def abaqus_card(table: JointTable, source: str) -> str:
 
 
 def ansys_card(table: JointTable, source: str) -> str:
-    """Return material tables for Ansys: a gasket with the closure curve, and friction that depends on the pressure."""
+    """Return material tables for Ansys: a gasket with the closure curve, and pressure-dependent friction."""
     row, rows = table.reference, _list_increasing_rows(table)
     stiffness = row.estimates["tangential_stiffness_per_area"]
     lines = [
@@ -157,7 +157,7 @@ def ansys_card(table: JointTable, source: str) -> str:
 
 
 def liggghts_card(table: JointTable, source: str) -> str:
-    """Return properties for LIGGGHTS at the pressure of `JointTable.reference`."""
+    """Return material properties for LIGGGHTS at the pressure `JointTable.reference`."""
     row = table.reference
     stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
     lines = [
@@ -182,7 +182,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows whose closure exceeds that of all earlier rows, as tables of other programs require."""
+    """Return the rows of a joint table whose closure exceeds all before, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
@@ -191,7 +191,7 @@ def _list_increasing_rows(table: JointTable) -> list[JointRow]:
 
 
 def _format_value(estimate: Estimate) -> str:
-    """Format the value of an estimate for a card; pressures and closures get more digits than other values."""
+    """Return an estimate as text for a card, with more digits for pressures and closures."""
     digits = CURVE_DIGITS if estimate.name in ("nominal_pressure", "closure") else MAX_SIGNIFICANT_DIGITS
     return f"{estimate.value:.{digits}g}"
 
@@ -206,7 +206,7 @@ def _format_comment(text: str, prefix: str) -> list[str]:
 
 
 def _describe_source(table: JointTable, source: str, prefix: str) -> list[str]:
-    """Return comment lines with the version, the pair, the units and the notes."""
+    """Return comment lines with version, pair, units and notes of a joint table."""
     units = table.units
     texts = [
         f"Contact properties of a joint, computed with stiction {__version__}.",
@@ -225,7 +225,7 @@ _CARD_COLUMNS = (
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of a joint table as comment lines, with intervals.
+    """Return the main columns of a joint table, with intervals, as comment lines.
 
     The card itself contains the estimates named in `given`, so only their intervals are listed.
     """

@@ -1,4 +1,4 @@
-"""JSON records, which have the same schema for every command.
+"""JSON records of commands, all with the same schema.
 
 A record contains ``schema`` (a number that increases with every incompatible change), ``stiction`` (the version),
 ``command``, a description of the inputs, and ``values``. Each value, here and elsewhere in a record, is the object of
@@ -20,11 +20,11 @@ SCHEMA_VERSION = 2
 
 
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
-    """Return a record as a JSON string."""
+    """Return the record of a command as JSON text."""
     record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
     return to_json(record, ensure_ascii=False, indent=1)
 
 
 def caveat_record(caveat: Caveat) -> dict[str, str]:
-    """Return a caveat as JSON fields."""
+    """Return a caveat as fields of a JSON record."""
     return {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity}

@@ -1,4 +1,4 @@
-"""LaTeX table of a result, with one row per point of a summary."""
+"""LaTeX table of a result, with one row per point."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SYMBOL_PATTERN = re.compile("|".join(map(re.escape, sorted(_LATEX_SYMBOLS, key=
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the reported points of a summary as a LaTeX ``table``: conditions, coefficients and assessment.
+    r"""Return the quoted points of a result as a LaTeX ``table``: conditions, coefficients and assessment.
 
     The caption contains the conditions that all points have in common, with the ranges of the inputs; comments above
     the table contain their central values. Numbers have the same digits as on the terminal. The table requires the
@@ -85,7 +85,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
-    """Return the caption: the bodies, the inputs that all points have in common, the means and the intervals."""
+    """Return the caption of the table: bodies, inputs that all points share, means and intervals."""
     version = summary.at.attrs.get("stiction_version")
     intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
     bodies = "" if summary.study.is_measured else " of generated surfaces"
@@ -100,12 +100,12 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
 
 
 def _to_latex(text: str) -> str:
-    """Return text as one line in which LaTeX typesets all characters and symbols."""
+    """Return text as one line in which LaTeX typesets all symbols."""
     return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], printable_text(text, sys.maxsize))
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the table cells of a point: coefficients of all sliding rules, area fraction and assessment."""
+    """Return the cells of a point: coefficients under all sliding rules, area fraction and assessment."""
     texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
@@ -115,7 +115,7 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
 
 
 def _column_heading(name: str) -> str:
-    """Return the column heading of a coordinate, with its unit."""
+    """Return the heading of a column with its unit."""
     return _COORDINATE_HEADINGS.get(name, _to_latex(column_title_and_factor(name)[0].replace("tau0", "τ0")))
 
 

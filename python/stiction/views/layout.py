@@ -1,4 +1,4 @@
-"""Layout of texts on a terminal: text is wrapped and tables are split to fit the width of the terminal."""
+"""Layout of text on a terminal: wrapped paragraphs, and tables split to the terminal's width."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TextRows = Sequence[Sequence[str]]
 
 @dataclass(frozen=True)
 class WrappedText:
-    """Text that is wrapped to the width of the terminal."""
+    """Paragraph that is wrapped to the width of the terminal."""
 
     text: str
     indent: str = ""
@@ -26,7 +26,7 @@ class WrappedText:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows with aligned columns. The first row contains the headings; rows may have different lengths.
+    """Table with aligned columns, whose first row has the headings.
 
     Columns that do not fit are moved to further tables, which repeat the first `num_labels` columns.
     """
@@ -37,7 +37,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ShortenedList:
-    """Lines of which only the first are printed, followed by a line that counts the omitted ones.
+    """List of which only the first lines are printed, with the number of lines left out.
 
     Up to `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines. None
     means that there is no limit.
@@ -61,12 +61,12 @@ def terminal_width() -> int:
 
 
 def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
-    """Format paragraphs, separated by empty lines, within the width of the terminal. Omit empty paragraphs."""
+    """Return paragraphs with empty lines between them, within the width of the terminal."""
     return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
 
 
 def format_paragraph(paragraph: Paragraph) -> str:
-    """Format lines and tables within the width of the terminal. Omit empty items."""
+    """Return lines and tables as one paragraph within the width of the terminal."""
     return "\n".join(filter(None, map(_format_item, paragraph)))
 
 
@@ -112,7 +112,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
 
 
 def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 1) -> str:
-    """Format rows as a table with aligned columns, by default within the width of the terminal.
+    """Return rows as a table with aligned columns, by default within the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
     `num_labels` columns. Rows that are empty in a table are omitted. A first column that is too wide is wrapped.
@@ -145,7 +145,7 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width, and return the resulting rows."""
+    """Wrap the first cell of a row to a width, and return the rows that it takes."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 

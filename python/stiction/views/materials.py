@@ -1,4 +1,4 @@
-"""Table of materials with numbered sources, as terminal text or as a JSON record."""
+"""Table of materials with numbered sources, as text or JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PROPERTY_UNITS = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GP
 
 
 def materials_text(materials: Sequence[Material]) -> str:
-    """Format a table of material property ranges, grouped by kind of material, followed by the numbered sources."""
+    """Return the ranges of material properties as tables by kind of material, with numbered sources."""
     sources: dict[str, int] = {}
 
     def value_cell(value: MaterialValue | None) -> str:
@@ -45,7 +45,7 @@ def materials_text(materials: Sequence[Material]) -> str:
 
 
 def materials_json(materials: Sequence[Material]) -> str:
-    """Return materials as a JSON record."""
+    """Return materials with their ranges as JSON."""
     entries: list[dict[str, Any]] = []
     for material in materials:
         entries.append({"name": material.name, "kind": material.kind, "aliases": list(material.aliases)})

@@ -1,4 +1,4 @@
-"""Overview of a study of generated surfaces: tables of coefficients, one per sliding rule and amplitude."""
+"""Overview of generated surfaces: tables of coefficients by sliding rule and amplitude."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def overview_text(
     summary: Summary, max_lines: int | None = None, *, complete_command: str = COMPLETE_OUTPUT_METHOD
 ) -> str:
-    """Format the mu_s values of generated surfaces as tables, one per sliding rule and amplitude.
+    """Return mu_s of generated surfaces as tables, one per sliding rule and amplitude.
 
     A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
     several values of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option
@@ -57,7 +57,7 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return the points of an overview. A long overview has only the middle mu0, and the first and last tau0."""
+    """Return the points of an overview, a long one of which has only the middle mu0, and first and last tau0."""
     names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
     if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
         return points
@@ -68,7 +68,7 @@ def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSum
 
 
 def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Sequence[str]) -> Table:
-    """Return the coefficients under a sliding rule with one row per mu0, tau0 and cell, and one column per load."""
+    """Return the coefficients under a sliding rule, by mu0, tau0 and cell (rows) and load (columns)."""
     row_names = ("mu0", "tau0", "fractal_dimension")
     cells_by_row: dict[tuple[float, ...], list[str]] = {
         key: [] for key in itertools.product(*(dict.fromkeys(point.at[name] for point in points) for name in row_names))
@@ -90,7 +90,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return how many values an overview omits and how to print them, or an empty string if all values are printed."""
+    """Return how many coefficients an overview leaves out and how to print them, or "" if none."""
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [
@@ -119,5 +119,5 @@ def _overview_cell(point: PointSummary, rule: str) -> str:
 
 
 def _is_marked(coefficient: SlidingRuleCoefficient) -> bool:
-    """Return whether the table marks a coefficient with an asterisk."""
+    """Return whether the overview marks a coefficient with an asterisk."""
     return coefficient.status == STATUS_OK and coefficient.is_outside_asperity_model

@@ -1,4 +1,4 @@
-"""Pull-off force of adhering bodies, as a sentence and as a JSON record."""
+"""Pull-off force of adhesive bodies as a sentence and JSON."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
 
 
 def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
-    """Return the pull-off force, the pull-off pressure and the friction at zero load as JSON fields."""
+    """Return pull-off force, pull-off pressure and friction at zero load as fields of a JSON record."""
     return {
         "sticks": estimate.sticking_assessment,
         "force_is_bound": estimate.is_bound,
@@ -47,6 +47,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 
 def _text_with_unit(estimate: Estimate) -> str:
-    """Return a quantity with its interval in the prefixed unit that needs the fewest zeros."""
+    """Return a quantity with its interval in the unit with the fewest zeros."""
     scaled_estimate = estimate.in_prefixed_unit()
     return "none" if math.isnan(estimate.value) else f"{scaled_estimate.text()} {scaled_estimate.unit}"

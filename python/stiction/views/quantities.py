@@ -1,4 +1,4 @@
-"""Quantities of the points of a result, as a sentence or as a table with one column per point or per quantity."""
+"""Quantities at the points of a result, as a sentence or a table."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """Values of a quantity at several points, in core units."""
+    """Quantity at several points of a result, in core units."""
 
     name: str
     label: str
@@ -42,7 +42,7 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return means and 95 % intervals of quantities for the reported sliding rule.
+    """Return means and 95 % intervals of quantities under the quoted sliding rule.
 
     The quantities of a single point are a sentence, or a table with one row per quantity if `verbose` is True or if the
     surfaces are generated. The table of several points has one row per point. `cell` starts the heading of the first
@@ -69,7 +69,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield the values of each quantity to print."""
+    """Yield each quantity to print, at several points."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -92,7 +92,7 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
 
 
 def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence: bool) -> list[str]:
-    """Return the names of the quantities to print, in the order of the table of quantities."""
+    """Return the quantities to print, in the order of the table of all quantities."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
         "mean_pressure": is_sentence,  # a sentence leaves out the mean pressure, which follows from load and area
@@ -108,18 +108,18 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
 
 
 def percent_text(fraction: float) -> str:
-    """Format a fraction as a percentage with three digits, as in "10.9 %"."""
+    """Return a fraction as a percentage with three digits, as in "10.9 %"."""
     return "none" if math.isnan(fraction) else f"{format_significant(100 * fraction, 3)} %"
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the computed quantile that is nearest to a fraction of a distribution."""
+    """Return the computed quantile of a distribution closest to a fraction."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity; labels for the onset of sliding include mu0 and tau0."""
+    """Return the label of a quantity, which for the onset of sliding includes mu0 and tau0."""
     onset, text = study.contact.onset, QUANTITIES[name].table_label
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"
@@ -132,7 +132,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return label, unit and values of a row, in the unit in which the largest value has the fewest zeros.
+    """Return label, unit and numbers of a row, in the unit with the fewest zeros.
 
     A missing interval is stated only in tables.
     """
@@ -149,6 +149,6 @@ def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
 
 
 def _wrap_headings(headings: Sequence[str]) -> TextRows:
-    """Wrap column headings into several rows, so that columns are as narrow as their cells."""
+    """Wrap column headings into several rows, so that columns are as narrow as their numbers."""
     lines = [textwrap.wrap(heading, MAX_HEADING_WIDTH, break_long_words=False) for heading in headings]
     return list(itertools.zip_longest(*lines, fillvalue=""))

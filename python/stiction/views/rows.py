@@ -1,4 +1,4 @@
-"""Results as CSV tables and JSON records for other programs, both created from the same data frame.
+"""Results as CSV and JSON for other programs, from the same data frame.
 
 Records of results have the schema of `json_record`, and also contain ``points``: the values to quote for each point,
 with their caveats.
@@ -67,7 +67,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row (name, value, interval, status, coordinates) for each value of a dataset.
+    """Return a data frame with one row per number of a dataset: name, number, interval, status, coordinates.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a row for each value of a quantity.
+    """Return a row for each number of a quantity.
 
     The rows are created from NumPy arrays, because xarray datasets are ten times slower.
     """
@@ -106,7 +106,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Return the values of a variable, broadcast to all rows."""
+        """Return a variable of a dataset, broadcast to all rows."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -144,7 +144,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table with one row per combination of cell, load, mu0, tau0, sliding rule and motion.
+    """Return a table with one row per cell, load, mu0, tau0, sliding rule and motion.
 
     The header of the table contains the units. Each row has the coefficient of static friction for its motion (all
     directions, an axis or a direction), the quantities at its load, and the assessment and caveats of its point. The
@@ -205,7 +205,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities to write to a CSV file. Quantities with a separate value for each direction are omitted."""
+    """Return the quantities of a CSV file, without those that differ between directions."""
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -214,7 +214,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns of direction-averaged coefficients: values after dwell times, and the roughness contribution.
+    """Return columns for coefficients after dwell times, and for the contribution of roughness.
 
     Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.
     """
@@ -258,7 +258,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return a column for each body with the longest cutoff (µm) of its scans, if the cutoffs of the bodies differ."""
+    """Return a column per body with the longest cutoff (µm) of its scans, if the cutoffs differ."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
@@ -271,7 +271,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return a JSON record of a command and its results: points, caveats, cutoff study and onset of sliding."""
+    """Return the JSON record of a command: points, caveats, cutoff study and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
@@ -288,7 +288,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
-    """Convert a data frame to the entry `values` of a record."""
+    """Convert a data frame to the field `values` of a JSON record."""
     values = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
@@ -299,7 +299,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
 
 
 def point_record(point: PointSummary) -> dict[str, Any]:
-    """Return the record of a point: values to quote, intervals, assessment and caveats."""
+    """Return the JSON record of a point: quoted friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
         # Cutoffs (µm) of all scans of each body.
@@ -345,12 +345,12 @@ def point_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return b and D_c of rate-and-state friction, or None without dwell times."""
+    """Return b and D_c of rate-and-state friction as JSON, or None without dwell times."""
     if not math.isfinite(point.ageing):
         return None
     return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return values of the upper and of the lower body as JSON fields."""
+    """Return a property of the upper and of the lower body as fields of a JSON record."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

@@ -1,4 +1,4 @@
-"""Texts, records and figures for the joined spectrum of several scans, and for two scans of the same place."""
+"""Joined spectrum of several scans, and noise of two scans of the same area, as text, JSON and figure."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figu
 
 
 def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> str:
-    """Format cumulative slopes, caveats and, for each scan, its contributed wavelengths and its deviation."""
+    """Return slopes, caveats and the contribution of each scan to a joined spectrum as text."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -82,7 +82,7 @@ def _caveat_lines(caveats: Sequence[Caveat]) -> str:
 
 
 def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return the joined spectrum and the caveats as JSON fields, with all lengths in µm."""
+    """Return a joined spectrum with caveats as fields of a JSON record, with lengths in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -108,7 +108,7 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
 
 
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
-    """Draw spectra, cumulative slope and curvature, and contact pressure against wavelength, in a figure 170 mm wide.
+    """Draw a joined spectrum, cumulative slope and curvature, and contact pressure (170 mm wide).
 
     The pressure is computed for contact with a second surface of the same kind. The elastic pressure divided by E* is
     h'/κ of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
@@ -196,7 +196,7 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
-    """Format the noise of two scans in each octave, their shift, usable wavelengths of the mean scan, and caveats."""
+    """Return the noise of two scans in each octave, their shift, usable wavelengths and caveats as text."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -223,7 +223,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def usable_wavelength_text(comparison: RepeatedScans) -> str:
-    """Return a sentence about the shortest usable wavelength of the mean scan."""
+    """Return a sentence about the shortest usable wavelength of the mean of two scans."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.limit <= comparison.wavelength[0]:
@@ -236,7 +236,7 @@ def usable_wavelength_text(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return the comparison of two scans and the caveats as JSON fields; lengths are in µm."""
+    """Return the comparison of two scans with caveats as fields of a JSON record, with lengths in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
@@ -247,7 +247,7 @@ def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] =
 
 
 def octave_noise_csv(comparison: RepeatedScans) -> str:
-    """Return the noise in each octave as CSV. A comment line gives the shortest usable wavelength."""
+    """Return the noise of two scans in each octave as CSV, with the shortest usable wavelength."""
     import pandas
 
     columns = {
@@ -259,7 +259,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw two spectra: the noise, and the roughness common to both scans, in a figure 85 mm wide."""
+    """Draw the spectra of noise and of roughness that two scans share (85 mm wide)."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

@@ -1,4 +1,4 @@
-"""Conversion of tables to CSV for spreadsheet programs."""
+"""Tables as CSV for spreadsheet programs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", 
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:
-    """Return a table as CSV. Cells that a spreadsheet program would evaluate as formulas get an apostrophe."""
+    """Return a table as CSV, with an apostrophe before cells that a spreadsheet would read as formulas."""
     frame = frame.rename(columns=_escape_formula)
     for name in frame.columns[[not _is_numeric(dtype) for dtype in frame.dtypes]]:
         frame[name] = frame[name].map(_escape_formula)

@@ -1,4 +1,4 @@
-"""Tables of the keys in study files, generated from the data models for the documentation and the terminal."""
+"""Tables of the keys in study files, for documentation and terminal."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ _KEY_TABLES: tuple[
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
-    """Return the title, the description and the rows of each table of keys. Each row describes one key."""
+    """Return title, description and rows of each table of keys, with one row per key."""
     tables = []
     for title, phrases, section_classes, base_classes in _KEY_TABLES:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
@@ -124,7 +124,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the classes that have a key. A base class replaces its classes if all of them have it."""
+    """Return the classes that have a key, or a base class if all of its classes have the key."""
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
         for item in base_classes
@@ -142,7 +142,7 @@ def _models_with_key(
 
 
 def study_keys_markdown() -> str:
-    """Return all keys of study files as tables in Markdown."""
+    """Return all keys of study files as Markdown tables."""
     lines = []
     for title, phrases, rows in list_key_tables():
         lines += [f"## {title}", "", phrases, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
@@ -151,7 +151,7 @@ def study_keys_markdown() -> str:
 
 
 def study_keys_text() -> str:
-    """Return all keys of study files for a terminal, one paragraph per key."""
+    """Return all keys of study files as text, one paragraph per key."""
     blocks = []
     for title, _, rows in list_key_tables():
         lines = [title.replace("`", "")]
@@ -167,7 +167,7 @@ def study_keys_text() -> str:
 def _key_row(
     key: str, default_value: Any, field_info: Any, section_classes: tuple[Any, ...]
 ) -> tuple[str, str, str, str]:
-    """Return the table row of a key in study files: key, default, allowed values and meaning.
+    """Return the row of a key of study files: key, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
@@ -199,7 +199,7 @@ def _allowed_values_text(key: str, field_info: Any) -> str:
 
 
 def _accepts_type(annotation: Any, kind: type) -> bool:
-    """Return whether a type is, or contains, the given type."""
+    """Return whether a type annotation is, or contains, a given type."""
     return kind in (annotation, get_origin(annotation)) or any(
         _accepts_type(argument, kind) for argument in get_args(annotation)
     )
@@ -210,12 +210,12 @@ def _join_with_and(phrases: list[str]) -> str:
 
 
 def markdown_row(cells: Sequence[str]) -> str:
-    """Return a row of a table in Markdown."""
+    """Return a row of a Markdown table."""
     return "| " + " | ".join(cell.replace("|", r"\|").replace("E*", r"E\*") for cell in cells) + " |"
 
 
 def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return the allowed values of a type as phrases, one per alternative."""
+    """Return the values that a type annotation allows, as one phrase per alternative."""
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
@@ -257,7 +257,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints, including the constraints within a `Field`."""
+    """Return all constraints of a type annotation, also those within a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 
@@ -271,7 +271,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return a default value as written in a study file."""
+    """Return a default as written in a study file."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"
