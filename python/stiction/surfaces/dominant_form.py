@@ -56,7 +56,7 @@ def measure_parabola_fraction(body: Surface) -> float:
     x, y = coordinates
     powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
     design = np.stack([x**i * y**j for i, j in powers], axis=1)
-    # In the orthogonal basis, columns 0 to 2 describe a plane, 3 to 5 a parabola, and the others cubic and quartic
+    # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, and all others cubic and quartic
     # terms.
     basis, _ = np.linalg.qr(design)
     energies = np.square(basis.T @ heights) / heights.size
@@ -82,7 +82,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         order = np.argsort(distance_across, kind="stable")
-        # For every possible edge of a step, project the heights onto a step function without its mean and tilt.
+        # For every possible edge of a height step, project the heights onto a step function without mean and tilt.
         projections = np.cumsum(heights[order])[candidates]
         square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
         gains = np.square(projections) / square_norms

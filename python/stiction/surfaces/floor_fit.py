@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial noise level of the fit, as a fraction of the lowest spectral density
 _INITIAL_FLOOR_FRACTION = 0.3
-# tolerance of the minimisation, for which the fitted noise level typically has a relative error below 3e-6
+# tolerance of the fit of a noise floor, for which the noise level typically has a relative error below 3e-6
 _FIT_TOLERANCE = 1e-12
-# maximum number of evaluations of the likelihood in a minimisation; nearly all fits need fewer than 100
+# maximum number of evaluations of the likelihood of a noise floor; nearly all fits need fewer than 100
 _MAX_FIT_EVALUATIONS = 2000
 
 
@@ -79,8 +79,7 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
         bounds += [(None, None), exponents]
 
     def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # Use TNC. The method L-BFGS-B of SciPy 1.17 starts threads, which occupy the processor for 0.1 s after each
-        # fit.
+        # Use TNC, because L-BFGS-B of SciPy 1.17 starts threads that occupy the processor for 0.1 s after each fit.
         return minimize(
             loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
             options={"maxfun": _MAX_FIT_EVALUATIONS},

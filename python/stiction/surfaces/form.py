@@ -17,7 +17,7 @@ PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the m
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
 # smallest squared cosine of the slope angle; it prevents the square root of a negative number beyond the equator
 _MIN_COSINE_SQUARED = 1e-6
-# relative change of the residuals and of the fitted parameters below which the fit has converged
+# the fit of a round form has converged if residuals and parameters change by less than this fraction
 _FIT_TOLERANCE = 1e-12
 
 

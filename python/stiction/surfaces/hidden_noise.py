@@ -30,7 +30,7 @@ _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectral d
 # exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
 # Largest ratio of the fitted noise density of a map to the median density at short wavelengths.
-# Short wavelengths are below four points along both axes.
+# Wavelengths below four points along both axes count as short wavelengths of a map.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

@@ -25,8 +25,8 @@ MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to 
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 # round-off of heights from which a straight line was subtracted, relative to the largest height
 _TREND_ROUND_OFF = 1e-13
-# Number of lowest harmonics that are excluded if a Hann window is applied.
-# The window adds power from the mean and from longer wavelengths to these harmonics.
+# Number of lowest harmonics that are excluded after a Hann window.
+# A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
@@ -391,7 +391,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # start after a roll-off that has too few bins for its own power law
+                if start == 0:  # start the band after a roll-off that has too few bins for its own power law
                     roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
                     start = (
                         int(np.argmin(roll_off_losses))

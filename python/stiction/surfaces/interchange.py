@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# largest difference of a grid step from the mean step, as a fraction of the mean step, in a uniform grid
+# largest relative difference between a grid step and the mean step of a uniform grid
 SPACING_TOLERANCE = 1e-6
 
 

@@ -1,4 +1,4 @@
-"""Spectrum of a surface, joined from several scans, each of which contributes its reliable wavelengths."""
+"""Spectrum of a surface, joined from the reliable wavelengths of several scans."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's spectral density to that of all other scans, over common wavelengths.
+        """Mean ratio of each scan's spectral density to the density of all other scans, over common wavelengths.
 
         The shape is (scans,), and the ratio is NaN for a scan without overlap.
         """
@@ -155,7 +155,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface that has the wavelengths of the spectrum and no others.
+        """Generate a periodic Gaussian surface with exactly the wavelengths of the spectrum.
 
         Parameters
         ----------

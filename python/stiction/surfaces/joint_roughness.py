@@ -54,7 +54,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # On a short face, shorten the offset without changing its direction.
+    # If the face is short, shorten the distance between compared points without changing its direction.
     offsets = SAMPLING_INTERVAL * motion / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)

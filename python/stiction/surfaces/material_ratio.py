@@ -56,7 +56,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the material ratios at given heights of a section.
+    """Return the material ratios of a body at given heights.
 
     Parameters
     ----------

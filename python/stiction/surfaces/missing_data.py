@@ -147,8 +147,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # Local medians can only raise the typical deviation, so only outliers relative to the whole scan are
-        # candidates.
+        # Check only outliers of the whole scan, because a local median can only make an outlier acceptable.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -235,7 +234,7 @@ def _find_typical_deviations(
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Compute how far each height deviates from means of neighbours and from lines through them; find edge points.
+    """Return how far each height deviates from its neighbours' means and lines, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.
@@ -271,8 +270,7 @@ def _deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Extrapolate each height along lines from its neighbours: in profiles from both sides, in maps from eight
-    # directions.
+    # Extrapolate each height linearly from its neighbours: from both sides in profiles, from eight directions in maps.
     extrapolated_heights = (
         [_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1

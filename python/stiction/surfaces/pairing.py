@@ -303,7 +303,7 @@ class MapPairs:
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises a `ValueError` for too small pieces."""
+        """Numbers of rows and columns of every piece. Raises a `ValueError` if pieces would be too small."""
         if self.shifts is not None:
             sizes = [self._find_overlap(steps)[1] for steps in self._shifts_in_points]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
@@ -413,7 +413,7 @@ class SquarePiecePairs:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises a `ValueError` for too small pieces."""
+        """Numbers of rows and columns of every piece. Raises a `ValueError` if pieces would be too small."""
         points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
         if points < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
@@ -492,8 +492,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
     # cutoff wavelengths (µm) of the upper and the lower body; 0 means unfiltered
     cut_off: tuple[float, float] = (0.0, 0.0)
     finest_spacing: float = (
-        # Shortest cutoff (µm) of a study. It determines the grid, so that a member has the same surfaces at all
-        # cutoffs.
+        # Shortest cutoff (µm) of a study, which determines the grid of the generated surfaces at all cutoffs.
         0.0
     )
 

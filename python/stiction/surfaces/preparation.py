@@ -329,7 +329,7 @@ def _count_grid_points(length: float, spacing: float) -> int:
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: GridAlignment) -> Any:
-    """Resample a body to given spacings (µm) and a given shape, unless it already has them."""
+    """Resample a body to given spacings (µm) and a given shape, unless the body already has both."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -383,7 +383,7 @@ def resample_piece(
 
 
 def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
-    """Resample a mask of missing points. A position between two points is missing if one of them is missing."""
+    """Resample a mask of missing points. A new point is missing if an old point beside it is missing."""
     if missing is None:
         return None
     missing_below, missing_above = (

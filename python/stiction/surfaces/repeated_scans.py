@@ -284,7 +284,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
         # The variance of the shift depends on the slopes of both scans and on their difference after alignment.
-        # The Gaussian filter correlates this difference at neighbouring points.
+        # The Gaussian filter correlates the difference between both scans at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)

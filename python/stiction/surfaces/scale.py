@@ -58,7 +58,7 @@ _MAX_FLAT_EXPONENT = 0.35
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
-# Origins of noise that are always attributed to the instrument.
+# Kinds of noise that are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # noise densities along x and y within this ratio count as equal
 # A spectrum can hide noise if its density is at least this multiple of the noise density.
@@ -176,7 +176,7 @@ class ScaleDependentRoughness(TextReprMixin):
 
 
 def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and the power laws with both limits of its exponent's interval.
+    """Return the fitted power law, and two power laws with the limits of the exponent's interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -268,7 +268,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Return the wave numbers (1/µm) of a body and its mean square height (µm²) at each of them.
+    """Return wave numbers (1/µm) of a body, and the mean square height (µm²) at each wave number.
 
     Bodies that are not periodic are levelled first.
     """
@@ -571,7 +571,7 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a surface along x with its noise along y, at least one of which must exist.
+    """Compare the noise of a surface along x with the noise along y. Lines of one axis must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -656,7 +656,7 @@ def _find_spectrum_disturbance(
 
 
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a spectrum with texture harmonics falls as steeply below a wavelength as that of a surface.
+    """Return whether a spectrum with texture harmonics falls below a wavelength as steeply as surface spectra.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -776,7 +776,7 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the bin with the lowest density at which a spectrum becomes flatter than that of any surface.
+    """Return the bin with the lowest density at which a spectrum becomes too flat for a surface.
 
     Returns None if there is no such bin.
     """

@@ -119,7 +119,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength of the scan, which pixels and noise limit.
+        """Shortest reliable wavelength of the scan, limited by pixels and noise.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -137,7 +137,7 @@ class ScanDefects:
 
     @cached_property
     def limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength of the scan, which pixels, noise and tip limit; None without a tip radius.
+        """Shortest reliable wavelength of the scan, limited by pixels, noise and tip, or None without a tip radius.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -320,7 +320,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan. Calls for the same scan share one object.
+    """Return the defects of a scan, in an object that all calls for the scan share.
 
     The defects are cached as an attribute of the body, so that the memory of both is released together.
     """

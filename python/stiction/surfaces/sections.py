@@ -257,7 +257,7 @@ def _compute_with_setting_class(
                 f"{_format_length(lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    if matching_class != index:  # no class is consistent, because two classes require each other
+    if matching_class != index:  # no setting class is consistent, because two classes require each other
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1

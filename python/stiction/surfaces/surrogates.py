@@ -16,8 +16,9 @@ _RINGS_PER_DECADE = 12  # number of rings per decade of wave number; an empty ri
 # Weight of the smoothness penalty, as a number of harmonics: the penalty dominates in rings with fewer harmonics.
 _SMOOTHNESS_PENALTY = 2.0
 _ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
-_MAX_SCORING_STEPS = 1000  # maximum number of iterations of the fit; about ten are usually enough
-# The fit has converged if an iteration changes each ln(density) by less than this number.
+# maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough
+_MAX_SCORING_STEPS = 1000
+# The fit of a surrogate's spectrum has converged if an iteration changes each ln(density) by less than this number.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
 # The half-space solution of a map of 512 × 512 points takes some tenths of a second.
@@ -94,7 +95,7 @@ def surrogate(
         amplitude = np.abs(np.fft.rfft(heights))
     else:
         # Append the mirror image of the profile, which removes the jump at its end and adds a harmonic between any two.
-        # The power of each added harmonic is divided equally between its two neighbours.
+        # The power of each harmonic that mirroring adds is divided equally between its two neighbours.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)

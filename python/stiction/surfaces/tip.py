@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield, for each offset below the tip, slices of points and of their neighbours, and the height of the tip."""
+    """Yield each offset below the tip, as slices of points and of their neighbours, with the tip's height."""
     half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)

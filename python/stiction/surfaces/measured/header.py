@@ -99,7 +99,7 @@ _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 _NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
 _UNAPPLIED_FACTOR_PATTERN = re.compile(
-    # matches the factor "1.0e-03 *" above a matrix
+    # matches a factor above a matrix of heights, such as "1.0e-03 *"
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
     rf"\W*{_POWER_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"

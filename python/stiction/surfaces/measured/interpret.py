@@ -380,7 +380,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes the header line of an unclear spacing, or an empty string if there is none."""
+    """Return a clause that quotes the header line of an unclear spacing, or "" without such a line."""
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"
@@ -567,8 +567,8 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
     """Return the point that deviates most from a grid, with its deviation, or None if rounding explains it."""
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounded positions change the distance of the first and last point by up to one digit.
-    # Truncated positions change it by less than one digit.
+    # Rounding of the printed positions changes the distance of the first and last point by up to one digit.
+    # Truncation of the printed positions changes this distance by less than one digit.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

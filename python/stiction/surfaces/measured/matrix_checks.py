@@ -28,10 +28,10 @@ MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
 MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
 # If a matrix is at most 100 times as likely as a profile written in several text lines, it has a caveat.
-# In such a profile, heights differ from the end of a line to the next line as much as within a line.
-# In a matrix, they differ as much as neighbours in a column.
+# In a wrapped profile, heights differ from the end of a line to the next line as much as within a line.
+# In a matrix, heights differ between the end of a line and the next line as much as neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-# heights farther than this from the median, in median deviations, are ignored in the search for a wrapped profile
+# heights that deviate from the median by more median deviations are ignored in the search for a wrapped profile
 MAX_DEVIATION_IN_LINES = 8.0
 # minimum ratio of the mean square height differences of neighbours in a column and in a line of a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0
@@ -145,7 +145,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe outer rows or columns of a matrix with statistics of the other rows or columns, or return None."""
+    """Describe outer rows or columns that contain statistics of the remaining matrix, or return None."""
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):

@@ -260,11 +260,11 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find rows or columns of a map, or points of a profile, that repeat others and may not have been measured."""
+    """Find repeated rows, columns or points of a scan, which may not have been measured."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
-        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # index of the last point of each run of equal heights
+        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # index of the last height in each run of equal heights
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
         # Without the longest run, compute the fraction of points whose height equals the height before.

@@ -166,7 +166,7 @@ class RawHeights:
     # spacing of rows and spacing of columns that a file declares
     stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map that a file declares
-    history: tuple[str, ...] = ()  # choices made when a file was read, such as the selected column
+    history: tuple[str, ...] = ()  # choices made when a file was read, such as the column of heights
     source: HeightProvenance = HeightProvenance()
     codes: tuple[float, ...] = ()  # numbers that mark missing points according to the file
     factor: float | None = None  # declared factor that converts the numbers in a file to `unit`
@@ -200,7 +200,7 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps listed in a file, applied to the heights before they were written
-    # True for a NumPy array. Two of its columns are positions and heights only if the first has equal steps.
+    # True for a NumPy array, in which the first column must have equal steps to be positions
     area: bool = False
     source: HeightProvenance = HeightProvenance()
     places: tuple[int, ...] | None = None  # column numbers in a file, if a table has only some of its columns

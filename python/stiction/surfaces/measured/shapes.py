@@ -57,8 +57,8 @@ MAX_JITTER = 0.5  # largest difference between steps of measured positions, rela
 MIN_TILT_CORRELATION = 0.98
 # Minimum number of following numbers with equal decimals that make a first number with fewer decimals suspicious.
 MIN_COMPARED_NUMBERS = 20
-# Smallest step of positions, in units of the last printed digit.
-# Below three digits, coarsely rounded heights may have equal steps by chance.
+# Smallest step of a column of positions, in units of the last printed digit.
+# If the step is below three digits, coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -641,7 +641,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps. So do heights of a tilted surface, but they rise in every line.
+    # Measured positions have unequal steps, as have heights of a tilted surface, which rise in every line.
     return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
@@ -705,7 +705,7 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, found by their names or because there are three."""
+    """Return the columns of x, y and z in a list of points, by their names or because only three columns exist."""
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None

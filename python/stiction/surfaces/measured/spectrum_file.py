@@ -20,7 +20,7 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Columns of a spectrum file. Tables from other programs lack the last column."""
 
-# Each scan has two columns in a spectrum file, whose names start with these texts.
+# In a spectrum file, the names of the two columns of each scan start with these texts.
 FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"

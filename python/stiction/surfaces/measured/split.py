@@ -124,7 +124,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sampled_lines = np.arange(count)
-        # Take half of the sampled rows from the start of a table, and spread the others over the rest.
+        # Take half of the sampled rows from the start of a table, and spread the others over the rest of the table.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sampled_lines = np.concatenate([sampled_lines[:half], np.linspace(half, count - 1, half).astype(np.int64)])

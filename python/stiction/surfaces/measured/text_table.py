@@ -42,7 +42,7 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each proc
 MAX_HISTORY_STEPS = 1000
 
 
-# Lines of numbers above or below a table are ignored.
+# Lines of numbers above or below a table are ignored if they are few.
 # Their largest number is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
@@ -51,7 +51,7 @@ MAX_FOOTER_FRACTION = 0.1
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# A separate block of numbers above the data with fewer rows contains sizes or counts.
+# A block of numbers above a table with fewer rows contains sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 
@@ -104,7 +104,7 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if a separate row of two cells above a profile is one of its points.
+    """Raise `FormatError` if a separate row of two cells above a profile is a point of the profile.
 
     Such a row is separated from the block by words, and its position precedes the first position of the block by whole
     steps.
@@ -195,7 +195,7 @@ def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the units of length in a column of words, or nothing if the column has other words."""
+    """Return the units of length in a column of words, or an empty tuple if it contains other words."""
     units = [parse_length_unit(word) for word in words]
     return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 

@@ -112,7 +112,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Texts of the XML elements in main.xml of an X3P file by element path, and the points listed there."""
+    """Texts of the XML elements in main.xml of an X3P file by element path, and points listed in main.xml."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -179,7 +179,7 @@ class _StoredAxis:
         self.stored = _VALUE_TYPES[stored_type]
         self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        # the increment does not apply to lengths stored as floating-point numbers
+        # the increment in an X3P file does not apply to lengths stored as floating-point numbers
         if self.absolute and stored_type in ("F", "D"):
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
