@@ -38,9 +38,9 @@ MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, in le
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-# Limits of the search for an equilibrium near another one:
-# number of contact solutions, steps between two computations of the response to the contact load,
-# and relative changes of the contact load: for the response, and at most in one step
+# Limits of the search for an adhesive equilibrium near a known equilibrium, in this order:
+# largest number of contact solutions, and number of steps between computations of the response to the load;
+# relative change of the contact load for the response, and largest relative change in one step.
 MAX_SOLVES_NEAR_STATE = 100
 NUM_STEPS_PER_RESPONSE = 15
 RESPONSE_LOAD_CHANGE = 0.005
@@ -65,17 +65,17 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
 # The search for the pull-off load ends if the bodies separate under a slightly lower load.
-# The load is lower by the first fraction for extrapolated steps, and by the second fraction for plain steps.
-# Near the pull-off load, plain steps need two to three times as many iterations at 0.01 as at 0.05.
+# For extrapolated steps, the load is lower by the first fraction, and for plain steps by the second fraction.
+# Near the pull-off load, a second fraction of 0.01 would take two to three times as many iterations as 0.05.
 MINIMUM_LOAD_TOLERANCE = 0.01
 EXCLUDED_LOAD_MARGIN = 0.05
 # The search for the pull-off load bisects between the lowest equilibrium load and a load without equilibrium.
-# If the two loads differ by less than this fraction, the search takes small steps from the lowest load instead.
+# If these loads differ by less than this fraction, the search takes small steps from the lowest equilibrium load.
 BISECTED_LOAD_MARGIN = 0.15
 # First decrease of the load in the search for the pull-off load, relative to the lowest equilibrium load.
 FIRST_LOAD_DECREMENT = 0.05
 # A contact solution at an interpolated load is computed only if the load is lower than all equilibrium loads.
-# The relative difference of the loads must be at least this fraction.
+# The load must be lower by at least this fraction of the lowest equilibrium load.
 MIN_LOAD_IMPROVEMENT = 0.003
 # two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
@@ -228,7 +228,7 @@ class AdhesionSolver:
                     return vars(state) | {"is_balanced": True}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
                     raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-                # ignore the first two steps, which may be near an equilibrium by chance
+                # ignore the first two iterations, which may be near an adhesive equilibrium by chance
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -413,9 +413,8 @@ class AdhesionSolver:
         unsupported_load = -math.inf
         for _ in range(MAX_TRIAL_LOADS):
             least_load = state_of_lowest_load(states).load
-            # Between two equilibria, the contact load is at least the later one, and the attraction at most the earlier
-            # one.
-            # These bounds give a lower bound of the external load.
+            # Between two equilibria, the contact load is at least the contact load of the later one.
+            # Between two equilibria, the attraction is at most the attraction of the earlier one.
             load_bound = min(
                 [b.contact_load - a.mean_attraction for a, b in itertools.pairwise(states)]
                 + [-states[-1].mean_attraction]
@@ -454,7 +453,8 @@ class AdhesionSolver:
             else:
                 unsupported_load = load
                 if trial_state.load > load:
-                    continue  # every step was faster than the step before
+                    # every step of the separation was faster than the step before, so there is no trial equilibrium
+                    continue
                 try:
                     trial_state = self.find_equilibrium_near(trial_state, earlier_state=start)
                 except EquilibriumNotFoundError:
@@ -503,7 +503,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Add equilibria where interpolation predicts a lower external load than at all others. Return all of them."""
+        """Return the equilibria and further ones, computed where interpolation predicts a lower external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -554,7 +554,7 @@ def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Interpolate the external load between equilibria. Return its minimum, and the contact pressure there.
+    """Return the lowest external load between equilibria by interpolation, and its contact pressure.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
