@@ -132,7 +132,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient from contact sums. The arguments are those of `load`."""
+        """Return the friction coefficient from contact sums, with the arguments of `load`."""
         tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
         return np.asarray(tangential / normal)
 
@@ -271,7 +271,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
 
 
 def _fraction_below(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) for Weibull-distributed pressures p, none of which exceeds 1.
+    """Return mean(min(p, limit)) / mean(p) for Weibull-distributed pressures p of at most 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
@@ -391,7 +391,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two surfaces: those of `Validity` and three more.
+    """Validity indicators of the asperity model for two surfaces, three more than for profiles.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -523,7 +523,7 @@ class FrictionCurve(PlotReprMixin):
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
-        # In the array axes, mu0 and tau0 come first, and directions and steps of the load follow.
+        # In the arrays, the axes of mu0 and tau0 come first, before the axes of directions and loading steps.
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return FrictionLaw(parameters[0][index], parameters[1][index])
 

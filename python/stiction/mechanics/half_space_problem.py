@@ -282,7 +282,7 @@ class ContactSolution:
             return self._compute_stiffness(free_mask) / problem.area
         # Approach and mean displacement due to a nominal pressure of 1 GPa.
         # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
-        # The weights of this mean are the contact pressures.
+        # The contact pressures are the weights of this mean displacement.
         pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
         approach = approach_of_unit_sum * problem.area / problem.cell_area
         mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
@@ -451,7 +451,7 @@ class ContactSolver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Give missing points a gap that never closes.
-            # The large gaps raise the standard deviation of the gap, to which the solver tolerance refers, so rescale
+            # The large gaps raise the standard deviation of the gap, so rescale the solver tolerance, which refers to
             # it.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))

@@ -25,7 +25,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 # Smallest approach that is computed, as a fraction of the range of the gap.
-# At smaller approaches, a single contact carries the whole load.
+# At an approach below 1e-6 of the range of the gap, a single contact carries the whole load.
 _MIN_APPROACH_RATIO = 1e-6
 # Ratio of successive approaches.
 # If the load crosses a requested load twice between two approaches, both crossings are missed.

@@ -159,7 +159,7 @@ class ContactModel:
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without cached objects such as that of the C++ core."""
+        """Return the state for pickling, without cached objects of the C++ core."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 
@@ -185,7 +185,7 @@ _DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactModelArguments(TypedDict, total=False):
-    """Keyword arguments for a contact model: `model`, and parameters that replace some of its own."""
+    """Keyword arguments for a contact model: `model`, and parameters that replace parameters of `model`."""
 
     model: ContactModel
     effective_modulus: float
@@ -198,7 +198,7 @@ class ContactModelArguments(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create a contact model from keyword arguments, with defaults for all others."""
+    """Create a contact model from keyword arguments. All other parameters have their defaults."""
     parameters: dict[str, Any] = dict(keywords)
     model: ContactModel = parameters.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -289,7 +289,7 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
 
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:
-    """Warn if both surfaces of a pair are the same surface, or its mirror image."""
+    """Warn if the upper surface of a pair equals the lower surface or its mirror image."""
     upper_history, lower_history = map(list_history_without_flips, (upper, lower))
     is_same = upper_history == lower_history
     flip_parities = [count_flips(body) % 2 for body in (upper, lower)]

@@ -64,7 +64,7 @@ class PatchSums:
         return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Any]:
-        """Return area and normal force of all patches, and the other sums over the patches where friction acts.
+        """Return area and normal force of all patches, and the friction sums of the patches where friction acts.
 
         Sums that depend on the direction have the shape (directions,).
         """

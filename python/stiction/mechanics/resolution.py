@@ -323,7 +323,7 @@ def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and contact sums against the cutoff, with NaN where there is no solution."""
+    """Return areas, pressures and contact sums against the cutoff, with NaN where the solver failed."""
     import xarray as xr
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]

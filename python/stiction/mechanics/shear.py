@@ -1,4 +1,4 @@
-"""Direct shear test: contacts of two faces, the upper one of which is displaced in steps.
+"""Direct shear test: contacts of two faces while the upper face is displaced in steps.
 
 Each step is a half-space contact. The normal load is constant, or rises with the dilation at a constant stiffness.
 """
@@ -56,8 +56,10 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 
 MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one shear displacement
 MAX_LOAD_FACTOR = 4.0  # maximum ratio of the elastic loads of two consecutive contact solutions
-MAX_ELASTIC_LOAD_RATIO = 100.0  # faces lock if the elastic load exceeds this multiple of the required normal load
-MIN_ELASTIC_LOAD_RATIO = 1e-4  # faces are separated if the elastic load is below this fraction of the initial load
+# faces of a joint lock if the elastic load exceeds this multiple of the required normal load
+MAX_ELASTIC_LOAD_RATIO = 100.0
+# faces of a joint are separated if the elastic load is below this fraction of the initial load
+MIN_ELASTIC_LOAD_RATIO = 1e-4
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
