@@ -52,7 +52,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Crossings: points at which load curves first reach given loads.
+    """Points at which load curves first reach requested loads.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -66,7 +66,7 @@ class LoadCrossings:
 
     @classmethod
     def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
-        """Return where load curves first reach given loads, by linear interpolation between loading steps.
+        """Find the points at which load curves first reach requested loads, by linear interpolation between steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
         value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
@@ -97,12 +97,12 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove crossings that follow a loading step at which the curve is NaN."""
+        """Remove the requested loads that a curve reaches directly after a NaN."""
         before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the curves at the loading steps before and after each crossing."""
+        """Return the curves at the loading steps below and above each requested load."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -126,8 +126,9 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a load equals a step exactly, the quantity at the previous step may be NaN.
-        with np.errstate(invalid="ignore"):  # a quantity may be infinite, such as the stiffness at complete contact
+        # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
+        # interpolated quantities may be infinite, such as the stiffness at complete contact
+        with np.errstate(invalid="ignore"):
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
@@ -135,7 +136,7 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads, known only for crossings that were found with `interpolates_ratio`."""
+        """Requested loads, which are known only if the points were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
@@ -194,11 +195,11 @@ class LoadCrossings:
         return self.interpolate_with_slopes(values, slopes)[0]
 
     def min_at_bracketing_steps(self, values: Floats) -> Floats:
-        """Return the smaller number of the steps before and after each crossing."""
+        """Return the smaller of a quantity's numbers at the steps below and above each requested load."""
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slope of one quantity with respect to another at each crossing."""
+        """Return the slope of one quantity with respect to another at each requested load."""
         index = np.maximum(self.index, 1)
         value_change, over_change = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -257,19 +258,19 @@ class MeansAtLoads:
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
-        """Interpolate curves at the crossings."""
+        """Interpolate curves at the requested loads that they reach."""
         after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
-        """Arrange numbers at crossings in an array (curves, loads), with NaN at loads that are not reached."""
+        """Arrange numbers in an array (curves, loads), with NaN at loads that a curve does not reach."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
 
 
 class _QuantityAtLoads:
-    """Mean of one quantity at the crossings, with the sums for its jackknife interval."""
+    """Mean of one quantity at each requested load, with the sums for its jackknife interval."""
 
     def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
         self.mean, self._slope, self._load = mean, slope, load
@@ -289,7 +290,7 @@ class _QuantityAtLoads:
         self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the interval limits at the crossings, given the curve of each crossing."""
+        """Return the interval limits at each requested load, given the curve that reaches the load."""
         mean = self.mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -427,7 +428,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     are equal.
     """
     count = values.shape[0]
-    # Sum each row separately, so that its sum does not depend on the other rows.
+    # Sum each row of numbers separately, so that its sum does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -467,7 +468,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     weights /= weights.sum(axis=1, keepdims=True)
     errors = np.sqrt(squares / (count - 1) * inflation)
 
-    # Above 0, the distribution function is concave, so Newton steps from below never exceed the quantile.
+    # Above 0, the distribution function of the mean is concave, so Newton steps from below never exceed its quantile.
     quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
         row_weights, row_errors = weights[moving_rows], errors[moving_rows]
