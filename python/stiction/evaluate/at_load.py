@@ -113,7 +113,7 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` is the difference between equal elastic and equal normal load.
+        # `load_definition_effect` compares the coefficient at a given elastic load with that at an equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
         # Means over an ensemble neglect that contacts grow or lose area under shear.
         other_result = (

@@ -244,7 +244,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # The percentiles at the first cutoff enclose those at all other cutoffs.
+    # The percentiles of friction at the first cutoff enclose the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
@@ -428,7 +428,7 @@ def _iterate_intervals(
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
-    """Return the loads at which uncertainty budgets are computed, as a mask.
+    """Return a mask of the loads at which uncertainty budgets are computed.
 
     The limit applies to the coefficients at all loads of the study together, and to each other load on its own.
     Therefore, the budget at a load does not depend on other loads that are evaluated in addition.
@@ -498,7 +498,7 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return the intervals that would remain if one of the named inputs were exact.
+    """Return the intervals that would remain if an input were exact, for each of the named inputs.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. If an input is missing there,
     the combined interval is returned for it.
@@ -510,7 +510,7 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
-    """Return the coefficients with an uncertainty budget, as a mask."""
+    """Return a mask of the coefficients that have an uncertainty budget."""
     widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
@@ -545,7 +545,7 @@ def _get_combined_coefficients(
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    # An interval with an infinite upper limit is known.
+    # An interval counts as known even if its upper limit is infinite.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
     # The interval at the first cutoff covers the intervals at all other cutoffs.

@@ -183,7 +183,7 @@ class CombinedIntervals:
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
         # The first element of `strengths` has joint samples of mu0 and tau0.
-        # In every other element, mu0 or tau0 equals its bound.
+        # In the other elements of `strengths`, mu0 or tau0 equals its bound.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central

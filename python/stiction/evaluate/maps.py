@@ -266,8 +266,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass finds the steps at which the mean loads are reached.
-    # The second pass computes the intervals at these steps.
+    # The first pass over the members finds the loading steps at which their mean loads are reached.
+    # The second pass over the members computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -504,7 +504,7 @@ def _average_sums(
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays, by default those of the study."""
+    """Return mu0 and tau0 (GPa) as arrays, by default mu0 and tau0 of the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

@@ -33,7 +33,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class LoadNeighbors:
-    """Members at the computed loads below and above each load, and the position of the load between them.
+    """Quantities of members at the computed loads around each requested load, for interpolation.
 
     The position is the fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -297,7 +297,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes of motion (0 to 180 degrees) with both opposite directions, and the directions' indices.
+    """Return the axes of motion (0 to 180 degrees) with both opposite directions, and the indices of these.
 
     The indices have the shape (axes, 2).
     """

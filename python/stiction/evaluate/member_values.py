@@ -297,7 +297,7 @@ class _MemberForces:
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Return normal and tangential loads at given normal loads, interpolated as ratios if the steps are loads."""
-        # Move the steps to the last axis, along which loads are interpolated.
+        # Move the loading steps to the last axis, along which loads are interpolated.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
         with np.errstate(invalid="ignore"):
@@ -505,10 +505,10 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the contact sums of members, and the points at which their load curves reach given loads."""
+    """Return the contact sums of members, and the points at which load curves reach requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Use variables instead of data arrays: without coordinates, they are accessed much faster.
+    # Variables have no coordinates, so they are accessed much faster than data arrays.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (
@@ -536,7 +536,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove the sums needed only for them."""
+    """Add ratios of contact sums to the variables, and remove sums that are not needed otherwise."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

@@ -45,8 +45,7 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan  # small-slope estimate of the coefficient (`gentle_friction`); NaN for generated bodies
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficients by the direction of motion in degrees, along the axes or in all directions, with intervals of the
-    # mean.
+    # Coefficients with intervals of the mean, by direction of motion in degrees, along axes or in all directions.
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
@@ -175,7 +174,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete", or in the asperity model "above-nominal"."""
+    """Return the status of the true area at a point: "ok", "complete" or, for asperities, "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1

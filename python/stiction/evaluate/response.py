@@ -1,4 +1,4 @@
-"""Response of a contact to its uncertain inputs E*, hardness, μ0, τ0 and those of yielding.
+"""Response of a contact to its uncertain inputs: E*, hardness, μ0, τ0 and the inputs of yielding.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -109,7 +109,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures between the computed loads by power laws, which continue beyond them."""
+        """Interpolate closures by power laws, which continue beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -234,7 +234,7 @@ class ContactResponse:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return stiffnesses (loading, unloading, closure) divided by those at the central inputs.
+        """Return the stiffnesses (loading, unloading, closure) relative to the central inputs.
 
         E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
         factor. A hardness that does not have this factor changes it with the area. The stiffness keeps the measured
@@ -258,7 +258,7 @@ class ContactResponse:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the friction at zero load divided by that at the central inputs.
+        """Return the friction at zero load, relative to the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -288,7 +288,7 @@ class ContactResponse:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure divided by that at the central inputs.
+        """Return the closure, relative to the central inputs.
 
         By similarity, take the closure at the load divided by the change of E* and heights, and multiply it by the
         height factor. `closures` is the result of `closures_at_computed_loads`.
@@ -300,5 +300,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities at the central inputs, of which some may be replaced."""
+        """Return all quantities at the central inputs, after replacing some inputs."""
         return self.evaluate(replace(self.central, **changes))

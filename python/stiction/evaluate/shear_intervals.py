@@ -240,7 +240,7 @@ def _student_scores(probabilities: Floats, num_strips: int) -> Floats:
 
 
 def _compute_limits(values: Floats) -> Floats:
-    """Return 95 % limits over the first axis, or NaN if a sample is NaN."""
+    """Return the 95 % limits of samples (first axis), or NaN if a sample is NaN."""
     columns = values.reshape(len(values), -1)
     limits = np.full((columns.shape[1], 2), np.nan)
     is_known = ~np.isnan(columns).any(axis=0)
