@@ -73,7 +73,7 @@ SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Smallest and largest accepted exponent n of the area of yielding contacts.
-# Fine asperities have a much larger exponent than the smallest, and steps a smaller exponent than the largest.
+# The exponent of fine asperities is far above the smallest, and the exponent of steps is below the largest.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
 # Largest accepted creep exponent: the hardness falls to a third in each decade of time.
@@ -271,7 +271,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Add a missing unit to one of two texts by copying the unit of the other."""
+    """Add a missing unit to one of two texts, copied from the other text."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -317,8 +317,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
         points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
     else:
-        # Scramble the Sobol points by Matoušek's method: a random lower triangular matrix over the bits, and a random
-        # shift.
+        # Scramble the Sobol points by Matoušek's method, with a random lower triangular matrix and a random shift.
         random_bits = partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
         shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
         matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(
@@ -330,7 +329,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         for dimension, matrix in enumerate(matrices):
             bits = matrix @ _compute_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
-                # In Gray-code order, the second half of the Sobol points is the first half in reverse, with one bit
+                # In Gray-code order, the second half of the Sobol points is the reversed first half with one bit
                 # flipped.
                 first_half = integers[: 2**index, dimension]
                 integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number

@@ -88,7 +88,7 @@ class Inputs:
 
     @classmethod
     def from_study(cls, study: Study) -> Inputs:
-        """Return the inputs of a study. Studies with the same inputs share the object."""
+        """Return the inputs of a study. Studies with the same inputs share one object."""
         contact, friction = study.contact, study.friction
         values = {
             "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,

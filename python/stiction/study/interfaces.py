@@ -1,4 +1,4 @@
-"""Strengths of interfaces: published ones, and those in files of calibrations.
+"""Strengths of interfaces, published or read from calibration files.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -191,7 +191,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return one line about the interface: mu0 + tau0 A/F, or mu0 and tau0 if the tests separate them."""
+        """Return a line about the strength: mu0 + tau0 A/F, and mu0 and tau0 if tests separate these."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -228,7 +228,7 @@ class InterfaceStrength:
 
     @cached_property
     def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
-        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate them."""
+        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate mu0 from tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @property

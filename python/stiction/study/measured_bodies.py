@@ -401,7 +401,7 @@ class MeasuredBodySettings(SettingsSection):
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def file_stamp(self) -> tuple[int, int] | None:
-        """Return modification time (ns) and size of the scan file, or None if there is no file."""
+        """Return modification time (ns) and size of the scan file, or None if the file does not exist."""
         try:
             file_status = None if self.body else Path(self.file).stat()
         except OSError:

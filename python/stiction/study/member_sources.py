@@ -229,7 +229,7 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """Source of the only member of a study of a gap: a flat face, and a rough face with the gap between them."""
+    """Source of the only member of a study of a gap: a flat face and a rough face."""
 
     flat: Surface
     rough: Surface

@@ -130,7 +130,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate a pair of surfaces of a study, the same as in a run.
+    """Generate a pair of surfaces of a study, as `run` generates it.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def pair_of(
 
 
 def _get_grid_properties(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan, which must equal those of other scans.
+    """Return type, shape and spacing of a scan, for comparison with other scans.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -224,7 +224,7 @@ class PreparedBodies:
         """Return the member with a given index, from scans filtered at a cutoff (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # For each pair of scans, number the members from 0.
-        # For surrogates, keep the number in the study, because it is the random seed.
+        # Surrogates keep the member number of the study, because it is their random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

@@ -831,7 +831,7 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_option_choices(name: str) -> tuple[str, ...]:
-    """Return the words that an option accepts, or nothing if it accepts other values."""
+    """Return the words that an option accepts, or an empty tuple if it accepts more than fixed words."""
     annotation = PairOptions.model_fields[name].annotation
     literal_type = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal_type) if isinstance(argument, str))

@@ -348,7 +348,7 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Interface that defines mu0 and tau0, or None if none is given."""
+        """Interface that defines mu0 and tau0, or None without an interface."""
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -800,7 +800,7 @@ class MeasuredPair:
 
     @property
     def _hardness(self) -> InputValue | None:
-        """Hardness given by the user, or else of the softer material."""
+        """Hardness given by the user or, without it, the hardness of the softer material."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else parse_input_value("hardness", format_material_value(value, "GPa"))

@@ -501,7 +501,7 @@ class Study(SettingsSection):
 
     @classmethod
     def named(cls, name: str) -> Study:
-        """Return the built-in study with a given name, one of `study_names`.
+        """Return the built-in study with a given name; `study_names` lists all names.
 
         Raises
         ------
