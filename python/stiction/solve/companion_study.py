@@ -52,7 +52,7 @@ class CompanionStudy:
     def complete(
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
     ) -> MemberSums:
-        """Compute the missing members of the companion study, and return all of them.
+        """Compute the missing members of the companion study, and return all its members.
 
         Members of another study, for example of another pair, are removed first. Raises the errors of
         `compute_missing_blocks`.

@@ -38,7 +38,7 @@ PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress 
 
 @contextlib.contextmanager
 def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
-    """Yield the given executor or, if there is none, a thread pool that ends with the context.
+    """Yield the given executor, or a thread pool that ends with the context.
 
     Raises a `StudyError` if a worker process ends.
     """

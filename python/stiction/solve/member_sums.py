@@ -45,7 +45,7 @@ class MemberSums:
             return sums
         if isinstance(sums, MemberSums):
             converted_sums = cls(sums.source)
-            vars(converted_sums).update(vars(sums))  # both objects share all cached arrays
+            vars(converted_sums).update(vars(sums))  # the original and the converted object share all cached arrays
             return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
@@ -130,7 +130,7 @@ class MemberSums:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables at each loading step over the members that were solved there; NaN without such members.
+        """Average variables over the solved members at each loading step, with NaN where no member was solved.
 
         Only one piece of the result is held in memory at a time.
         """
@@ -157,11 +157,11 @@ class MemberSums:
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Elastic load (mN) at each loading step, averaged over the members that were solved there."""
+        """Elastic load (mN) at each loading step, averaged over the solved members."""
         return share(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Read data stored beside the result with `read`, and cache them.
+        """Read data stored beside the result with the function `read`, and cache the data.
 
         Returns None for results in memory. The arrays of datasets are read-only.
 
@@ -178,7 +178,7 @@ class MemberSums:
         return share(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, which is cached for the next call with the same function.
+        """Return `compute(self)`, cached for the next call with the same function.
 
         The arrays of datasets are read-only.
         """

@@ -34,7 +34,7 @@ from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
 STORAGE_INTERVAL = 15.0  # time (s) after which the finished steps of a member are written to its file again
-MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file of finished steps
+MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file with finished steps of a member
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
@@ -121,7 +121,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove the stored steps of all or some members from a result directory, for any or one key."""
+    """Remove stored steps of members from a result directory: of all or some members, with any or one checksum."""
     for member, member_directory in _list_member_directories(directory):
         if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
@@ -130,7 +130,7 @@ def remove_stored_steps(directory: Path, members: Container[int] | None = None, 
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_directory)
                 member_directory.rmdir()
-    # listing fails if the directory is missing, and removing it fails if other members use it
+    # the directory may be missing, or contain the finished steps of other members
     with contextlib.suppress(OSError):
         (directory / IN_PROGRESS_DIRECTORY).rmdir()
 
@@ -145,7 +145,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record that stores the finished steps of a member, and reads those of an interrupted computation."""
+    """Record that stores the finished steps of a member, and reads the steps of an interrupted computation."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()

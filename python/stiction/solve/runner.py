@@ -361,7 +361,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Unfinished members of a study or of a part of it, as ranges within one block each."""
+    """Unfinished members of a study, as ranges of members within a block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -377,7 +377,7 @@ class _UnfinishedMembers:
         self.count = self.total - int(sum(np.count_nonzero(is_finished) for is_finished in finished_by_block))
 
     def __iter__(self) -> Iterator[range]:
-        """Yield the ranges of missing members, one block after the other."""
+        """Yield the ranges of missing members, block by block."""
         for block in self._blocks:
             first = block * self.block_size
             is_finished = self._is_finished[first : first + self.block_size]

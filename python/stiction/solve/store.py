@@ -213,7 +213,7 @@ class StoredResult:
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in groups of members, one of which is in memory at a time (see `Result.pieces`)."""
+        """Yield the result in groups of members, with one group in memory at a time (see `Result.pieces`)."""
         selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
@@ -439,7 +439,7 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a directory contains blocks for all members of a study, without reading them."""
+    """Return whether a directory contains blocks for all members of a study. The blocks are not read."""
     return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
 
 
@@ -786,7 +786,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
         output.dimensions = {str(dim): size for dim, size in dataset.sizes.items()}
         for name, value in attributes.items():
             output.attrs[str(name)] = value
-        # Create coordinates before variables: a coordinate that is created later detaches the variables of its
+        # Create coordinates before variables, because a later coordinate would detach the variables along its
         # dimension.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             values = variable.values
