@@ -76,7 +76,7 @@ MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the re
 
 # Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# If more than this fraction of the samples has no upper limit, the interval has none.
+# The interval of a result has no upper limit if more than this fraction of its samples has none.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Minimum fraction of input samples without an upper limit of friction that a caveat reports.
@@ -265,7 +265,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks of a coefficient and its interval, of which only the first failed one is reported."""
+    """Return checks of a coefficient and its interval. Only the first failed check is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -285,7 +285,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks for too few contacts, of which only the first failed one is reported."""
+    """Return checks for too few contacts. Only the first failed check is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"

@@ -38,7 +38,7 @@ _HANN_LOG_VARIANCE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface, each result of which is computed on first use.
+    """Characterisation of a levelled profile or surface, computed on first use of each property.
 
     Attributes
     ----------
@@ -189,12 +189,12 @@ class Characterisation:
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, which pixels and noise limit, without the tip."""
+        """Shortest reliable wavelength, limited by pixels and noise but not by the tip."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, which pixels, noise and tip limit, or None without a tip radius."""
+        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
         return self.defects.limit_with_tip
 
     @cached_property

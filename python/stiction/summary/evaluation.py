@@ -52,12 +52,12 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# Number of fractal dimensions that an overview shows of a range.
+# Number of fractal dimensions that an overview of a range of fractal dimensions shows.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Contact sums of a study, what is evaluated from them, and further results stored beside them."""
+    """Contact sums of a study, with friction evaluated from the sums and further stored results."""
 
     @cached_property
     def num_solved(self) -> int:

@@ -54,7 +54,7 @@ def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return which contacts of a contact map oppose the motion of the upper body, as a mask.
+    """Return a mask of the contacts that oppose the motion of the upper body.
 
     The direction of motion is in degrees from +x towards +y.
     """

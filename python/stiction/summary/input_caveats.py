@@ -46,7 +46,7 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
 
-# Largest plausible ratio of height to length of a scan. Above it, the height unit must be wrong.
+# Largest plausible ratio of height to length of a scan, above which the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
 # largest plausible mu0; all published coefficients are smaller, even for clean metals in vacuum
 MAX_PLAUSIBLE_MU0 = 2.0
@@ -89,7 +89,7 @@ def find_input_caveats(
     is_vouched = bool(study.surfaces.vouched)
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about the scans of a body, with only the longest cutoff of each kind."""
+        """Return the caveats about the scans of a body. Of several caveats of one kind, keep the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
@@ -285,7 +285,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about the scans of a study, or nothing if files are missing.
+    """Return caveats about the scans of a study, or an empty tuple if files are missing.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -339,7 +339,7 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if the spectra of scans disagree, and one if all scans lack the same wavelengths."""
+    """Yield a caveat if scans have different spectra, and a caveat if no scan has certain wavelengths."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")

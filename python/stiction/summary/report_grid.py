@@ -1,4 +1,4 @@
-"""Loads, mu0 and tau0 of a report, and evaluation of a result at all of them."""
+"""Loads, mu0 and tau0 of a report, and evaluation of a result at each combination."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class ReportGrid:
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report: kinds, cells, sliding rules, motions, loads, mu0 and tau0."""
+        """Number of coefficients in a report, for all kinds, cells, rules, motions, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
@@ -142,7 +142,7 @@ class ReportGrid:
 
 
 def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
-    """Return mu0 and tau0 (GPa) of a report: those of the study, and round numbers from 0."""
+    """Return mu0 and tau0 (GPa) of a report: numbers of the study, and round numbers from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
     mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])

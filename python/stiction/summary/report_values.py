@@ -279,7 +279,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
 
 
 def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return which points have a load that is negligible compared with the pull-off force, as a mask."""
+    """Return a mask of the points whose load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)

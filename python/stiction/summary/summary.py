@@ -347,7 +347,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Points to quote, without those at a second cutoff, which the intervals cover."""
+        """Points to quote, without the points at a second cutoff, which the intervals cover."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -419,11 +419,11 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to those at the second cutoff.
+    """Extend the intervals at the first cutoff to the intervals at the second cutoff.
 
     The list begins with the points at the first cutoff. The other points are marked as covered.
     """
-    cut_off = points[0].at["cut_off"]  # the result quotes the coefficient at the first cutoff
+    cut_off = points[0].at["cut_off"]  # quote the coefficient at the first cutoff
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
@@ -482,7 +482,7 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
-    """Extend the intervals of a quantity to those of the same quantity at another cutoff."""
+    """Extend the intervals of a quantity to its intervals at another cutoff."""
     return replace(
         value.extended_to(other_value),
         prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
@@ -604,12 +604,12 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along one dimension of a dataset, or nothing without this dimension."""
+    """Return the coefficients along one dimension of a dataset, or an empty dict without this dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None if there is none."""
+    """Return the 95 % interval of a quantity, or None without an interval."""
     if name not in table:
         return None
     estimate = read_estimate(table[name])
