@@ -37,7 +37,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ShortenedList:
-    """List of which only the first lines are printed, with the number of lines left out.
+    """List whose first lines are printed, followed by the number of omitted lines.
 
     Up to `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines. None
     means that there is no limit.
@@ -61,7 +61,7 @@ def terminal_width() -> int:
 
 
 def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
-    """Return paragraphs with empty lines between them, within the width of the terminal."""
+    """Return paragraphs, separated by empty lines, within the width of the terminal."""
     return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
 
 

@@ -205,7 +205,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities of a CSV file, without those that differ between directions."""
+    """Return the quantities in a CSV file: all that do not depend on the direction."""
     return [
         name
         for name in quantity_names_shown_in("csv")

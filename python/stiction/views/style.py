@@ -91,7 +91,7 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes of a figure with its layout engine, and keep them in place.
+    """Place the axes of a figure with its layout engine, and remove the engine to fix the positions.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """

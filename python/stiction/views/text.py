@@ -191,7 +191,7 @@ def preview_text(summary: Summary) -> str:
 
 
 def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line with mu0 and tau0 of the study if there are several, or ""."""
+    """Return a line with mu0 and tau0 of the study, or "" if the study has only one of each."""
     friction = study.friction
     assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence about loads without a coefficient, and how to compute them.
+    """Return a sentence that names loads without a coefficient, and how to compute these loads.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """
@@ -330,7 +330,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a sentence about adhesion without a load, or nothing if the bodies do not adhere."""
+    """Return a sentence about adhesion without a load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []

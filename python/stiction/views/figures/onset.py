@@ -207,7 +207,7 @@ _ONSET_PANELS = {
 }
 """Factor, axis label, and True for a logarithmic axis, for each panel."""
 
-LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of the curves, from the lowest to the highest load
+LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of onset curves, from the lowest to the highest load
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:

@@ -1,4 +1,4 @@
-"""Choice of the figures of a result: those of its study, or standard ones for measured surfaces."""
+"""Choice of the figures of a result: figures of the study, or standard figures for measured surfaces."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def draw_figures(
     result: Evaluation | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
-    """Draw the figures of a result, save them, and return their paths.
+    """Draw the figures of a result, save the files, and return their paths.
 
     Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if

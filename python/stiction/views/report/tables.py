@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns of the array by suffix of their name: numbers, limits and decimals."""
+        """Return the stored columns of the array (numbers, limits, decimals), each with the suffix of its name."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -82,7 +82,7 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns of the array by suffix of their name: numbers and formats."""
+        """Return the stored columns of the array (numbers, formats), each with the suffix of its name."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
