@@ -236,7 +236,7 @@ class CalibrationProblem:
             np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Error of every test, with or without sliding, per unit of the relative standard deviation between runs.
+        # Errors of all tests due to scatter between runs, for a relative standard deviation of 1 between runs.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -369,7 +369,8 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # At a step that makes the interface stronger than the softer body, the residual is not finite.
+                # The residual is not finite at a step of the fit that makes the interface stronger than the softer
+                # body.
                 test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
@@ -480,7 +481,7 @@ class CalibrationProblem:
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
     def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the junction growth α that all tests share, or NaN if there is none."""
+        """Return samples of the junction growth α that all tests share, or NaN without a common α."""
         from scipy.special import ndtr
 
         if self.junction_growth is None or self.junction_growth.is_exact:
@@ -494,7 +495,7 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Uncertain hardness that all tests share, or None if there is none."""
+        """Uncertain hardness that all tests share, or None without a common hardness."""
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         names = {
@@ -508,7 +509,7 @@ class CalibrationProblem:
         )
 
     def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if there is none."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN without a common hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]
@@ -634,7 +635,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test limits tau0 from above: by mu0 = 0, with the area at the measured coefficient.
+            # Each test limits tau0 from above, because mu0 is at least 0: compute the limit for mu0 = 0.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -655,7 +656,7 @@ class CalibrationProblem:
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
         # Residuals vary more slowly with mu0 below its best fit than above.
-        # Below, they vary at least as much as without junction growth.
+        # Below its best fit, residuals vary with mu0 at least as much as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -782,7 +783,7 @@ class CalibrationProblem:
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
-        # Systematic resampling: select each cell as often as its weight requires.
+        # Systematic resampling selects each grid cell as often as its weight requires.
         target_weights = (
             (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
         )

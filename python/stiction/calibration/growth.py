@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of tau0 in each search, and number of successively finer searches.
+# Number of tau0 that are tested in a search for the range of tau0, and number of successively finer searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
 MU0_DERIVATIVE_STEP = 1e-4  # change of mu0 for its numerical derivative, relative to 0.1 + mu0

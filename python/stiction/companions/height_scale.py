@@ -204,7 +204,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         try:
             factor = float(directory.name.removeprefix(f"{scaled}-"))
             sums = find_factor_study(result.study, result.path, factor, scaled).open()
-        except ValueError:  # the name of the directory is not a height factor
+        except ValueError:  # a subdirectory whose name is not a height factor raises a ValueError
             continue
         if sums is not None:
             results[factor] = sums
@@ -342,7 +342,7 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        if "statistic" in unscaled_point[name].dims:  # the dimension `statistic` is always the last
+        if "statistic" in unscaled_point[name].dims:  # in every variable, `statistic` is the last dimension
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *unscaled_point[name].dims), interpolated, unscaled_point[name].attrs)

@@ -306,7 +306,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of numbers that may be infinite, such as stiffnesses
+_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of stored numbers that may be infinite, such as stiffnesses
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),

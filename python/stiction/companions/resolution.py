@@ -121,7 +121,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
         return None
     try:
         cutoff_study = find_cutoff_study(study, result.path)
-    except ValueError:  # files of the bodies are missing
+    except ValueError:  # a scan file is missing
         return None
     sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if sums is None:
@@ -154,7 +154,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the cutoff (µm) at which the elastic pressure is `ratio` times that of the unfiltered scans.
+        """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure of the unfiltered scans.
 
         The cutoff is returned with its interval.
         """
