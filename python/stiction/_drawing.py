@@ -168,7 +168,7 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a label for each pair of mu0 and tau0, or nothing for a single pair."""
+    """Return a label for each pair of mu0 and tau0, or an empty list for a single pair."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []

@@ -42,7 +42,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this one and others, with NaN as in `extend_intervals`."""
+        """Return the smallest interval that includes this interval and the given ones."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -138,7 +138,7 @@ class Estimate:
         }  # fmt: skip
 
     def extended_to(self, other: Estimate) -> Self:
-        """Return the estimate with an interval that includes that of another estimate.
+        """Return the estimate with an interval that also includes the interval of another estimate.
 
         A missing interval stays missing, because the uncertainty of the value is then unknown.
         """

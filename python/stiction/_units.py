@@ -97,7 +97,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def core_quantity(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity. Too large or too small numbers raise a `ValueError`."""
+    """Return a number in core units as a quantity. Raises a `ValueError` if its size is out of range."""
     text = exact_quantity_text(value, _core_unit(kind))
     return _check_magnitude(Quantity(value, text), kind, text)
 

@@ -293,7 +293,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one of the shear tests, and report progress over all of them."""
+        """Solve one shear test, and report progress over all shear tests."""
 
         def show(done: int, _: int) -> None:
             if progress is not None:
@@ -364,7 +364,7 @@ def _describe_inputs(setup: _TestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished shear test in a directory, or None if it has none or another one to replace."""
+    """Return the finished shear test in a directory, or None without a shear test that can be reused."""
     import xarray as xr
 
     path = directory / TEST_FILE_NAME
@@ -386,7 +386,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return the faces with its conditions, and their registration."""
+    """Check the arguments of a shear test. Return its faces with the conditions, and a registration of the faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

@@ -48,7 +48,7 @@ from stiction.summary.input_caveats import find_alternatives
 if TYPE_CHECKING:
     import xarray
 
-LinePrintFunction = Callable[[str], Any]  # function that prints a line of text
+LinePrintFunction = Callable[[str], Any]  # type of a function that prints a line of text
 
 MIN_ANNOUNCED_TIME = 20.0  # estimated computing time (s) above which the estimate is always printed
 
@@ -120,7 +120,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of one part of it.
+    """Compute the missing blocks of a study, or of a part of the study.
 
     Without a part, the companion files are computed too.
 
@@ -203,7 +203,7 @@ def _compute_alternatives(
     """
     try:
         names = find_alternatives(stored_result.study)
-    except ValueError:  # files of the bodies are missing
+    except ValueError:  # a scan file is missing
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -254,7 +254,7 @@ def compute_companion_files(
         announce("onset of sliding")
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
-    except ValueError as error:  # files of the bodies are missing
+    except ValueError as error:  # a scan file is missing
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

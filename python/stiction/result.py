@@ -62,7 +62,7 @@ class Result(Evaluation):
         return [name for name, _ in self._list_drawing_functions()]
 
     def figure(self, name: str) -> Figure:
-        """Draw one of the figures with Matplotlib.
+        """Draw a figure of the result with Matplotlib.
 
         Parameters
         ----------
@@ -85,13 +85,15 @@ class Result(Evaluation):
         return figure
 
     def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
-        from stiction.views.figures.standard import select_figures  # imported here, because it imports Matplotlib
+        # `select_figures` is imported here, because its module imports Matplotlib
+        from stiction.views.figures.standard import select_figures
 
         return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
         """Save the result's interactive HTML report, and return its path."""
-        from stiction.views.report import save_report  # imported here, because it imports Matplotlib
+        # `save_report` is imported here, because its module imports Matplotlib
+        from stiction.views.report import save_report
 
         path = parse_path("path", path)
         save_report(self, path, name=self.path.resolve().name if self.path else "result")

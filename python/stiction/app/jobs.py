@@ -128,7 +128,7 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. A stored result of the same command is resumed.
+        """Add a command to the queue. If its result is partly stored, the computation resumes.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -245,7 +245,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
         files = self._choose_directory()
-        # The thread must not change the job, because it continues after the job is stopped.
+        # The thread that copies files must not change the job, because it continues after the job is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 
@@ -283,7 +283,7 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        # a preview runs beside the command, so it gets less memory
+        # the preview of a result runs beside its command, so it gets less memory
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
         # there is no preview, or the page already shows a result of the command
@@ -337,7 +337,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the quoted point in the JSON record of a pair, or raise its remark if there is none."""
+    """Return the quoted point in the JSON record of a pair. Without points, raise the record's remark as an error."""
     values = json.loads(record)
     if "points" not in values:
         raise RejectedRequestError(values["remark"])
@@ -345,7 +345,7 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory and kills the process with its parent, if supported."""
+    """Return a command prefix that limits memory and kills the process with its parent; [] if not supported."""
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource

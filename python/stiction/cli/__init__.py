@@ -39,7 +39,7 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            # imported here, so that Ctrl-C during the import is handled too
+            # imported here, so that Ctrl-C during the import of the application is handled too
             from stiction.cli.application import run_command_line
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries

@@ -40,7 +40,7 @@ def print_message(text: str, kind: str = "") -> None:
     try:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
-    except OSError:  # standard error is closed, or its disk is full
+    except OSError:  # printing failed, because standard error is closed or its disk is full
         _redirect_to_null_device(sys.stderr)
 
 
@@ -244,7 +244,7 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # typer applications by the name of their command
+_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # typer application of each command, by name
 _SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options that the short help lists, by command
 
 

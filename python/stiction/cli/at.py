@@ -215,7 +215,7 @@ def _print_height_factor_results(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Parse and sort loads (mN) from the command line, by default those of the study."""
+    """Parse and sort loads (mN) from the command line, by default the loads of the study."""
     from stiction._arguments import parse_load, parse_quantity, reject_decimal_commas, split_values
     from stiction.mechanics.model import PROFILE_WIDTH
 

@@ -157,7 +157,7 @@ def pair(
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
     find_body_attributes(studies[0])  # check the surfaces before a file is written
-    # Leave out the first remark if it is the source of the elasticity, which the result prints too.
+    # Leave out the first remark if it is the source of the elastic constants, which the result prints too.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
