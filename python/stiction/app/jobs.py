@@ -235,7 +235,7 @@ class JobQueue:
     async def _show_preview(self, job: Job) -> None:
         """Show a preview while the command of a job computes, unless the command is faster."""
         job.activity = "computing a preview"
-        with suppress(*REPORTED_EXCEPTIONS):  # the command itself reports the error
+        with suppress(*REPORTED_EXCEPTIONS):  # ignore errors of the preview, which the command reports too
             await self._read_result(
                 job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
             )

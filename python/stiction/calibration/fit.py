@@ -67,7 +67,7 @@ class _BestFit:
     # derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters
     jacobian: Floats
     robust_factors: Floats  # square root of each test's weight, which is smaller for an outlier
-    scale: float  # factor for the assumed errors of the tests, if no errors are given
+    scale: float  # factor by which the fit multiplies assumed errors of the tests
 
 
 @dataclass(frozen=True)

@@ -64,9 +64,9 @@ MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
-# The search for the pull-off load ends if the bodies separate under a slightly lower load.
-# For extrapolated steps, the load is lower by the first fraction, and for plain steps by the second fraction.
-# Near the pull-off load, a second fraction of 0.01 would take two to three times as many iterations as 0.05.
+# The search for the pull-off load ends if the bodies separate under a load that is lower by these fractions:
+# the first fraction applies to extrapolated steps of the iteration, the second fraction to plain steps.
+# With a second fraction of 0.01 instead of 0.05, plain steps need two to three times as many iterations.
 MINIMUM_LOAD_TOLERANCE = 0.01
 EXCLUDED_LOAD_MARGIN = 0.05
 # The search for the pull-off load bisects between the lowest equilibrium load and a load without equilibrium.
@@ -94,8 +94,8 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Change of gap and attraction due to a relative increase of the contact load by `RESPONSE_LOAD_CHANGE`.
-    # The gap decreases, and the attraction increases.
+    # Decrease of the gap and increase of the attraction due to a relative change of the contact load.
+    # The contact load increases by the fraction `RESPONSE_LOAD_CHANGE`.
     gap_response: Floats | None = None
     attraction_response: Floats | None = None
     # Attraction after the plain step, from which the iteration continues if the extrapolated step loses contact.
@@ -453,7 +453,7 @@ class AdhesionSolver:
             else:
                 unsupported_load = load
                 if trial_state.load > load:
-                    # every step of the separation was faster than the step before, so there is no trial equilibrium
+                    # no step of the separation was slower than the step before, so no equilibrium is near
                     continue
                 try:
                     trial_state = self.find_equilibrium_near(trial_state, earlier_state=start)

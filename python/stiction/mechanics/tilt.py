@@ -37,7 +37,7 @@ MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one loa
 # Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Smallest change of the moment per unit slope for which a tilt is computed.
-# The unit of the change is (mean pressure) · (side length)² / (standard deviation of the gap).
+# The moment per unit slope is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6

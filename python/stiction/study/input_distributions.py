@@ -73,7 +73,7 @@ SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Smallest and largest accepted exponent n of the area of yielding contacts.
-# The exponent of fine asperities is far above the smallest, and the exponent of steps is below the largest.
+# Fine asperities have exponents far above the lower limit, and steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
 # Largest accepted creep exponent: the hardness falls to a third in each decade of time.

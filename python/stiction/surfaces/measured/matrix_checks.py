@@ -31,7 +31,7 @@ MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is writt
 # In a wrapped profile, heights differ from the end of a line to the next line as much as within a line.
 # In a matrix, heights differ between the end of a line and the next line as much as neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-# heights that deviate from the median by more median deviations are ignored in the search for a wrapped profile
+# in the search for a wrapped profile, heights farther from the median (in median deviations) are ignored
 MAX_DEVIATION_IN_LINES = 8.0
 # minimum ratio of the mean square height differences of neighbours in a column and in a line of a wrapped profile
 MIN_COLUMN_DIFFERENCE = 2.0
