@@ -124,6 +124,16 @@ class LoadCurve(FrictionCurve, ContactSums):
         ValueError
             If an argument is outside its range, mu0 and tau0 are both 0, there is no contact, or the law is
             HertzCylinder.
+
+        Notes
+        -----
+        All contacts have the same displacement, and each slips from its edge inwards. If the sticking zone has the
+        relative size t, s² = 1 - t², and the initial stiffness of the contact is k, the displacement is 2/k (3/4 mu0 F
+        s² + 2/π tau0 A s), and the tangential load mu0 F (1 - (1 - s²)^(3/2)) + 2/π tau0 A (arcsin s + s sqrt(1 - s²)).
+        The terms with mu0 are Mindlin's solution, those with tau0 the solution for a uniform strength. Their sum is
+        exact for separate Hertzian contacts that are equally compliant along and across the motion. Elliptic contacts
+        have the mean stiffness over the ellipse (Mindlin 1949; Johnson, Contact Mechanics, 1985, section 7.2), and
+        `JacksonGreen` contacts a Hertzian pressure distribution with the force and the area of the law.
         """
         mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))
