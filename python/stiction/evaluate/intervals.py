@@ -422,10 +422,10 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     """Average numbers at neighbouring positions (first axis), with an interval that allows for correlation.
 
-    The model is a mixture of autoregressive processes with correlations ρ from 0 to 0.95, weighted by their likelihood
-    and by sqrt(1 - ρ), on a scale without skewness (docs/explanation/uncertainty.md). The interval lies within the
-    range of the values. The interval is NaN if there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values
-    are equal.
+    The values are transformed to remove their skewness. The model is a mixture of autoregressive processes with
+    correlations ρ from 0 to 0.95: Student's t intervals are averaged with the posterior probability of ρ as weight,
+    for a prior proportional to sqrt(1 - ρ). The interval lies within the range of the values. The interval is NaN if
+    there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
     # Sum each row of numbers separately, so that its sum does not depend on the other rows.
