@@ -137,7 +137,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     On surfaces, contacts are the local minima of the splined gap g, where the common slope p = ∇z gives the normal (-p,
     1)/q, q² = 1 + p². The relative curvatures κ1 <= κ2 are the eigenvalues of the Hessian of g over q in the metric I +
     p pᵀ, the overlap is (δ - g)/q, and the contact is the ellipse of Hertz (Johnson, Contact Mechanics, section 4.2).
-    Ellipses that leave the map are rejected.
+    If the edge of the map cuts an ellipse, only the part inside the map counts.
 
     Examples
     --------
