@@ -374,7 +374,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     )
 
 
-def test_interval_for_uncertain_hardness_of_scaled_surfaces_equals_direct_computation(bodies):
+def test_interval_at_a_height_factor_with_uncertain_hardness_equals_that_of_scaled_heights(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)

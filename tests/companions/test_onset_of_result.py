@@ -53,7 +53,7 @@ def onset(study):
     return compute_study_onset(study, members=3)
 
 
-def test_onset_of_a_result_is_the_mean_over_its_members(study, onset):
+def test_onset_of_a_result_is_the_mean_over_its_pairs_of_surfaces(study, onset):
     curves, exact_displacements = [], []
     for index in range(3):
         curve = half_space(

@@ -36,7 +36,7 @@ def study(directory):
     )
 
 
-def test_resolution_study_has_fewer_members_and_loads_than_the_original_study(study):
+def test_resolution_study_has_fewer_pairs_and_loads_than_the_original_study(study):
     cutoff_study = build_cutoff_study(study)
     assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert cutoff_study.ensemble.repetitions == 4

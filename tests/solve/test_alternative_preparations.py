@@ -277,9 +277,7 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_re
         np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
 
 
-def test_result_without_a_stored_alternative_preparation_includes_it_after_pair_runs_again(
-    blunt_result, blunt_scans, tmp_path
-):
+def test_second_run_of_pair_adds_a_missing_alternative_preparation_to_the_interval(blunt_result, blunt_scans, tmp_path):
     directory = tmp_path / "result"
     shutil.copytree(blunt_result.path, directory)
     shutil.rmtree(directory / ALTERNATIVES_DIRECTORY)

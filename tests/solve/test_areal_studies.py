@@ -129,7 +129,7 @@ def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_surfaces_of_a_study_member_equal_directly_generated_surfaces():
+def test_surfaces_of_a_numbered_pair_of_a_study_equal_directly_generated_surfaces():
     for body, side in zip(
         pair_of(FRACTAL_STUDY, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True
     ):

@@ -42,7 +42,7 @@ def test_companion_study_announces_the_time_of_missing_pairs_only(studies, pool,
     assert len(announced_times) == 1
 
 
-def test_changed_companion_study_replaces_its_stored_members(studies, pool, tmp_path):
+def test_changed_companion_study_replaces_its_stored_pairs(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     announced_times = []
     CompanionStudy(study, tmp_path).complete(pool)
@@ -52,7 +52,7 @@ def test_changed_companion_study_replaces_its_stored_members(studies, pool, tmp_
     assert result.study.surfaces.upper.height_factor == 2.0
 
 
-def test_companion_study_is_opened_only_if_all_its_members_are_stored(studies, pool, tmp_path):
+def test_companion_study_is_opened_only_if_all_its_pairs_are_stored(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     companion_study = CompanionStudy(study, tmp_path)
     assert companion_study.open() is None

@@ -25,7 +25,7 @@ ROUND_OFF = 1e-9
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics):
+def test_stored_values_of_a_pair_of_maps_equal_values_of_its_half_space_solution(tmp_path, mechanics):
     study = create_study_from_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
     values = compute_member_arrays(study, 2)
@@ -44,7 +44,7 @@ def test_values_of_an_areal_member_equal_direct_computation(tmp_path, mechanics)
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_unloading_stiffness_with_hardness_is_computed_for_the_first_members_only(tmp_path):
+def test_unloading_stiffness_of_yielding_bodies_is_computed_for_the_first_pairs_only(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
@@ -75,7 +75,7 @@ def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics):
+def test_stored_values_of_a_pair_of_profiles_equal_sums_over_its_contacts(tmp_path, mechanics):
     study = create_study_from_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.loading_steps()
     values, member = compute_member_arrays(study, 3), load_bodies(study).member(3, 0.0)
@@ -106,7 +106,7 @@ def test_values_of_a_profile_member_equal_direct_computation(tmp_path, mechanics
     assert np.isnan(values["approach"]).all() == (mechanics == "half-space")
 
 
-def test_dataset_built_from_member_results_has_the_variables_declared_by_its_study(tmp_path):
+def test_dataset_of_solved_pairs_has_the_variables_declared_by_its_study(tmp_path):
     study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=3)
     arrays_of_members = [compute_member_arrays(study, index) for index in range(3)]
     dataset = build_dataset(study, range(3), stack_members(study, arrays_of_members), find_body_attributes(study))
@@ -120,7 +120,7 @@ def test_dataset_built_from_member_results_has_the_variables_declared_by_its_stu
     assert "flipped" in dataset.attrs["upper"]
 
 
-def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
+def test_pair_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, monkeypatch):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
     loads = study.contact.loading_steps()
 
@@ -138,7 +138,7 @@ def test_member_with_an_unsolved_load_has_values_at_the_other_loads(tmp_path, mo
     assert values["contact_count"][0, 1] == 0
 
 
-def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(tmp_path):
+def test_estimated_solution_time_of_a_pair_does_not_depend_on_the_number_of_pairs(tmp_path):
     spacing = write_maps(tmp_path)
     study_of_few_members, study_of_many_members = (
         create_study_from_files(tmp_path, spacing=spacing, members=count) for count in (2, 200)
@@ -146,7 +146,7 @@ def test_estimated_solution_time_of_a_member_is_independent_of_the_member_count(
     assert estimate_member_time(study_of_few_members) == estimate_member_time(study_of_many_members) > 0
 
 
-def test_estimated_solution_time_of_an_adhesive_member_increases_with_compliance(tmp_path):
+def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_compliance(tmp_path):
     spacing = write_maps(tmp_path)
     estimated_times = [
         estimate_member_time(

@@ -133,7 +133,7 @@ def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, 
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_next_run_removes_leftover_steps_of_a_member_with_a_stored_block(study, tmp_path, monkeypatch):
+def test_next_run_removes_leftover_load_steps_of_a_pair_whose_block_is_stored(study, tmp_path, monkeypatch):
     directory = tmp_path / "result"
     monkeypatch.setattr(MembersInProgress, "remove", lambda *_: None)
     run(study, store=directory)
@@ -194,7 +194,7 @@ def test_progress_of_a_solution_rises_with_its_iterations(study):
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_progress_inside_a_member_is_printed_without_a_terminal(study, monkeypatch, capfd):
+def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study, monkeypatch, capfd):
     solve = ContactSolver.at
 
     def solve_slowly(*arguments):

@@ -36,7 +36,7 @@ def result(study):
     return run(study).dataset
 
 
-def test_stored_onset_of_a_member_equals_onset_of_its_load_curve(study, result):
+def test_stored_onset_of_a_pair_equals_the_onset_of_its_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.loading_steps()
@@ -73,7 +73,7 @@ def test_onset_of_generated_maps_uses_the_first_direction():
         assert (float(dataset["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
-def test_onset_at_a_load_is_a_mean_over_members_weighted_by_load(result):
+def test_onset_of_generated_surfaces_at_a_load_is_a_load_weighted_mean_over_pairs(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
     result_at_step = result.isel(approach=3)
     normal_loads = (

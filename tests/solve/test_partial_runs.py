@@ -41,7 +41,7 @@ def test_runs_with_different_numbers_of_parts_together_give_a_complete_result(tm
 
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
-def test_computation_of_missing_members_rejects_an_invalid_part_of_a_run(tmp_path, part):
+def test_computation_of_missing_pairs_rejects_an_invalid_part_of_a_run(tmp_path, part):
     with pytest.raises(ValueError, match="part must be K of N"):
         compute_missing_blocks(TINY_STUDY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
@@ -91,7 +91,7 @@ def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uni
         assert not list((tmp_path / directory_name).rglob("*.partial"))
 
 
-def test_run_stores_blocks_of_other_members_if_one_member_fails(tmp_path, monkeypatch):
+def test_run_stores_blocks_of_other_pairs_if_the_solution_of_one_pair_fails(tmp_path, monkeypatch):
     sums = runner.compute_member_arrays
 
     def compute_or_fail(study, number):

@@ -136,7 +136,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
         assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
 
 
-def test_short_members_are_stored_in_four_blocks_of_equal_size(monkeypatch):
+def test_pairs_that_are_solved_quickly_are_stored_in_four_blocks_of_equal_size(monkeypatch):
     """Check this because the first file of each size takes as long to write as ten members of profiles to compute."""
     monkeypatch.setattr(runner, "estimate_member_time", lambda _: 0.011)
     for total in (16, 64):
@@ -238,7 +238,7 @@ def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
     assert "2/2" in capfd.readouterr().err
 
 
-def test_computation_of_missing_members_announces_the_estimated_time_once(tmp_path):
+def test_computation_of_missing_pairs_prints_the_estimated_time_only_once(tmp_path):
     announcements = []
     for _ in range(2):
         runner.compute_missing_blocks(RUNNER_STUDY, tmp_path, announce=announcements.append)
@@ -275,7 +275,7 @@ def test_run_continues_with_the_threads_that_can_start(monkeypatch):
     assert_same_bits(dataset, run(TINY_STUDY, executor=InlineExecutor()).dataset)
 
 
-def test_error_other_than_a_missing_solution_ends_a_run(tmp_path, monkeypatch):
+def test_run_ends_with_any_error_except_that_of_a_missing_solution(tmp_path, monkeypatch):
     """Check that a member does not store NaN if, for example, a library cannot start a thread."""
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
 

@@ -239,7 +239,7 @@ def test_continued_run_computes_only_missing_blocks(directory_copy, uninterrupte
     assert states_before.items() <= block_states(directory_copy).items()
 
 
-def test_continued_run_with_more_repetitions_computes_only_new_members(
+def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
     tmp_path, uninterrupted_dataset, computed_repetitions
 ):
     states_before = {}
@@ -932,7 +932,7 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
     )
 
 
-def test_reading_a_result_without_finished_members_raises_store_error(tmp_path):
+def test_reading_a_result_without_finished_pairs_raises_store_error(tmp_path):
     store.create_or_open_result(tmp_path, TINY_STUDY)
     with pytest.raises(StoreError, match="none of the 22 repetitions is finished"):
         Result(store.open_stored_result(tmp_path)).at_study_loads  # noqa: B018
