@@ -84,7 +84,7 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
     assert value == pytest.approx(0.1 * coefficients[2, 0] + 0.1 * 0.85 * coefficients[2, 1], rel=SLOPE_TOLERANCE)
 
 
-def test_budget_names_the_area_loss_and_texts_state_its_range():
+def test_budget_has_a_row_for_the_area_loss_and_the_text_states_its_range():
     result = press_with_loss(None)
     assert result.budget["input"].iloc[0] == "the area loss under shear"
     assert "elastomer, area loss under shear 0..0.3" in inputs_text(result.summary().first)

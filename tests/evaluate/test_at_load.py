@@ -382,7 +382,7 @@ def test_unreached_loads_have_the_status_not_reached(areal_study_and_dataset, pr
         assert int(table["ok"].max()) == 0
 
 
-def test_member_without_solution_at_a_load_is_omitted_from_the_mean(areal_study_and_dataset):
+def test_pair_without_a_solution_at_a_load_is_omitted_from_the_mean(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     incomplete = result.copy(deep=True)
     incomplete["normal_elastic"].values[0, 1] = np.nan
@@ -504,14 +504,14 @@ def test_interval_between_computed_loads_is_narrow_for_many_contacts():
     assert max(friction_errors) < 0.05
 
 
-def test_value_at_a_computed_load_does_not_depend_on_an_interpolated_load(areal_study_and_dataset):
+def test_value_at_a_computed_load_is_unchanged_if_other_loads_are_interpolated(areal_study_and_dataset):
     study, result = areal_study_and_dataset
     load = study.contact.loading_steps()[:1]
     both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
     assert both.drop_attrs().equals(at_load(result, load).drop_attrs())
 
 
-def test_upper_end_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_dataset):
+def test_upper_limit_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     changed = dataset.copy(deep=True)
     name = "share_on_largest"

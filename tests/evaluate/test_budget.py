@@ -446,7 +446,7 @@ SIX_DIRECTION_OPTIONS = PAIR_OPTIONS | {
 
 
 @pytest.mark.parametrize("seed", [5, 6, 7, 8])
-def test_interval_for_zero_mu0_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
+def test_interval_for_an_uncertain_mu0_of_zero_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
     result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **SIX_DIRECTION_OPTIONS)
     assert result.value == 0
     low, high = result.interval

@@ -25,7 +25,7 @@ def test_computed_load_range_of_one_fractal_dimension_ignores_loads_of_other_dim
     assert find_computed_load_range(result, values)[1] == elastic_loads.isel(fractal_dimension=0).max()
 
 
-def test_computed_load_range_ignores_members_without_a_solution(result):
+def test_computed_load_range_ignores_pairs_without_a_solution(result):
     elastic_loads = result.dataset["normal_elastic"]
     first, last = elastic_loads["repetition"].values[[0, -1]]
     is_solved = (elastic_loads["repetition"] != first) | (elastic_loads["approach"] < elastic_loads["approach"][-1])

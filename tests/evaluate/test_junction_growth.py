@@ -169,7 +169,7 @@ def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_res
     assert (values["status"] == "ok").all()
 
 
-def test_member_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
+def test_pair_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     # The growth of the contacts changes the sign of the normal load from positive to negative.
     ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))

@@ -162,7 +162,7 @@ def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_dataset_of_member_values_has_units_and_names_and_a_history(result):
+def test_dataset_of_values_at_each_position_has_units_and_names_and_a_history(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"
@@ -376,7 +376,7 @@ def test_pair_function_rejects_invalid_positions_of_profiles(profile_pair, argum
         stiction.pair(Profile(upper.heights, spacing=0.01), lower, **options)
 
 
-def test_study_of_profiles_rejects_more_members_than_positions(profile_pair):
+def test_study_of_profiles_rejects_more_pairs_than_positions(profile_pair):
     study = create_study(*profile_pair, [0.01], mu0=0.3, positions=[0.0, 1.0])
     with pytest.raises(ValueError, match="positions has 2 positions, but member 2 needs position 3"):
         run(study.with_changes({"ensemble.repetitions": 3}))

@@ -160,7 +160,7 @@ class TestListedPositions:
         assert result.attrs["shape"].tolist() == [60]
 
 
-def test_slopes_of_a_member_equal_slopes_of_its_gap():
+def test_slope_statistics_of_a_pair_equal_those_of_its_gap():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in pair_levelled_maps(upper, lower).pair(1)))
@@ -202,7 +202,7 @@ def test_mean_over_positions_has_a_student_t_interval_on_the_logarithmic_scale()
 
 
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
-def test_contact_statistics_equal_direct_computation(mechanics):
+def test_contact_statistics_of_a_pair_equal_sums_over_its_contacts(mechanics):
     upper, lower = surface_pair()
     result = run_pair(upper, lower, LOADS, direction=[30], shifts=2, mechanics=mechanics)
     member = read_member_values(result).isel(repetition=1).sel(load=0.1)

@@ -41,7 +41,7 @@ def test_friction_map_interpolates_loads_linearly_in_the_approach():
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
-def test_friction_map_is_the_ratio_of_mean_loads_over_all_members_including_those_without_contact():
+def test_friction_map_is_the_ratio_of_mean_loads_over_all_pairs_with_or_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values
@@ -94,7 +94,7 @@ def test_friction_map_returns_a_status_instead_of_extrapolating():
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # all tangential loads are zero
     ],
 )
-def test_friction_map_interval_is_nan_for_few_members_and_zero_for_identical_members(
+def test_friction_map_interval_is_nan_for_few_pairs_and_zero_for_identical_pairs(
     normal, tangential, load, value, width
 ):
     table = compute_friction_map(create_result(normal, tangential), [load])
@@ -102,7 +102,7 @@ def test_friction_map_interval_is_nan_for_few_members_and_zero_for_identical_mem
     assert value_and_ends == pytest.approx([value, value + width, value + width], rel=ROUND_OFF, nan_ok=True)
 
 
-def test_friction_map_has_an_interval_if_some_members_reach_the_load():
+def test_friction_map_has_an_interval_if_some_pairs_reach_the_load():
     normal = np.array([[1.0, 2.0], [1.2, 3.0], [0.8, 4.0]])
     table = compute_friction_map(create_result(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert table["status"].values.tolist() == ["ok"]
@@ -212,7 +212,7 @@ def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatt
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
-def test_friction_map_intervals_have_nominal_coverage_if_half_of_the_members_lack_contact():
+def test_friction_map_intervals_have_nominal_coverage_if_half_of_the_pairs_lack_contact():
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)

@@ -77,7 +77,7 @@ def test_adhesive_friction_is_proportional_to_the_true_area(result):
     assert adhesive_part > 1.05 * 0.05 * capped_area / load
 
 
-def test_elastic_contact_area_is_computed_for_the_first_members_only(result, monkeypatch):
+def test_elastic_contact_area_is_computed_for_the_first_pairs_only(result, monkeypatch):
     all_members = result.dataset["elastic_area"]
     assert np.isfinite(all_members).all()
     monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
@@ -86,7 +86,7 @@ def test_elastic_contact_area_is_computed_for_the_first_members_only(result, mon
     assert np.isnan(first_members[:, 2:]).all()
 
 
-def test_elastic_area_of_the_first_members_is_scaled_to_all_members(result):
+def test_elastic_contact_area_of_the_first_pairs_is_scaled_to_all_pairs(result):
     dataset = result.dataset.copy(deep=True)
     is_first = dataset["repetition"] < 2
     dataset["elastic_area"] = dataset["elastic_area"].where(is_first)

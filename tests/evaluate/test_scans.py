@@ -117,7 +117,7 @@ def test_intervals_from_several_scans_contain_the_true_mean_and_the_result_of_a_
 # ---- Pairs of scans --------------------------------------------------------------------------------------------------
 
 
-def test_pair_has_the_same_number_of_members_for_each_combination_of_scans() -> None:
+def test_number_of_positions_is_the_same_for_each_combination_of_scans() -> None:
     result = pair(
         [rough_scan(i, "upper") for i in range(2)],
         [rough_scan(i, "lower") for i in range(4)],
