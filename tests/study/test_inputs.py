@@ -106,7 +106,7 @@ def test_elastic_constants_of_two_materials_give_the_same_elasticity_as_their_na
         assert derived == (elasticity.effective_modulus, elasticity.compliance_share)
 
 
-def test_pair_of_materials_stores_their_ranges_in_the_study():
+def test_study_of_a_pair_of_materials_contains_the_ranges_of_both_materials():
     inputs = Inputs.from_study(compute_pair(upper="steel", lower="brass").study)
     steel, brass = material("steel"), material("brass")
     values = {
@@ -124,7 +124,7 @@ def test_pair_of_materials_stores_their_ranges_in_the_study():
     assert "poisson_lower" not in inputs.uncertain  # the source of this material states a single value
 
 
-def test_material_of_one_body_and_given_modulus_of_the_other_have_separate_ranges():
+def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncertain_inputs():
     study = compute_pair(upper="steel", young="3 MPa ± 5 %", poisson="0.5", effective_modulus=None).study
     inputs = Inputs.from_study(study)
     assert set(inputs.uncertain) >= {"young_upper", "young_lower"}
@@ -163,7 +163,7 @@ def test_replacing_mu0_of_an_interface_removes_its_correlation_with_tau0():
     assert set(inputs.replaced(mu0=0.2).uncertain) == set(inputs.uncertain) - {"mu0"}
 
 
-def test_studies_that_differ_only_in_input_ranges_have_equal_members():
+def test_studies_that_differ_only_in_ranges_of_inputs_can_share_stored_contact_solutions():
     first, second = (STUDY.with_changes({"contact.hardness": text}) for text in ("1.1..1.21 GPa", "1.154 GPa"))
     assert first.contact.hardness == 1.154
     assert first != second

@@ -13,11 +13,11 @@ STUDIES_BY_PLURAL = {
 
 
 @pytest.mark.parametrize("plural", STUDIES_BY_PLURAL)
-def test_word_for_members_in_output_depends_on_the_surfaces_of_the_study(plural):
+def test_printed_word_for_pairs_depends_on_the_surfaces_of_the_study(plural):
     study = STUDIES_BY_PLURAL[plural]
     singular = study.member_names.singular
     assert (study.member_names.with_count(1), study.member_names.with_count(2.0)) == (f"1 {singular}", f"2 {plural}")
 
 
-def test_members_are_called_positions_if_lines_of_maps_are_pressed():
+def test_pairs_are_called_positions_if_lines_of_maps_are_pressed():
     assert measured_study(press="lines").member_names.plural == "positions"

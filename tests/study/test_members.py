@@ -34,7 +34,7 @@ def test_pairs_generated_together_equal_pairs_generated_one_at_a_time(monkeypatc
             assert body.spacing == expected.spacing
 
 
-def test_profiles_of_a_study_member_equal_directly_generated_profiles():
+def test_profiles_of_a_numbered_pair_of_a_study_equal_directly_generated_profiles():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)

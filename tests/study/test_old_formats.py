@@ -33,7 +33,7 @@ load = ["0.0324 mN"]
 
 
 @pytest.mark.parametrize("name", OLD_TEXTS)
-def test_old_study_has_the_central_values_that_it_was_computed_with(name):
+def test_inputs_in_a_study_file_of_the_old_format_have_their_original_central_values(name):
     study, tables = parse_study(OLD_TEXTS[name], "old"), tomllib.loads(OLD_TEXTS[name])
     contact = tables["contact"]
     assert study.contact.effective_modulus == float(quantity(contact["effective_modulus"], "pressure"))
@@ -45,7 +45,7 @@ def test_old_study_has_the_central_values_that_it_was_computed_with(name):
     assert parse_study(study.to_toml(), "new") == study
 
 
-def test_old_study_with_material_names_has_the_ranges_of_these_materials():
+def test_study_file_of_the_old_format_with_material_names_has_their_ranges():
     study = parse_study(OLD_TEXT, "old")
     inputs = Inputs.from_study(study)
     brass = material("brass")
@@ -63,7 +63,7 @@ def test_old_study_with_material_names_has_the_ranges_of_these_materials():
     ('hardness = "1.1 GPa"', 'hardness = "1 GPa ± 10 %"', "1.1 GPa (1 GPa ± 10 %)"),
     ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # a value that the user has specified
 ])  # fmt: skip
-def test_hardness_of_an_old_study_has_its_range(contact, known, text):
+def test_hardness_in_a_study_file_of_the_old_format_has_its_original_range(contact, known, text):
     assert parse_old(known, contact).contact.hardness.text == text
 
 

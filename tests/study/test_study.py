@@ -262,7 +262,7 @@ class TestStudyKinds:
             (MEASURED_LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_kind_of_a_study_determines_its_sums_and_step_variable_and_cell_dimensions(self, study, sums, step, cells):
+    def test_kind_of_a_study_determines_its_stored_sums_and_its_dimensions(self, study, sums, step, cells):
         assert (study.contact_sum_names(), study.step_quantity, list(study.surfaces.cell_coordinates())) == (
             sums,
             step,

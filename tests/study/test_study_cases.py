@@ -17,7 +17,7 @@ STORED_STUDIES = {
 
 
 @pytest.mark.parametrize("case_name", STORED_STUDIES)
-def test_reading_and_writing_a_stored_study_of_any_kind_leaves_it_unchanged(case_name):
+def test_study_of_any_kind_is_unchanged_by_reading_and_writing(case_name):
     study = parse_study(STORED_STUDIES[case_name], "stored")
     assert study.contact.place.removeprefix("the ").replace(" ", "_") == case_name
     assert study.to_toml().strip() == STORED_STUDIES[case_name].strip()

@@ -218,7 +218,7 @@ def test_unit_option_does_not_replace_an_unknown_unit_in_a_header_line(read_text
 
 
 @pytest.mark.parametrize("unit", ["mm/1000", "1e-3 mm", "10^-6 m", "мкм", "微米", "µm RMS", "Mikrometer"])
-def test_unit_with_a_power_of_ten_or_in_another_script_is_read(read_text, unit):
+def test_unit_with_a_power_of_ten_or_with_unusual_characters_is_read(read_text, unit):
     assert read_text(f"x (mm);z ({unit})\n{ROWS}").body.heights.tolist() == PROFILE.tolist()
 
 
