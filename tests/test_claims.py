@@ -86,7 +86,7 @@ def test_resampled_intervals_agree_with_intervals_of_the_friction_map(result, re
     assert ratio.max() < 1.5
 
 
-def test_loads_of_claims_are_reached_at_every_fractal_dimension(result, resampled_means):
+def test_generated_surfaces_of_every_fractal_dimension_reach_the_loads_of_the_claims(result, resampled_means):
     mean_loads = result["normal_elastic"].sel(amplitude=0.1).mean("repetition")
     assert (
         float(mean_loads.isel(approach=0).max())
@@ -261,13 +261,13 @@ def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentile_i
     assert percentiles.upper - percentiles.value < 0.5 * (bands.upper - bands.value)
 
 
-def test_generated_table_of_claims_has_all_columns():
+def test_generated_table_of_claims_has_a_column_for_each_contact_model_and_sliding_rule():
     table = CLAIMS_SCRIPT.parents[1] / "generated/columns.md"
     headings = [cell.strip() for cell in table.read_text("utf-8").splitlines()[0].split("|")[1:-1]]
     assert headings[-len(claims.CLAIMS_TABLE_COLUMNS) :] == list(claims.column_titles(2000).values())
 
 
-def test_claims_are_judged_with_the_sliding_rule_and_mechanics_of_their_column():
+def test_claims_are_judged_with_the_sliding_rule_and_contact_model_of_each_column():
     assert {column.to_study(2000).contact.mechanics for column in claims.CLAIMS_TABLE_COLUMNS.values()} == {
         "asperities",
         "half-space",

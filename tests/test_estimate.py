@@ -24,7 +24,7 @@ from stiction._number_format import to_json
         (math.nan, 0.1, 0.2, "none"),
     ],
 )
-def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper, text):
+def test_estimate_is_rounded_to_the_first_digit_of_its_half_width(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
     assert str(estimate) == estimate.text(1) == text
 
@@ -40,7 +40,7 @@ def test_estimate_is_printed_to_one_digit_of_its_half_width(value, lower, upper,
         (math.nan, math.nan, math.nan, "none"),
     ],
 )
-def test_estimate_in_a_table_is_printed_to_two_digits_of_its_half_width(value, lower, upper, text):
+def test_estimate_in_a_table_is_rounded_to_the_second_digit_of_its_half_width(value, lower, upper, text):
     estimate = Estimate(value, lower, upper)
     assert estimate.text() == estimate.table_text == text
 

@@ -290,7 +290,7 @@ def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_of_a_result_are_those_of_the_typical_member_by_default(function_result):
+def test_contacts_of_a_result_are_those_of_the_most_typical_pair_by_default(function_result):
     picture = contact_picture(function_result.source)
     result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}

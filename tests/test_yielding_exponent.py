@@ -66,7 +66,7 @@ def test_limiting_the_pressure_to_the_hardness_underestimates_areas_of_yielding_
     assert 0.75 < ratios.mean() < 0.85
 
 
-def test_area_from_onset_of_yield_agrees_with_maps(script, areas):
+def test_area_from_onset_of_yield_agrees_with_elastic_plastic_solutions_of_maps(script, areas):
     deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas.values()])
     assert np.abs(deviations).mean() < 0.06
     assert abs(deviations.mean()) < 0.04

@@ -54,7 +54,7 @@ def test_stiction_run_recomputes_nothing_if_the_result_is_complete(directory_and
     assert (directory / "quick" / "area.png").exists()
 
 
-def test_stiction_run_with_another_mu0_keeps_the_figures_of_earlier_values(directory_and_output, tmp_path):
+def test_stiction_run_with_another_mu0_does_not_delete_figures_for_earlier_mu0(directory_and_output, tmp_path):
     shutil.copytree(directory_and_output[0] / "quick", tmp_path / "quick")
     changes = "--set", "friction.mu0=[0.3]"
     completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, *changes, cwd=tmp_path, without_figures=True)

@@ -411,7 +411,7 @@ def test_preview_and_model_check_ignore_dwell_time(scans_directory):
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_pair_command_evaluates_the_members_only_once_at_each_load(scans_directory, tmp_path, monkeypatch):
+def test_pair_command_evaluates_stored_sums_only_once_at_each_load(scans_directory, tmp_path, monkeypatch):
     requests = []
     evaluate_piece = member_values._evaluate_piece
 

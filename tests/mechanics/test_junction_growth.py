@@ -79,7 +79,7 @@ def test_errors_of_junction_growth_functions_name_the_invalid_argument(law, argu
         law(*arguments)
 
 
-def test_friction_law_carries_the_hardness_of_yielding_contacts_under_shear():
+def test_friction_law_computes_the_hardness_and_friction_of_yielding_contacts_under_shear():
     law = FrictionLaw(0.2, 0.05, 9.0)
     pressure = hardness_under_shear(1.27, 0.2, 0.05, 9.0)
     assert law.yield_pressure(1.27) == pytest.approx(float(pressure), rel=1e-15)

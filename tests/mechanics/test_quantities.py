@@ -147,7 +147,7 @@ def test_intervals_at_a_load_lie_between_the_limits_listed_in_the_table_of_quant
             assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
 
 
-def test_variables_of_each_member_have_the_units_listed_in_the_table_of_quantities():
+def test_variables_of_single_pairs_have_the_units_listed_in_the_table_of_quantities():
     options = {"mu0": 0.2, "effective_modulus": 10.0}
     longer_profile = Profile(rough_heights((600,), 5), spacing=0.5)
     result = {
@@ -170,7 +170,7 @@ def test_variables_of_a_resolution_dataset_have_the_units_listed_in_the_table_of
         assert result[name].attrs["units"] == QUANTITIES[name].unit
 
 
-def test_table_of_quantities_contains_the_names_of_core_sums_and_validity_fields():
+def test_table_of_quantities_contains_every_contact_sum_and_validity_indicator():
     assert set(LOAD_SUM_NAMES) < set(SUM_QUANTITIES)
     assert {*SUM_QUANTITIES} == {*ContactSums.__dataclass_fields__}
     profile_indicators = {

@@ -120,7 +120,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pa
     assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
-def test_maximum_friction_for_finer_scans_equals_the_upper_end_of_the_range_for_finer_scans():
+def test_maximum_friction_for_finer_scans_is_the_upper_limit_of_the_range_for_finer_scans():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),

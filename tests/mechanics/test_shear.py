@@ -242,7 +242,7 @@ def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_sample
     assert test.attrs["peak_upper"] == np.inf
 
 
-def test_interval_of_the_shear_peak_ends_at_the_peaks_for_the_limits_of_the_hardness():
+def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     test = shear(create_rough_map(), hardness="50..400 MPa", **options)
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))

@@ -46,7 +46,7 @@ def test_contacts_oppose_motion_along_their_mean_slope():
     assert masks == expected_masks
 
 
-def test_contact_forces_of_measured_profiles_come_from_the_first_member_in_contact(result_of_profiles):
+def test_contact_forces_of_measured_profiles_are_those_of_the_first_pair_in_contact(result_of_profiles):
     result, forces = result_of_profiles, result_of_profiles.contact_forces
     load = float(result.study.friction.load[0])
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
@@ -59,7 +59,7 @@ def test_contact_forces_of_measured_profiles_come_from_the_first_member_in_conta
     assert float(forces["contact_force"].sum()) == pytest.approx(load, rel=0.02)
 
 
-def test_contact_forces_of_generated_profiles_come_from_the_first_pair_at_the_median_approach(small_result):
+def test_contact_forces_of_generated_profiles_are_those_of_the_first_pair_at_median_approach(small_result):
     forces, study = Result.of(small_result).contact_forces, Result.of(small_result).study
     has_contact = (small_result["contact_count"] > 0).any(["repetition", "fractal_dimension", "amplitude"])
     approaches = small_result["approach"].values[has_contact.values]
@@ -82,7 +82,7 @@ def test_mean_of_friction_values_in_the_positions_figure_equals_the_reported_mea
     assert set(positions.data_vars) == {*point.data_vars, "member_friction"}
 
 
-def test_figures_and_reports_of_stored_results_do_not_load_all_members(tmp_path, monkeypatch):
+def test_figures_and_reports_of_stored_results_do_not_load_the_sums_of_all_pairs(tmp_path, monkeypatch):
     run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}), store=tmp_path)
     result = open_result(tmp_path)
 
@@ -95,7 +95,7 @@ def test_figures_and_reports_of_stored_results_do_not_load_all_members(tmp_path,
     assert collect_report_data(result).num_solved == 3
 
 
-def test_figures_for_several_directions_have_the_direction_as_suffix(small_result):
+def test_figure_names_contain_the_direction_if_there_are_several_directions(small_result):
     result = Result.of(small_result)
     assert list(iterate_motions(result)) == [("", result)]
     directions = xarray.DataArray([0.0, 90.0], dims="direction", name="direction")

@@ -35,7 +35,7 @@ def table(dataset):
     return friction_table(dataset)
 
 
-def test_friction_table_equals_direct_computation(dataset, table):
+def test_friction_table_equals_means_over_directly_solved_pairs(dataset, table):
     study = table_study(**TABLE_OPTIONS)
     loads = [pressure * 100 for pressure in TABLE_OPTIONS["pressures"]]
     curves = {rule: [] for rule in ("opposing", "all")}

@@ -47,7 +47,7 @@ def test_tau0_of_a_report_is_below_the_shear_strength_of_the_softer_body():
     assert 0.5 / CENTRAL_SHEAR_RATIO < tau0.values[-1] < 0.71 / CENTRAL_SHEAR_RATIO
 
 
-def test_report_slider_marks_only_values_of_the_study_as_uncertain(tmp_path):
+def test_slider_of_a_report_has_an_uncertainty_range_only_at_the_value_of_the_study(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.has_range.any() for axis in build_parameter_axes(study)] == [False, False]
     changes = {"friction.tau0": ["40 MPa"], "friction.mu0": "0.25001..0.35"}

@@ -43,7 +43,7 @@ def test_mean_coefficient_is_a_lower_limit_if_the_softer_body_shears_in_one_dire
     assert [ORDERED_STATUSES[code] for code in codes] == ["bulk-shear", "ok", "bulk-shear", "ok", "ok"]
 
 
-def test_combined_interval_exists_only_for_the_mean_over_directions_of_the_quoted_members(table):
+def test_report_has_combined_intervals_only_for_quoted_means_over_directions(table):
     values = evaluate_report(table, table)
     assert values.has_combined.tolist() == [[True, False, False, False, False], [False] * 5]
     limits = values.friction[:, 0, 0, :, 0, 0, 0, 1:]

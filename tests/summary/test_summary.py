@@ -197,7 +197,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_averages_of_member_values_equal_the_mean_values_of_the_result(surface_directory, call_counts):
+def test_means_of_values_of_single_pairs_equal_the_mean_values_of_the_result(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")

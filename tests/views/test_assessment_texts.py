@@ -561,7 +561,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_call_the_members_by_the_word_of_the_study(study, members):
+def test_caveats_call_the_pairs_positions_or_surrogates_like_the_study(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 3 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
@@ -595,7 +595,7 @@ def test_caveats_of_generated_surfaces_use_the_word_repetitions():
     assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
 
 
-def test_caveat_about_few_contacts_of_a_gap_does_not_mention_members():
+def test_caveat_about_few_contacts_of_a_gap_does_not_mention_positions():
     study = measured_study().with_changes({"surfaces.gap": True})
     point = summarize_single_point(measured_result(contact_count=4.0, members=1, ok=1), study)
     (fault,) = point.faults

@@ -214,7 +214,7 @@ def test_friction_in_reports_about_arbitrary_load_sums_equals_library_values(tan
     assert max(errors, default=0.0) < MAX_PACKING_ERROR
 
 
-def test_report_ignores_members_without_a_solution(generated_dataset):
+def test_report_ignores_pairs_without_a_solution(generated_dataset):
     dataset = generated_dataset.copy(deep=True)
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
     report_evaluator = ReportEvaluator(report_page(dataset))

@@ -52,7 +52,7 @@ def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_datase
         report_page(maps_dataset)
 
 
-def test_report_rejects_a_result_without_members(generated_dataset):
+def test_report_rejects_a_result_without_finished_pairs(generated_dataset):
     with pytest.raises(ReportError, match="must have a member"):
         report_page(generated_dataset.isel(repetition=[]))
 

@@ -137,7 +137,7 @@ def test_json_record_has_the_same_keys_for_all_results(case_name):
     assert not {"sliding", "direction", "mu0", "axis"} & set(area_value["at"])
 
 
-def test_json_record_has_null_for_infinite_ends_of_intervals():
+def test_json_record_has_null_for_infinite_limits_of_intervals():
     summary = summarize(measured_result(), measured_study())
     point = summary.points[0]
     unbounded_interval = UncertaintyBudgetEntry(0.25, 0.2, math.inf, label="the hardness", width=math.inf)

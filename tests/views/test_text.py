@@ -300,7 +300,7 @@ def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lin
     assert short_text.splitlines()[-1] == "  1 more caveat: stiction info DIR --verbose shows all"
 
 
-def test_study_result_text_is_an_overview_only_for_generated_surfaces():
+def test_printed_result_is_a_table_of_all_conditions_only_for_generated_surfaces():
     measured, generated = (summarize(*DATASETS_AND_STUDIES[name]) for name in ("with caveats", "generated"))
     for verbose in (False, True):
         text = study_result_text(measured, verbose=verbose, max_overview_lines=1, complete_command="--verbose")

@@ -79,7 +79,7 @@ def test_troubleshooting_page_explains_every_status_without_a_coefficient():
     assert sorted(list_first_cells("status")) == sorted(f"`{status}`" for status in STATUSES if status != STATUS_OK)
 
 
-def test_caveats_quoted_on_the_troubleshooting_page_are_those_of_the_program(monkeypatch):
+def test_caveats_quoted_on_the_troubleshooting_page_are_printed_by_the_program(monkeypatch):
     monkeypatch.setattr(MeasuredBodySettings, "caveats", ())  # the files of `measured_study` do not exist
     texts = [caveat.text for caveat in (*list_result_caveats(), *list_scan_caveats(), *list_mirror_caveats())]
     quotes = [quote for cell in list_first_cells("caveat") for quote in cell.split("; or: ")]
