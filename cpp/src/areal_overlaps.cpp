@@ -55,7 +55,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
 }
 
 // The centres of the ellipses are fixed, and the ellipses grow with the approach.
-// Two ellipses that overlap at one approach therefore overlap at all larger approaches.
+// Because ellipses grow, two ellipses that overlap at one approach overlap at all larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {

@@ -331,7 +331,7 @@ class Filter {
       std::iota(all_rows.begin(), all_rows.end(), std::size_t{0});
       result_rows = all_rows;
     }
-    // Columns k and m - k are transformed together, because packing combines them.
+    // Columns k and m - k are transformed together, because packing combines these two columns.
     // Column 0 of a transform is paired with itself and, for even m, so is the middle column.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
@@ -619,7 +619,7 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Spectral filters are computed on first use, because most calculations need only some of them.
+// Spectral filters are computed on first use, because most calculations need only some of the filters.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;

@@ -185,7 +185,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 // The arrays of the solver are taken from `memory`, and returned when the solver is destroyed.
 //
 // On a free area, pressures displace every point away from the other body.
-// A point of a free area whose initial gap exceeds the approach therefore cannot come into contact.
+// On a free area, a point whose initial gap exceeds the approach therefore cannot come into contact.
 // If few points can come into contact, displacements are computed only at these points, with a dense matrix.
 // At points that cannot come into contact, the potential is replaced by its lower bound, the initial gap.
 // `influence` contains the displacements due to a pressure on the first point of the grid.
@@ -722,7 +722,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
   // The pressures of the contact vanish at the edges of contact patches, where the solution is largest.
-  // The iteration therefore starts from a uniform pressure instead of the pressures of the contact.
+  // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

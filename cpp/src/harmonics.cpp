@@ -59,7 +59,7 @@ double to_radians(Turns turns) {
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
 // Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d with θ = `lanes` k Δx.
-// The round-off of this recurrence is proportional to the number of steps, even for very small θ.
+// The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
   // Difference from the value that is `lanes` points earlier.
@@ -357,7 +357,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics of a surface, and the sum of w cos φ over all of them. The amplitudes include the weights w.
+// Harmonics of a surface, and the sum of w cos φ over all harmonics. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

@@ -14,7 +14,7 @@ namespace {
 // Number of repetitions processed together, so small that intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
 // Number of partial sums, a multiple of the lanes of every SIMD register.
-// The order of additions is therefore the same for every SIMD width.
+// With a fixed number of partial sums, the order of additions is the same for every SIMD width.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;

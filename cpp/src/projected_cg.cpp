@@ -16,7 +16,7 @@ namespace stiction {
 namespace {
 
 // Limits of the ratio of the optimal step length to the trial step length.
-// Below the lower limit, the current step is shortened. The next trial step length changes by at most these factors.
+// Below the lower limit, a step is shortened. Both limits are also the largest factors between trial step lengths.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
@@ -43,7 +43,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
 
 // Mark the free points of a block of points.
 // A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
-// Points at a bound with a NaN gap are free too. Returns whether the block contains a free point.
+// Points at a bound whose gap is NaN are free. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {

@@ -87,7 +87,7 @@ const Kernel& unit_load() {
   return kernel;
 }
 
-// result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1. `size` is a multiple of `stride`.
+// Compute result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1. `size` is a multiple of `stride`.
 template <std::size_t Width>
 STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
   constexpr std::size_t packs = 4;

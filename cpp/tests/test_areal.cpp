@@ -36,7 +36,7 @@ Matrix paraboloid(Index rows, Index columns, double along_x, double along_y) {
 }  // namespace
 
 TEST_CASE("contact_geometry: relative curvatures are measured in the tangent plane") {
-  // On a slope p along x, a curvature along x is divided by q³, and a curvature across x by q.
+  // On a slope p along x, with q = sqrt(1 + p²), a curvature along x is divided by q³, and a curvature across x by q.
   constexpr double tolerance = 1e-14;
   const double p = 0.75;
   const double q = 1.25;

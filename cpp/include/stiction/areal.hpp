@@ -11,7 +11,7 @@
 // If a valley is longer than the map, only its part inside the map carries load.
 //
 // Without special rules, round-off would decide whether nearly level points are contacts.
-// With these rules, the result does not change if the pair of maps is rotated, mirrored, swapped or shifted.
+// The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps.
 // - A slope or a curvature of the gap counts as zero if it is below 2^-26 of the gap range per grid spacing.
 // - A minimum that is not curved upwards in every direction is a level valley or plateau.
 // A level valley or plateau is not a contact, because it has no lowest point.
@@ -86,11 +86,11 @@ struct ArealCandidates {
 };
 
 /// Relative tolerance within which two heights count as equal.
-/// A height difference below this fraction of the largest height may be round-off of the heights or of the spline.
+/// A height difference below 2^-46 of the largest height may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
-/// A height difference between neighbouring points counts as zero if it is below this fraction of the gap range.
+/// A height difference between neighbouring points counts as zero if it is below 2^-26 of the gap range.
 /// The tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 

@@ -6,7 +6,7 @@
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
 // How Eigen allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address).
 // The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
-// An Eigen array could then be freed by a function that does not match the function that allocated the array.
+// An Eigen array could therefore be freed by a function that does not match the function that allocated the array.
 #pragma once
 
 #include <Eigen/Core>

@@ -38,7 +38,7 @@ struct ProfilePair {
 /// Two asperities that face each other.
 /// The two asperities touch if the approach is at least `gap` and the rules of `classify` are met.
 struct Candidate {
-  /// Index of the grid point. With `gap_minimum`, this is the grid point to the left of the minimum.
+  /// Index of the grid point or, with `gap_minimum`, of the grid point to the left of the minimum.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;

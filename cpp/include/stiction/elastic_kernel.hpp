@@ -50,7 +50,7 @@ class Workspace {
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
 /// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, which halves the transform size.
-/// Such a preconditioner may be periodic, because it affects the number of iterations but not the solution.
+/// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients [µm/GPa] of the grid.

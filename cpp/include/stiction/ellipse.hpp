@@ -17,7 +17,7 @@ struct Ellipse {
 /// `longer` >= `shorter` > 0 are the principal relative radii of curvature [µm].
 /// Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
 /// Let k = b/a and e² = 1 - k², and let K and E be the complete elliptic integrals of modulus e.
-/// Then shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K) and F = 2/3 π a d E*/K.
+/// Hertz theory gives shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K), F = 2/3 π a d E*/K.
 /// The relative error is about 1e-15 if shorter/longer is a normal floating-point number. Throws std::invalid_argument.
 Ellipse hertz_ellipse(double longer, double shorter);
 

@@ -38,7 +38,7 @@ class HalfSpaceGrids {
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the kernels of a grid level, and compute them on first use.
+  /// Return the elastic kernels of a grid level, which are computed on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.
@@ -80,7 +80,7 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Gap plus displacement [µm] at the points with a pressure bound above 0, if each point has its own bound.
-  /// The array is empty if the solver did not converge, or if it computed displacements at only some of these points.
+  /// The array is empty if the solver did not converge, or did not compute the displacements of all these points.
   std::vector<double> potential;
 };
 

@@ -33,7 +33,7 @@ struct CellRange {
 /// The result does not include minima above `max_value` [µm] and minima on the edge of the map.
 /// The result does not include valleys whose curvature is only round-off.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
-/// A minimum at the edge of the given range may therefore belong to a cell outside this range.
+/// A minimum at the edge of the range of cells may belong to a cell outside the range.
 ///
 /// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
 /// The signs of the coefficients either exclude a minimum in a part of a cell, or show that the spline is convex there.

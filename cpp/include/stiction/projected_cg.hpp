@@ -29,7 +29,7 @@ namespace stiction {
 /// The best extension of r has the smallest r·Mr, which equals r·K⁻¹r on the free points.
 /// On areas, zeros at the constrained points give nearly the smallest r·Mr.
 /// On lines with short contacts, zeros at the constrained points give a much larger r·Mr.
-/// On lines, r is therefore interpolated linearly between free points, and M r is multiplied by the transpose.
+/// On lines, r is interpolated linearly between free points, and M r is multiplied by the transposed interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
 /// After each step, the pressures are within their bounds, and their sum is the total.
