@@ -198,7 +198,7 @@ void add_candidate(const SurfacePair& pair, const SplineMinimum& spline_minimum,
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy) {
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
-  // The metric I + p pᵀ to the power -1/2 is I - p pᵀ / (q (q + 1)).
+  // With the slope p and q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
   // Multiplied by (I + p pᵀ)^(-1/2) on both sides, the Hessian becomes the matrix (a, b; b, c).
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();

@@ -43,9 +43,9 @@ std::size_t padded_stride(std::size_t count) {
 
 // For the Fourier transform, two real numbers are packed into one complex number.
 // Let z be the Fourier coefficients of the packed numbers, and let h be the factors, which are real and even.
-// Let m be half the number of points, and θ = πk/m. The coefficients of the packed result are
+// Let m be half the number of points, and θ = πk/m. The coefficients y of the packed result are
 //
-//     (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),    a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
+//     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
 // Since i conj(x + iy) = y + ix, the second term swaps the real and the imaginary part of z(m - k).
 // The Fourier coefficients are read forwards at k and backwards at m - k.

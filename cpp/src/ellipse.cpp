@@ -18,7 +18,7 @@ struct Integrals {
 };
 
 Integrals integrals(double k) {
-  // ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
+  // The series is ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
   // In the term c_1² / e², e² is cancelled, which avoids 0/0 for circular contacts.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);

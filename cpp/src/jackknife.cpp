@@ -69,7 +69,7 @@ STICTION_INLINE double sum_of(const LaneValues& values) {
   return sum;
 }
 
-// Add the sums of the first four powers of the values to `sums`.
+// Add the sums of the first four powers of the values of a chunk to `sums`.
 STICTION_INLINE void add_powers(const RepetitionChunk& values, std::size_t size, double* sums) {
   LaneValues first{};
   LaneValues second{};

@@ -104,7 +104,7 @@ TEST_CASE("Preconditioner: is symmetric and positive, to the tolerance of the bl
 }
 
 TEST_CASE("Preconditioner: applies the stencil periodically at each free point") {
-  // The sum of the weights is 0, so the block correction vanishes.
+  // The stencil weights add up to 0, so the correction by blocks of points vanishes.
   const Grid small{3, 4, 0.1, 0.1, false, true};
   const ElasticKernel blocks(Preconditioner::block_grid(small), modulus);
   const std::vector<double> stencil{0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0, 2.0, 0.0};
