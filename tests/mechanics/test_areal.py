@@ -390,7 +390,7 @@ class TestContactLawsOnMaps:
 
 
 class TestValidityIndicators:
-    def test_load_fraction_of_overlapping_contact_ellipses_agrees_with_a_count_by_sampled_points(self):
+    def test_load_fraction_of_overlapping_contact_ellipses_agrees_with_a_count_of_sampled_points(self):
         upper, lower = create_rough_surfaces(6)
         approaches = np.linspace(0.05, 0.25, 9)
         curve = press(upper, lower, approaches)

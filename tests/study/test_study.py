@@ -67,7 +67,7 @@ class TestQuantityConversion:
 class TestBuiltInStudies:
     """Test the built-in studies."""
 
-    def test_built_in_studies_include_the_figures_of_the_paper(self):
+    def test_built_in_studies_include_one_for_each_figure_of_the_paper(self):
         paper_names = ["figure2", "figure3", "figure5", "figure6", "figure7", "figure8", "quick"]
         other_names = ["figure6-areal", "figure6-half-plane"]
         assert study_names() == sorted([*paper_names, *other_names, "presliding"])

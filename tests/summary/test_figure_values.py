@@ -105,7 +105,7 @@ def test_figure_names_contain_the_direction_if_there_are_several_directions(smal
     assert [float(each.dataset["direction"]) for each in results.values()] == [0.0, 90.0]
 
 
-def test_profiles_for_a_figure_have_evenly_spaced_dimensions_of_the_study():
+def test_figure_of_profiles_shows_evenly_spaced_fractal_dimensions_of_the_study():
     assert list(generate_profiles(SMALL_STUDY)) == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
     study = SMALL_STUDY.with_changes({"surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 20}})
     dimensions = study.surfaces.fractal_dimensions()

@@ -561,7 +561,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_call_the_pairs_positions_or_surrogates_like_the_study(study, members):
+def test_caveats_use_the_word_of_the_study_for_pairs_of_surfaces(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 3 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
