@@ -13,7 +13,7 @@ from stiction.mechanics.quantities import AREAL_SUM_QUANTITIES, HALF_SPACE_SUM_Q
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study import find_section_differences, parse_study
 from stiction.study.values import StudyError
-from stiction.views.study_keys import list_key_tables, study_keys_text
+from stiction.views.study_keys import list_key_tables, study_keys_markdown, study_keys_text
 
 
 class TestQuantityConversion:
@@ -513,6 +513,13 @@ class TestStudyKeys:
             table = "`[friction]`" if key == "creep" else "`[contact]`"
             assert documented_values[table, key] == f"{kind}, a range or a value with its uncertainty"
         assert "hurst_exponent" in study_keys_text()
+
+    def test_each_row_of_documented_keys_gives_allowed_values_and_default_in_one_cell(self):
+        rows = [line for line in study_keys_markdown().splitlines() if line.startswith("| `")]
+        assert '| `missing` | `"error"`, `"interpolate"` or `"mask"`; default `"error"` |' in "\n".join(rows)
+        assert "| `file` | a name; required |" in "\n".join(rows)
+        assert "| `indent` | a length above 0 |" in "\n".join(rows)
+        assert {row.count(" | ") for row in rows} == {2}
 
     def test_self_affine_study_accepts_parameter_names_of_the_python_function(self):
         changes = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}

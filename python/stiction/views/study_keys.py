@@ -145,9 +145,22 @@ def study_keys_markdown() -> str:
     """Return all keys of study files as Markdown tables."""
     lines = []
     for title, phrases, rows in list_key_tables():
-        lines += [f"## {title}", "", phrases, "", "| key | default | allowed | meaning |", "|---|---|---|---|"]
-        lines += [*map(markdown_row, rows), ""]
+        lines += [f"## {title}", "", phrases, "", "| key | value | meaning |", "|---|---|---|"]
+        for key, default, allowed_values, meaning in rows:
+            lines.append(markdown_row((key, _value_text(default, allowed_values), meaning)))
+        lines.append("")
     return "\n".join(lines)
+
+
+def _value_text(default: str, allowed_values: str) -> str:
+    """Return the allowed values of a key with its default, in one cell that fits on a narrow screen."""
+    match default:
+        case "none":
+            return allowed_values
+        case "required":
+            return f"{allowed_values}; required"
+        case _:
+            return default if default == allowed_values else f"{allowed_values}; default {default}"
 
 
 def study_keys_text() -> str:
