@@ -252,7 +252,7 @@ def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
         assert {point.assessment for point in points} == {assessment}
 
 
-def test_sentence_without_coefficient_states_the_reason():
+def test_sentence_about_a_result_without_coefficient_states_the_reason():
     point = summarize_single_point(
         measured_result(status="not-reached", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()
     )

@@ -75,7 +75,7 @@ def report_evaluator(generated_dataset):
 
 @pytest.mark.parametrize("digits", [1, 2])
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0, 56_789.0, 4.2e7])
-def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_evaluator, scale, digits):
+def test_report_script_prints_numbers_with_the_decimals_of_the_terminal_output(report_evaluator, scale, digits):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
     half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
@@ -114,7 +114,7 @@ def test_report_script_prints_numbers_with_the_decimals_of_the_terminal(report_e
         ("um", [0.0421, 1.0, 2500.0]),
     ],
 )
-def test_report_script_prints_numbers_of_caveats_like_the_terminal(report_evaluator, shown, values):
+def test_report_script_prints_numbers_of_caveats_like_the_terminal_output(report_evaluator, shown, values):
     check = LimitCheck("name", 0.5, "{}", "check it", shown=shown)
     array = NumberArray(np.array(values), list_number_formats(shown))
     texts = report_evaluator(
@@ -266,7 +266,7 @@ def test_assessments_in_reports_of_generated_profiles_equal_library_assessments(
     assert "Do not quote" in assessments
 
 
-def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_the_terminal():
+def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_terminal_output():
     dataset = create_arbitrary_sums(1.0)
     dataset["contact_area"].values *= 3e4
     report_evaluator, study = ReportEvaluator(report_page(dataset)), parse_study_of_dataset(dataset)

@@ -153,7 +153,9 @@ def test_report_contains_area_fractions_only_if_the_terminal_output_does(fixture
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
-def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_terminal(fixture_name, request, monkeypatch):
+def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_terminal_output(
+    fixture_name, request, monkeypatch
+):
     monkeypatch.setenv("COLUMNS", "200")
     result = Result(request.getfixturevalue(fixture_name))
     data, values = collect_report_data(result), evaluate_measured_values(result)
