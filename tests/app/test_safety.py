@@ -473,7 +473,7 @@ def test_finished_pair_job_shows_its_files_instead_of_a_slow_preview(tmp_path, f
     assert not any(str(tmp_path) in text for text in texts.values())
 
 
-def test_pair_job_whose_report_fails_still_shows_its_values(tmp_path, fake_pair_command):
+def test_pair_job_whose_report_cannot_be_written_still_shows_its_result(tmp_path, fake_pair_command):
     async def check():
         job = JobQueue(tmp_path).add("a pair", ["pair", "--fail"], preview=([], []))
         await job.task

@@ -238,7 +238,7 @@ def test_load_fraction_on_steepest_slopes_equals_its_definition():
 
 
 class TestSurrogatePairs:
-    def test_adding_surrogates_leaves_shifted_positions_unchanged(self):
+    def test_adding_surrogates_does_not_change_the_pairs_at_shifted_positions(self):
         upper, lower = surface_pair()
         options = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}
         result_of_shifts = run_pair(upper, lower, LOADS, shifts=3, **options)

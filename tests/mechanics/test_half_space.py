@@ -398,7 +398,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
-def test_ratio_kappa_of_area_to_load_is_near_2_at_light_load():
+def test_nondimensional_area_per_load_is_near_2_at_light_load():
     lower = periodic_body((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * EFFECTIVE_MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * EFFECTIVE_MODULUS * 0.1 / curve.load[0] < 2.5

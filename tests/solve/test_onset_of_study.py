@@ -151,6 +151,6 @@ def test_study_rejects_invalid_onset_settings(changes, pattern):
     assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))
 
 
-def test_onset_figure_requires_a_study_with_onset():
+def test_figure_of_the_onset_requires_a_study_with_onset_settings():
     with pytest.raises(StudyError, match=r"needs contact\.onset"):
         Study().with_changes({"figures.draw": ["onset"]})

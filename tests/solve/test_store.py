@@ -255,7 +255,7 @@ def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
         run(with_repetitions(21), store=tmp_path)
 
 
-def test_overlapping_blocks_are_accepted(directory_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_blocks_with_common_repetitions_are_accepted(directory_copy, uninterrupted_dataset, monkeypatch):
     """Blocks overlap if writers used different block sizes; each repetition is read once."""
     other_directory = directory_copy.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):

@@ -101,7 +101,7 @@ def test_repr_of_an_interface_without_known_area_contains_no_sum_of_mu0_and_tau0
     assert np.isnan(law.identified).all()
 
 
-def test_change_of_the_returned_catalogue_does_not_change_published_interfaces():
+def test_changing_the_returned_catalogue_does_not_change_published_interfaces():
     name, entry = next(iter(interfaces().items()))
     value = entry["mu0"]
     interfaces()[name]["mu0"] = "0.9"

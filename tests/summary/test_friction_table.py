@@ -98,7 +98,7 @@ def test_fitted_area_law_agrees_with_areas_at_light_pressures(table):
         assert 0.6 < float(mean["stiffness_exponent"]) < 1.1
 
 
-def test_fit_of_laws_recovers_exact_power_laws(dataset):
+def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     """Fit laws to areas and approaches that follow the laws exactly."""
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100

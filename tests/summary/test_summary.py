@@ -125,7 +125,7 @@ def evaluated_result(surface_directory, call_counts):
         "pieces",
     ],
 )
-def test_change_of_a_returned_dataset_does_not_change_later_results(surface_directory, evaluated_result, get_dataset):
+def test_changing_a_returned_dataset_does_not_change_later_results(surface_directory, evaluated_result, get_dataset):
     result, summary_text = evaluated_result
     expected = get_dataset(result).copy(deep=True)
     change_in_place(get_dataset(result))
@@ -136,7 +136,7 @@ def test_change_of_a_returned_dataset_does_not_change_later_results(surface_dire
     assert repr(other) == summary_text
 
 
-def test_change_of_returned_loads_does_not_change_later_results(surface_directory, call_counts):
+def test_changing_the_returned_loads_does_not_change_later_results(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     expected = result.default_loads.tolist()
     for loads in (result.default_loads, result.reached_loads(3), result.members):

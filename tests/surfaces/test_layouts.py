@@ -419,7 +419,7 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
         assert read_scan_or_none(path, **options) is None
 
 
-def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path):
+def test_first_height_with_fewer_decimals_than_the_other_heights_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     path.write_text("0.5\n" + "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS))
     with pytest.warns(FormatWarning, match="first-number"):
@@ -429,7 +429,7 @@ def test_first_number_with_fewer_decimals_than_the_others_adds_a_caveat(tmp_path
     assert not read_with_interpretation(path, **options).caveats
 
 
-def test_count_of_the_heights_among_the_last_numbers_adds_a_caveat(tmp_path):
+def test_number_near_the_end_that_equals_the_number_of_heights_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     heights = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
     count = LINE_HEIGHTS.size
@@ -1009,7 +1009,7 @@ HEADER_NUMBERS = [
 
 @pytest.mark.parametrize("number", IMPOSSIBLE_NUMBERS)
 @pytest.mark.parametrize(("name", "variant", "line", "start"), HEADER_NUMBERS, ids=lambda item: str(item)[:12])
-def test_impossible_numbers_in_headers_of_instruments_are_rejected(tmp_path, name, variant, line, start, number):
+def test_impossible_numbers_in_headers_of_instrument_files_are_rejected(tmp_path, name, variant, line, start, number):
     write, options, _ = EXPORT_FORMATS[name]
     text, quote, unit = write(**variant), '"' * (name == "keyence"), " µm" * (name == "gwyddion")
     assert line in text

@@ -136,7 +136,7 @@ STATISTICS = {
 
 @pytest.mark.parametrize("side", ["last row", "first row", "last column", "first column"])
 @pytest.mark.parametrize("kind", STATISTICS)
-def test_statistics_at_a_side_of_a_matrix_are_not_read_as_heights(tmp_path, kind, side):
+def test_row_or_column_of_statistics_beside_a_matrix_is_not_read_as_heights(tmp_path, kind, side):
     axis = 0 if side.endswith("row") else 1
     lines = [HEIGHTS, np.expand_dims(STATISTICS[kind](HEIGHTS, axis), axis)]
     path = tmp_path / "a.csv"
