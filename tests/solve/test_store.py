@@ -852,7 +852,11 @@ def test_stored_block_has_the_same_content_as_a_file_written_by_xarray(uninterru
     dataset_of_types = dataset_part.assign_coords(
         place=("repetition", [True, False, True, False]), words=("approach", [*"abcd"]), area=3.0
     )
-    for dataset in (dataset_part, dataset_of_types, dataset_part.mean("repetition")):
+    dataset_of_dimensions = xarray.Dataset(
+        {"empty": (("row", "column"), np.zeros((3, 0))), "numbers": ("row", np.arange(3))},
+        {"point": ("point", [0.5, 1.5])}, {"count": 3, "factor": 2.5, "words": ["a", "b"], "steps": [1, 2]},
+    )  # fmt: skip
+    for dataset in (dataset_part, dataset_of_types, dataset_part.mean("repetition"), dataset_of_dimensions):
         store_file, xarray_file = io.BytesIO(), io.BytesIO()
         store.write_dataset(dataset, store_file)
         dataset.to_netcdf(
