@@ -43,8 +43,8 @@ class TestNoiseFloorFit:
 
     def test_fit_of_noise_floor_converges_to_the_parameters_of_an_exact_spectrum(self):
         fit = fit_noise_floor([self.create_spectrum(2.2, 1.0)], exponents=(1.0, 5.0))
-        assert fit.level == pytest.approx(1.0, rel=1e-5)
-        assert fit.exponents == pytest.approx((2.2,), rel=1e-5)
+        assert fit.level == pytest.approx(1.0, rel=1e-8)
+        assert fit.exponents == pytest.approx((2.2,), rel=1e-8)
 
     def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
         fit = fit_noise_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))

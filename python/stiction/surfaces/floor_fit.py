@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from stiction._checks import Floats
 
-if TYPE_CHECKING:
-    from scipy.optimize import OptimizeResult
-
 # A noise floor is significant if adding it to the power laws raises the log-likelihood of the fit by more than 2.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial noise level of the fit, as a fraction of the lowest spectral density
 _INITIAL_FLOOR_FRACTION = 0.3
-# tolerance of the fit of a noise floor, for which the noise level typically has a relative error below 3e-6
-_FIT_TOLERANCE = 1e-12
-# maximum number of evaluations of the likelihood of a noise floor; nearly all fits need fewer than 100
-_MAX_FIT_EVALUATIONS = 2000
+# relative decrease of the loss by a step of the fit below which the fit has converged
+_LOSS_TOLERANCE = 1e-13
+# maximum number of steps of the fit of a noise floor; nearly all fits need fewer than 20
+_MAX_FIT_STEPS = 200
+# factors by which the damping of the steps changes after a step that decreases the loss, and after one that does not
+_DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
+_INITIAL_DAMPING = 1e-3  # as a fraction of the diagonal of the expected Hessian
 
 
 class BinnedSpectrum(NamedTuple):
@@ -50,46 +50,88 @@ class NoiseFloorFit(NamedTuple):
 
 def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
     """Fit a power law to each spectrum, plus a common noise level. The exponents stay within a given range."""
-    from scipy.optimize import minimize
-
     max_floor_level = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
     scaled_spectra = [
-        (log_q - log_q.max(), density / (max_floor_level * floor), weight / weight.sum(), float(weight.sum()))
+        BinnedSpectrum(log_q - log_q.max(), density / (max_floor_level * floor), weight)
         for log_q, density, weight, floor in spectra
     ]
-
-    def loss(parameters: Floats) -> tuple[float, Floats]:
-        """Return the negative log-likelihood, without a constant term, and its gradient."""
-        total, gradient = 0.0, np.zeros(parameters.size)
-        level = parameters[-1]
-        for index, (log_q, density, fraction, weight) in enumerate(scaled_spectra):
-            law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
-            model = law + level
-            total += weight * float(fraction @ (np.log(model) + density / model))
-            model_derivative = weight * fraction * (1 - density / model) / model
-            gradient[2 * index : 2 * index + 2] = model_derivative @ law, -(model_derivative * law) @ log_q
-            gradient[-1] += model_derivative.sum()
-        return total, gradient
-
     initial_parameters: list[float] = []
-    bounds: list[tuple[float | None, float | None]] = []
-    for log_q, density, fraction, _ in scaled_spectra:
-        exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(fraction))[0], *exponents))
-        initial_parameters += [float(fraction @ (np.log(density) + exponent * log_q)), exponent]
-        bounds += [(None, None), exponents]
-
-    def minimize_loss(parameters: Sequence[float], level_bounds: tuple[float, float | None]) -> OptimizeResult:
-        # Use TNC, because L-BFGS-B of SciPy 1.17 starts threads that occupy the processor for 0.1 s after each fit.
-        return minimize(
-            loss, parameters, jac=True, bounds=[*bounds, level_bounds], method="TNC", tol=_FIT_TOLERANCE,
-            options={"maxfun": _MAX_FIT_EVALUATIONS},
-        )  # fmt: skip
-
-    fit_without_floor = minimize_loss([*initial_parameters, 0.0], (0.0, 0.0))
-    fit_with_floor = minimize_loss([*fit_without_floor.x[:-1], _INITIAL_FLOOR_FRACTION], (0.0, None))
-    best_fit = fit_with_floor if fit_with_floor.fun < fit_without_floor.fun else fit_without_floor
-    *law_parameters, level = best_fit.x.tolist()
+    for log_q, density, weight, _ in scaled_spectra:
+        exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(weight))[0], *exponents))
+        initial_parameters += [float(np.average(np.log(density) + exponent * log_q, weights=weight)), exponent]
+    lower, upper = (
+        np.array([*(infinity, exponent) * len(spectra), 0.0])
+        for infinity, exponent in zip((-math.inf, math.inf), exponents, strict=True)
+    )
+    without_floor, loss_without_floor = _minimize_loss(scaled_spectra, [*initial_parameters, 0.0], lower, upper)
+    upper[-1] = math.inf
+    with_floor, loss_with_floor = _minimize_loss(
+        scaled_spectra, [*without_floor[:-1], _INITIAL_FLOOR_FRACTION], lower, upper
+    )
+    has_floor = loss_with_floor < loss_without_floor
+    *law_parameters, level = (with_floor if has_floor else without_floor).tolist()
     ratios = tuple(level * math.exp(-value) for value in law_parameters[::2])
     return NoiseFloorFit(
-        max_floor_level * level, float(fit_without_floor.fun - best_fit.fun), tuple(law_parameters[1::2]), ratios
+        max_floor_level * level, max(loss_without_floor - loss_with_floor, 0.0), tuple(law_parameters[1::2]), ratios
     )
+
+
+def _minimize_loss(
+    spectra: Sequence[BinnedSpectrum], start: Sequence[float], lower: Floats, upper: Floats
+) -> tuple[Floats, float]:
+    """Minimise the loss within bounds with damped Newton steps. Returns the parameters and the loss.
+
+    `scipy.optimize` has such methods, but its import takes longer than the fits of all scans of a pair.
+    """
+    parameters, damping = np.array(start), _INITIAL_DAMPING
+    loss, gradient, hessian, scale = _compute_loss(spectra, parameters)
+    for _ in range(_MAX_FIT_STEPS):
+        is_free = ((parameters > lower) | (gradient < 0)) & ((parameters < upper) | (gradient > 0)) & (lower < upper)
+        free = np.flatnonzero(is_free)
+        if not free.size:
+            break
+        matrix = hessian[np.ix_(free, free)] + np.diag(damping * scale[free])
+        trial, trial_loss = parameters.copy(), math.inf
+        eigenvalues, eigenvectors = np.linalg.eigh(matrix)
+        if eigenvalues[0] > 0:
+            trial[free] -= eigenvectors @ (eigenvectors.T @ gradient[free] / eigenvalues)
+            trial = np.clip(trial, lower, upper)
+            with np.errstate(over="ignore", invalid="ignore"):
+                trial_loss, *derivatives = _compute_loss(spectra, trial)
+        if not trial_loss < loss:
+            damping *= _DAMPING_INCREASE
+            if damping > 1 / _LOSS_TOLERANCE:
+                break
+            continue
+        is_converged = loss - trial_loss <= _LOSS_TOLERANCE * abs(loss)
+        parameters, loss, (gradient, hessian, scale) = trial, trial_loss, derivatives
+        damping *= _DAMPING_DECREASE
+        if is_converged:
+            break
+    return parameters, loss
+
+
+def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tuple[float, Floats, Floats, Floats]:
+    """Return the negative log-likelihood up to a constant, its gradient, its Hessian, and the scale of the Hessian.
+
+    The scale is the diagonal of the expected Hessian, which is positive.
+    """
+    loss, size = 0.0, parameters.size
+    gradient, hessian, scale = np.zeros(size), np.zeros((size, size)), np.zeros(size)
+    for index, (log_q, density, weight, _) in enumerate(spectra):
+        law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
+        model = law + parameters[-1]
+        loss += float(weight @ (np.log(model) + density / model))
+        columns = [2 * index, 2 * index + 1, size - 1]
+        # Derivatives of the model with respect to the logarithm of A, the exponent, and the level of the floor.
+        derivatives = np.stack([law, -law * log_q, np.ones(law.size)])
+        slope = weight * (1 - density / model) / model
+        curvature = weight * (2 * density / model - 1) / np.square(model)
+        gradient[columns] += derivatives @ slope
+        block = (derivatives * curvature) @ derivatives.T
+        block[:2, :2] += np.array([[1, -1], [-1, 1]]) * np.array(
+            [[slope @ law, slope @ (law * log_q)], [slope @ (law * log_q), slope @ (law * np.square(log_q))]]
+        )
+        hessian[np.ix_(columns, columns)] += block
+        scale[columns] += np.square(derivatives) @ (weight / np.square(model))
+    return loss, gradient, hessian, scale
