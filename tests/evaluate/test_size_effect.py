@@ -4,8 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from stiction import pair
+from stiction import Result, pair
 from stiction._number_format import format_with_unit
+from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.views.sentence import inputs_text
 from support.rough_surfaces import rough_maps
@@ -82,6 +83,36 @@ def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_s
     text = f"measured 2 µm deep, {value} [{lower}, {upper}] in the contacts"
     assert text in inputs_text(result.summary().first)
     assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
+
+
+UNCERTAIN_YIELDING = {"junction_growth": "slip-line 5.14..6.05", "hardness": "0.5 GPa ± 10 %"}
+
+
+@pytest.mark.parametrize("indent", [None, "2 um"])
+def test_intervals_at_several_loads_agree_with_intervals_at_single_loads(indent):
+    dataset = press(**UNCERTAIN_YIELDING, indent=indent).dataset
+    several_loads = Result.of(dataset).at(["10 MPa", "20 MPa"], mu0=[0.1, 0.4], tau0=[0.02, 0.1])["friction_combined"]
+    for index, load in enumerate(several_loads["load"].values):
+        single_load = Result.of(dataset).at(load, mu0=0.4, tau0=0.1)["friction_combined"]
+        selected = several_loads.isel(load=index, mu0=1, tau0=1)
+        np.testing.assert_allclose(selected.squeeze(), single_load.squeeze(), rtol=1e-12)
+
+
+def test_yield_pressures_of_samples_are_computed_once_for_all_loads(monkeypatch):
+    result = press(**UNCERTAIN_YIELDING)
+    compute_pressure = FrictionLaw.yield_pressure
+    num_computed = []
+
+    def count_samples(law, hardness):
+        num_computed[-1] += np.size(hardness) > 1
+        return compute_pressure(law, hardness)
+
+    monkeypatch.setattr(FrictionLaw, "yield_pressure", count_samples)
+    for num_loads in (1, 3):
+        num_computed.append(0)
+        loads = np.linspace(0.2, 0.8, num_loads) * result.study.contact.loading_steps()[-1]
+        Result.of(result.dataset).at(loads, mu0=[0.1, 0.4], quantities=["contact_count"])
+    assert num_computed[0] == num_computed[1] > 0
 
 
 def test_unknown_indentation_adds_a_caveat_for_metals_only():

@@ -7,11 +7,11 @@ The uncertain inputs, the scatter between positions, and the unresolved roughnes
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,10 +47,12 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64  # maximum number of arrays of true areas that are cached
+MAX_CACHED_PRESSURES = 256  # maximum number of cached arrays of pressure samples: all mu0 and tau0 of a report
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. The hardness and the junction growth may be None."""
 
+_Value = TypeVar("_Value")
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
 
 
@@ -75,10 +77,12 @@ The inputs change each quantity by the named ratio.
 
 
 def compute_quantity_ratios(
-    response: ContactResponse, inputs: InputValues, central: ResponseValues
+    response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return all quantities except the closure, each divided by its number at the central inputs."""
-    values = response.evaluate(inputs)
+    """Return all quantities except the closure, each divided by its number at the central inputs.
+
+    `values` and `central` are the values of the response at the given inputs and at the central inputs.
+    """
     hardness, central_hardness = (
         response.area.contact_hardness(response.load, each.hardness, each.size_effect)
         for each in (inputs, response.central)
@@ -115,6 +119,7 @@ class InputSampler:
         self._creep = self._inputs.estimate("creep")
         self._cache: dict[Any, _InputSamples] = {}
         self._areas: dict[Any, AreasBeforeShear] = {}
+        self._pressures: dict[Any, Any] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
         self.intervals: dict[Any, Interval] = {}  # cached intervals of the coefficient, computed from samples
 
@@ -129,11 +134,11 @@ class InputSampler:
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear for samples, cached for other mu0 and tau0."""
-        if key not in self._areas:
-            if len(self._areas) == MAX_CACHED_AREAS:
-                self._areas.pop(next(iter(self._areas)))
-            self._areas[key] = response.areas_before_shear(inputs)
-        return self._areas[key]
+        return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
+
+    def find_yield_pressure(self, key: Any, response: ContactResponse, inputs: InputValues) -> Any:
+        """Return the yield pressures for samples, cached for other loads."""
+        return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
         """Return the closures at the computed loads for samples, cached for other mu0 and tau0.
@@ -160,6 +165,15 @@ class InputSampler:
             self._inputs.relative_modulus(values),
             None if self._creep is None else self._creep.quantile(points[:, -1]),
         )
+
+
+def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
+    """Return a value of a cache, or compute and store it. A full cache loses its oldest value."""
+    if key not in cache:
+        if len(cache) == max_size:
+            cache.pop(next(iter(cache)))
+        cache[key] = compute()
+    return cache[key]
 
 
 class CombinedIntervals:
@@ -351,8 +365,10 @@ class CombinedIntervals:
         names = (*self.inputs, *((INTERFACE_INPUT_NAME,) if self.strengths else ()), *self.drifts)
         if not names:
             return dict(estimates)
-        inputs, samples = self._sample_inputs({}, names=(*names, POSITIONS_INPUT_NAME))
-        ratios = compute_quantity_ratios(self.response, inputs, self._central)
+        sampled_names = (*names, POSITIONS_INPUT_NAME)
+        inputs, samples = self._sample_inputs({}, names=sampled_names)
+        values = self.response.evaluate(inputs, *self._find_known_values(inputs, sampled_names))
+        ratios = compute_quantity_ratios(self.response, inputs, values, self._central)
         if "closure" in estimates and self.response.closure_curve is not None:
             key = None if self.strengths else (id(self.response.closure_curve), names)
             closures = self._sampler.find_closures(key, self.response, inputs)
@@ -370,10 +386,10 @@ class CombinedIntervals:
                 lower = upper = value
             errors = self._split_relative_error(lower, upper, value)
             score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*errors.values())
-            values = np.broadcast_to(value * ratio * np.exp(score), (NUM_INPUT_SAMPLES,))
-            if np.isnan(values).any():
+            quantity_samples = np.broadcast_to(value * ratio * np.exp(score), (NUM_INPUT_SAMPLES,))
+            if np.isnan(quantity_samples).any():
                 continue
-            low, high = compute_equal_tailed_interval(values).extended_to((lower, upper))
+            low, high = compute_equal_tailed_interval(quantity_samples).extended_to((lower, upper))
             limit = find_upper_bound(name, self.response.area.nominal_area, uses_half_space=self.study.uses_half_space)
             combined[name] = np.array([value, low, max(min(high, limit), value)])
         return combined
@@ -426,10 +442,8 @@ class CombinedIntervals:
         the coefficient, it lies between the lowest and the highest coefficient for finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
-        # Unless mu0 and tau0 come with their own hardness, all of them have the same area before shear.
-        key = self.response.load, id(self.response.area), tuple(self.inputs), self.names, (*fixed.items(),), dwell_time
-        areas = None if self.strengths else self._sampler.find_areas((*key, drift_factor), self.response, inputs)
-        values = self.response.evaluate(inputs, areas)
+        known_values = self._find_known_values(inputs, self.names, fixed, dwell_time, drift_factor)
+        values = self.response.evaluate(inputs, *known_values)
         is_seized = np.isinf(values.friction_coefficient)
         coefficients = self.value * (
             np.where(is_seized, 1.0, values.friction_coefficient) / self._central.friction_coefficient
@@ -451,6 +465,24 @@ class CombinedIntervals:
         coefficients = np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
         has_no_limit = values.has_no_upper_limit & ~is_seized
         return coefficients, np.where(has_no_limit, np.inf, coefficients) if has_no_limit.any() else coefficients
+
+    def _find_known_values(
+        self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
+        dwell_time: float = 1.0, drift_factor: float = 1.0,
+    ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
+        """Return areas before shear and yield pressures that samples at other loads, mu0 and tau0 share.
+
+        The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
+        depends on the depth of the contacts. An interface with joint samples may come with its own hardness.
+        """
+        if self.strengths:
+            return None, None
+        response, sampler = self.response, self._sampler
+        contact = response.load, id(response.area)
+        samples = tuple(self.inputs), names, (*fixed.items(),), dwell_time
+        areas = sampler.find_areas((*contact, *samples, drift_factor), response, inputs)
+        depth_key = () if response.area.indent is None else contact
+        return areas, sampler.find_yield_pressure((*depth_key, *samples, self.mu0, self.tau0), response, inputs)
 
     def _sample_inputs(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0,

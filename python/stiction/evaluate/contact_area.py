@@ -139,16 +139,19 @@ class AreaFunction:
     def onset(
         self, law: FrictionLaw, load: ArrayLike, *, hardness: ArrayLike | None = None, modulus: ArrayLike = 1.0,
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
-        size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
+        size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding. Arguments are as for a call of the object."""
+        """Return the state of the contacts at the onset of sliding. Arguments are as for a call of the object.
+
+        `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before.
+        """
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 
         def area_at_pressure(pressure: Floats | None) -> Floats:
             return self._area_at_pressure(pressure, load, elastic_area, yield_exponent)
 
         hardness = self.contact_hardness(load, hardness, size_effect)
-        return law.onset(load, hardness, self.nominal_area, area_at_pressure)
+        return law.onset(load, hardness, self.nominal_area, area_at_pressure, yield_pressure)
 
 
 @dataclass(frozen=True, eq=False)

@@ -211,13 +211,27 @@ class ContactResponse:
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
-    def evaluate(self, inputs: InputValues, known_areas: AreasBeforeShear | None = None) -> ResponseValues:
-        """Return all quantities for given inputs. `known_areas` are the areas before shear, if computed before."""
+    def yield_pressure(self, inputs: InputValues) -> Any:
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None for elastic bodies.
+
+        The pressure does not depend on the load, unless the depth of the indentation is known.
+        """
+        hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
+        return None if hardness is None else inputs.law.yield_pressure(hardness)
+
+    def evaluate(
+        self, inputs: InputValues, known_areas: AreasBeforeShear | None = None, known_pressure: Any = None
+    ) -> ResponseValues:
+        """Return all quantities for given inputs.
+
+        `known_areas` and `known_pressure` are the areas before shear and the yield pressure, if computed before.
+        """
         elastic_area, area = self.areas_before_shear(inputs) if known_areas is None else known_areas
         central_area = self.area(self.load)
         law = inputs.law
         if self.area.hardness is None or np.any(inputs.junction_growth):
-            onset = self.area.onset(law, self.load, elastic_area=elastic_area, **_area_inputs(inputs))
+            known_values = {"elastic_area": elastic_area, "yield_pressure": known_pressure}
+            onset = self.area.onset(law, self.load, **known_values, **_area_inputs(inputs))
         else:
             hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
             onset = OnsetState(law.plastic_coefficient(np.asarray(hardness)), area, np.ones(()))

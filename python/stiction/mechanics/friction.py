@@ -174,7 +174,9 @@ class FrictionLaw:
         ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
         return self.tau0 * ratio / hardness
 
-    def onset(self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats]) -> OnsetState:
+    def onset(
+        self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
+    ) -> OnsetState:
         """Return the state of the contacts at the onset of sliding.
 
         Parameters
@@ -185,10 +187,12 @@ class FrictionLaw:
         nominal_area : float, µm²
         area : callable
             Function from the largest pressure (GPa), or None, to the true area (µm²) at this load.
+        pressure : float or array, GPa, optional
+            Result of `yield_pressure` for the hardness, if computed before.
         """
         if hardness is None:
             return OnsetState(np.nan, area(None) * (1 - np.asarray(self.area_loss)), np.ones(()))
-        pressure = self.yield_pressure(hardness)
+        pressure = self.yield_pressure(hardness) if pressure is None else pressure
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
             # the pressure is NaN if the contact seizes, so the comparison is False
