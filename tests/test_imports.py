@@ -241,8 +241,10 @@ def test_commands_load_dask_only_for_a_cluster(tmp_path):
     assert "the address of a Dask scheduler must have the form" in message
 
 
-def test_module_for_exported_files_loads_no_matplotlib():
-    assert "matplotlib" not in loaded_dependencies("import stiction.views.files")
+@pytest.mark.parametrize("module", ["files", "report"])
+def test_modules_for_exported_files_and_reports_load_no_matplotlib(module):
+    """Check reports because their numbers are evaluated in a copy of the process while Matplotlib is imported."""
+    assert "matplotlib" not in loaded_dependencies(f"import stiction.views.{module}")
 
 
 def test_style_sheet_of_the_app_loads_neither_matplotlib_nor_pandas():

@@ -15,6 +15,7 @@ from stiction.solve.store import open_stored_result
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
 from stiction.views.files import is_card, write_joint_table, write_result
+from stiction.views.report import save_report
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
 from stiction.views.style import MATPLOTLIB_STYLE
@@ -92,9 +93,6 @@ class Result(Evaluation):
 
     def save_report(self, path: str | Path) -> Path:
         """Save the result's interactive HTML report, and return its path."""
-        # `save_report` is imported here, because its module imports Matplotlib
-        from stiction.views.report import save_report
-
         path = parse_path("path", path)
         save_report(self, path, name=self.path.resolve().name if self.path else "result")
         return path

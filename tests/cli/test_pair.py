@@ -433,6 +433,18 @@ def test_pair_command_evaluates_stored_sums_only_once_at_each_load(scans_directo
     assert [request for request in set(requests) if requests.count(request) > 1] == []
 
 
+@pytest.mark.usefixtures("omit_companion_files")
+def test_pair_command_writes_its_table_and_figure_if_the_report_is_too_large(scans_directory, tmp_path, monkeypatch):
+    monkeypatch.setattr("stiction.views.report.result.MAX_REPORT_VALUES", {True: 10, False: 10})
+    options = [*MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--shifts", 2, "--onset", 0]
+    result = call_stiction("pair", *options, "-o", tmp_path / "out", cwd=scans_directory, without_figures=True)
+    assert result.returncode == 2
+    assert "at most 10 coefficients for a report" in result.stderr
+    file_names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"result.csv", "friction.png"} < file_names
+    assert "report.html" not in file_names
+
+
 @pytest.mark.parametrize(
     ("function", "message"),
     [

@@ -52,10 +52,15 @@ def empty_figures():
 def disable_reports():
     """Return a context manager that replaces the reports of results by empty pages, to save time."""
 
-    def write_empty_page(_, path, **__):
+    def write_empty_page(path):
         replace_text_file(path, REPORT_FILE_SIGNATURE, REPORT_FILE_SIGNATURE.encode())
 
-    return mock.patch("stiction.views.report.save_report", write_empty_page)
+    empty_page = mock.Mock(save=write_empty_page)
+    return mock.patch.multiple(
+        "stiction.views.report",
+        save_report=lambda _, path, **__: write_empty_page(path),
+        evaluate_report=lambda *_, **__: contextlib.nullcontext(lambda: empty_page),
+    )
 
 
 def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_report=False):

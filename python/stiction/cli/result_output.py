@@ -117,13 +117,15 @@ MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while anoth
 
 
 def _write_result_files(result: Result, directory: Path) -> list[str]:
-    from stiction.views.figures import draw_figures
-    from stiction.views.report import save_report
+    from stiction.views.report import evaluate_report
 
-    replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
-    figure_paths = draw_figures(result, directory, first=True)
     report_path = directory / "report.html"
-    save_report(result, report_path, name=directory.resolve().name)
+    with evaluate_report(result, name=directory.resolve().name) as build_page:
+        from stiction.views.figures import draw_figures  # imports Matplotlib
+
+        replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
+        figure_paths = draw_figures(result, directory, first=True)
+        build_page().save(report_path)
     return [str(report_path), RESULT_TABLE_NAME, *(figure_path.name for figure_path in figure_paths)]
 
 

@@ -59,6 +59,12 @@ MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves along x
 SELF_LOCKED_COLOUR = "#7a0019"  # colour of map cells in which friction is self-locked
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
+COLOUR_RANGE_QUANTILES = (0.01, 0.95)
+"""Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
+COLOUR_BAR_TICKS = (
+    0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
+)  # fmt: skip
+"""Round friction coefficients that may be ticks of a colour bar."""
 SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}

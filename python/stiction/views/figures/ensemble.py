@@ -29,6 +29,8 @@ from stiction.summary.figure_values import FrictionOverDimension
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.style import (
+    COLOUR_BAR_TICKS,
+    COLOUR_RANGE_QUANTILES,
     FRICTION_COLOUR_MAP,
     INCHES_PER_MILLIMETRE,
     PAGE_WIDTH,
@@ -42,9 +44,6 @@ from stiction.views.style import (
     spread_label_positions,
 )
 
-COLOUR_RANGE_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
-
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
 """Relative interval widths at which the fading of a cell begins and ends, and the strongest fading."""
 
@@ -55,32 +54,6 @@ HEADING_HEIGHT = 4.0  # height (mm) of a heading line above a figure
 MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
-COLOUR_BAR_TICKS = (
-    0.01,
-    0.02,
-    0.03,
-    0.05,
-    0.07,
-    0.1,
-    0.15,
-    0.2,
-    0.3,
-    0.4,
-    0.5,
-    0.7,
-    1,
-    1.5,
-    2,
-    3,
-    5,
-    7,
-    10,
-    20,
-    30,
-    50,
-    100,
-)
-"""Round friction coefficients that may be ticks of a colour bar."""
 
 # contributions of red, green and blue to the luminance of a colour
 _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])

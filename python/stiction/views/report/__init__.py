@@ -1,6 +1,6 @@
 """Reports as HTML, each a single file without external resources."""
 
 from stiction.views.report.page import ReportError
-from stiction.views.report.result import report_page, save_report
+from stiction.views.report.result import evaluate_report, report_page, save_report
 
-__all__ = ["ReportError", "report_page", "save_report"]
+__all__ = ["ReportError", "evaluate_report", "report_page", "save_report"]

@@ -15,10 +15,9 @@ from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION, STATUS_EXPLANATIONS
 from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
 from stiction.summary.report_grid import ParameterAxis
-from stiction.views.figures.ensemble import COLOUR_BAR_TICKS
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.tables import QuantityEstimates, ReportArray
-from stiction.views.style import SLIDING_RULE_LABELS
+from stiction.views.style import COLOUR_BAR_TICKS, SLIDING_RULE_LABELS
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,12 +22,12 @@ from stiction.summary.report_values import (
     GeneratedReportValues,
     get_validity_limit,
 )
-from stiction.views.figures.ensemble import COLOUR_RANGE_QUANTILES
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.quantities import quantity_label
 from stiction.views.report.content import ReportContent, common_facts
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
+from stiction.views.style import COLOUR_RANGE_QUANTILES
 
 
 def generated_report_content(

@@ -6,14 +6,13 @@ scripts decode the numbers and draw.
 
 from __future__ import annotations
 
+import contextlib
 import html
-from collections.abc import Mapping
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from pathlib import Path
 from string import Template
-from typing import Any
-
-import xarray
+from typing import TYPE_CHECKING, Any
 
 from stiction.evaluate.intervals import CONFIDENCE_LEVEL
 from stiction.solve.executors import evaluate_in_copy
@@ -38,8 +37,10 @@ from stiction.views.report.page import (
     read_package_file,
     script_markup,
 )
-from stiction.views.report.pictures import list_panels
 from stiction.views.report.tables import STORED_FLOAT_BYTES, PackedArrays, pack_arrays
+
+if TYPE_CHECKING:
+    import xarray
 
 _ARROW_KEYS_HELP = "arrow keys move {}, plus and minus zoom"
 PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
@@ -89,7 +90,8 @@ def save_report(
     ReportError
         As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
-    _build_page(Evaluation.of(result), name, picture).save(Path(path))
+    with evaluate_report(result, name=name, picture=picture) as build_page:
+        build_page().save(Path(path))
 
 
 def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
@@ -99,30 +101,54 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
     result, is too large for a page, or has no members.
     """
-    return _build_page(Evaluation.of(result), name, picture).html()
+    with evaluate_report(result, name=name, picture=picture) as build_page:
+        return build_page().html()
 
 
-def _build_page(result: Evaluation, name: str, picture: xarray.Dataset | None) -> HtmlPage:
-    """Evaluate the data of a report, compose its content and render it.
+@contextlib.contextmanager
+def evaluate_report(
+    result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
+) -> Iterator[Callable[[], HtmlPage]]:
+    """Evaluate the numbers of a report in a copy of this process, and yield a function that returns the report.
 
-    A copy of this process evaluates and encodes the numbers while the figures are drawn.
+    The function draws the figures, and then waits for the numbers. Its errors are those of `report_page`. If Matplotlib
+    is not imported yet, the numbers are evaluated during the import, too.
     """
+    result = Evaluation.of(result)
+    collect_data_once = cache(partial(_collect_data, result, picture))
+    with contextlib.suppress(ValueError):  # the yielded function raises the error again
+        collect_data_once()
+    with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
+        yield partial(_build_page, collect_data_once, get_content)
+
+
+_Data = MeasuredReportData | GeneratedReportData
+_ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
+"""Content of a page, data for its scripts, and encoded numbers."""
+
+
+def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
+    """Collect the data of the page, unless the result is too large for a page."""
     _check_size(result)
-    data = collect_report_data(result, picture)
-    with evaluate_in_copy(partial(_compose_content, result, data, name)) as get_content:
-        panels = list_panels(data)
-        panel_markup = {
-            is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main)
-            for is_main in (True, False)
-        }
-        content, facts, packed_arrays = get_content()
+    return collect_report_data(result, picture)
+
+
+def _build_page(get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]) -> HtmlPage:
+    """Draw the figures of the page, wait for its content, and render it."""
+    data = get_data()
+    from stiction.views.report.pictures import list_panels  # imports Matplotlib
+
+    panels = list_panels(data)
+    panel_markup = {
+        is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
+    }
+    content, facts, packed_arrays = get_content()
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
-def _compose_content(
-    result: Evaluation, data: MeasuredReportData | GeneratedReportData, name: str
-) -> tuple[ReportContent, dict[str, Any], PackedArrays]:
-    """Return the content of a report, the data for its scripts, and its encoded numbers."""
+def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
+    """Evaluate the numbers of a report, and return them encoded, with its content and data for its scripts."""
+    data = get_data()
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
     else:
@@ -151,8 +177,7 @@ def _check_size(result: Evaluation) -> None:
 
 
 def _render_page(
-    data: MeasuredReportData | GeneratedReportData, content: ReportContent, panel_markup: Mapping[bool, str],
-    scripts: str,
+    data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
     """Render a report: insert content, panels (main ones: True) and scripts in the template."""
     notices_markup = _incompleteness_notices(data, content.name)
