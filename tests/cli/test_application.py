@@ -109,6 +109,18 @@ def test_deleting_a_partly_constructed_object_prints_no_error(monkeypatch, capfd
     assert capfd.readouterr().err == ""
 
 
+def test_short_command_runs_without_garbage_collection(tmp_path):
+    """Check this because a collection traverses the objects of all imported libraries."""
+    script = (
+        "import atexit, gc, sys, stiction.cli; collections = []; gc.collect(); gc.freeze(); "
+        "gc.callbacks.append(lambda phase, info: collections.append(gc.get_threshold()[0])); "
+        "atexit.register(lambda: print(sum(each > 700 for each in collections), file=sys.stderr)); "
+        f"sys.argv = ['stiction', 'run', 'quick', *{SMALL_STUDY_OPTIONS}]; stiction.cli.main()"
+    )
+    completed = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert completed.stderr.splitlines()[-1] == "0"
+
+
 def test_failed_thread_start_is_reported_without_traceback(tmp_path, monkeypatch):
     """Check that a command that cannot start a thread ends before it creates a result."""
 

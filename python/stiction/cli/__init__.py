@@ -13,11 +13,11 @@ from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_i
 MIN_ADDRESS_SPACE = 2**30
 """Minimum address space in bytes (ulimit -v). With less, OpenBLAS may block forever while SciPy is imported."""
 
-ALLOCATIONS_PER_COLLECTION = 100_000
+ALLOCATIONS_PER_COLLECTION = 1_000_000
 """Number of new objects until Python's garbage collector searches for unused cycles of objects.
 
-With Python's default, 700 in Python 3.11, the collector traverses the objects of the imported libraries so often that
-`stiction pair` takes a tenth longer.
+A command with a short computation allocates fewer objects, most of them in imported libraries. With Python's default,
+700 in Python 3.11, the collector traverses these objects so often that `stiction pair` takes a tenth longer.
 """
 
 
