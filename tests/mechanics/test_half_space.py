@@ -735,6 +735,23 @@ def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
     assert np.array_equal(curve.direction, [0, 90, 180, 270])
 
 
+@pytest.mark.parametrize(("num_dims", "directions"), [(1, ["+x", "-x"]), (2, [0.0, 30.0, 180.0]), (2, [90.0])])
+def test_directed_sums_equal_those_of_curves_for_each_sliding_rule_and_direction(num_dims, directions):
+    rng = np.random.default_rng(5)
+    body_class = Profile if num_dims == 1 else Surface
+    upper, lower = (body_class(rng.normal(0, 0.01, (48,) * num_dims), spacing=0.1) for _ in range(2))
+    first_direction = "+x" if num_dims == 1 else [0.0, 30.0, 180.0]
+    curve = half_space(upper, lower, [0.01, 0.03, 0.1], direction=first_direction, hardness=8.0)
+    sums = curve.compute_directed_sums(directions, ["all", "opposing"])
+    for rule, sliding in enumerate(["all", "opposing"]):
+        for index, direction in enumerate(directions):
+            curve_of_motion = curve.with_direction(direction).with_sliding(sliding)
+            for name, values in sums.items():
+                assert np.array_equal(values[rule, index], getattr(curve_of_motion, name))
+    assert np.ptp(sums["tangential_elastic"]) > 0
+    assert (sums["normal_frictional"][0] != sums["normal_frictional"][1]).any()
+
+
 def test_gap_vanishes_at_all_contact_points_if_pressures_reach_the_hardness():
     x = (np.arange(33) - 16) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)

@@ -42,6 +42,7 @@ from stiction.mechanics.model import (
     warn_if_same_body,
 )
 from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
+from stiction.mechanics.patches import DIRECTED_TOTALS
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.mechanics.tilt import solve_with_balanced_tilt
 from stiction.surfaces.profile import Profile, reject_missing_points
@@ -393,6 +394,17 @@ class HalfSpaceCurve(FrictionCurve):
         return compute_onset(
             tangential_problem, mu0=mu0, tau0=tau0, direction=angle, steps=steps, displacements=displacements
         )
+
+    def compute_directed_sums(
+        self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
+    ) -> dict[str, Floats]:
+        """Compute the sums that depend on the motion, by name, with the shape (sliding rules, directions, loads)."""
+        unit_vectors = replace(self._model, direction=tuple(directions)).directions()
+        sums: Sequence[PatchSums] = self._sums
+        if not np.array_equal(unit_vectors, self._model.directions()):
+            sums = [solution.sums(unit_vectors) for solution in self._contact_solutions]
+        totals = [[patches.directed_totals(sliding) for patches in sums] for sliding in sliding_rules]
+        return dict(zip(DIRECTED_TOTALS, np.array(totals).transpose(2, 0, 3, 1), strict=True))
 
     def _with_sums(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
         rows = _sum_patches(model, self._contact_solutions, sums)

@@ -68,16 +68,23 @@ class PatchSums:
 
         Sums that depend on the direction have the shape (directions,).
         """
-        contributes = True if sliding == "all" else self.opposes_motion
-        coordinates = {
-            "tangential_elastic": self.leaning, "normal_frictional": self.upward, "tangential_frictional": self.forward,
-            "normal_adhesive": self.upward_area, "tangential_adhesive": self.forward_area,
-        }  # fmt: skip
         return {
             "contact_area": float(self.area.sum()),
             "normal_elastic": float(self.force.sum()),
-            **{name: values.sum(axis=1, where=contributes) for name, values in coordinates.items()},
+            **dict(zip(DIRECTED_TOTALS, self.directed_totals(sliding), strict=True)),
         }
+
+    def directed_totals(self, sliding: SlidingRule) -> Floats:
+        """Return the sums `DIRECTED_TOTALS` of the patches where friction acts, with shape (5, directions)."""
+        contributes = True if sliding == "all" else self.opposes_motion
+        sums = np.stack([self.leaning, self.upward, self.forward, self.upward_area, self.forward_area])
+        return np.asarray(sums.sum(axis=-1, where=contributes))
+
+
+DIRECTED_TOTALS = (
+    "tangential_elastic", "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
+)  # fmt: skip
+"""Names of the sums that depend on the direction of motion."""
 
 
 def patch_sums(

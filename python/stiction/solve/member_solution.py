@@ -8,7 +8,7 @@ import math
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,48 +162,23 @@ def _solve_half_space(
     A failure at one load does not affect the other loads.
     """
     is_areal = isinstance(upper, Surface)
-    first_direction: list[float] | Literal["+x"] = contact.direction_angles().tolist() if is_areal else "+x"
+    directions: Any = contact.direction_angles().tolist() if is_areal else _list_profile_directions(contact)
+    sliding_rules = contact.sliding_rules()
     solve = functools.partial(
         half_space,
         upper,
         lower,
         **contact.solver_arguments(),
-        direction=first_direction,
-        sliding=contact.sliding_rules()[0],
+        direction=directions if is_areal else "+x",
+        sliding=sliding_rules[0],
         record=record,
     )
     sum_names = (*HALF_SPACE_SUM_QUANTITIES, *(ADHESION_QUANTITIES[:1] if contact.adheres else ()))
 
-    def derive_motion_curves(curve: HalfSpaceCurve) -> list[list[HalfSpaceCurve]]:
-        """Return the load curves of all sliding rules and directions, which share one contact solution."""
-        direction_curves = (
-            [curve]
-            if is_areal
-            else [
-                curve if direction == "+x" else curve.with_direction(direction)
-                for direction in _list_profile_directions(contact)
-            ]
-        )
-        rules = enumerate(contact.sliding_rules())
-        return [
-            [direction if rule == 0 else direction.with_sliding(sliding) for direction in direction_curves]
-            for rule, sliding in rules
-        ]
-
-    def stack_over_motions(curves: list[list[HalfSpaceCurve]], name: str) -> Floats:
-        return np.stack(
-            [
-                np.concatenate([np.atleast_2d(getattr(direction, name)) for direction in direction_curves])
-                for direction_curves in curves
-            ]
-        )
-
     for load_indices, curve in solve_together_or_separately(solve, contact.loading_steps()):
-        curves = derive_motion_curves(curve)
+        directed_sums = curve.compute_directed_sums(directions, sliding_rules)
         for name in sum_names:
-            values[name][..., load_indices] = (
-                stack_over_motions(curves, name) if name in DIRECTED_SUM_QUANTITIES else getattr(curve, name)
-            )
+            values[name][..., load_indices] = directed_sums[name] if name in directed_sums else getattr(curve, name)
         if slopes is None:
             continue
         values["status"][load_indices] = STATUSES.index("ok")
@@ -227,9 +202,9 @@ def _solve_half_space(
         solution_at_no_load = solve_at_zero_load(solve)
         if solution_at_no_load is not None:
             values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
-        curves = [] if solution_at_no_load is None else derive_motion_curves(solution_at_no_load)
-        for name in ZERO_LOAD_SUM_QUANTITIES if curves else ():
-            values[name][...] = stack_over_motions(curves, QUANTITIES[name].sum_under_load)[..., 0]
+            directed_sums = solution_at_no_load.compute_directed_sums(directions, sliding_rules)
+            for name in ZERO_LOAD_SUM_QUANTITIES:
+                values[name][...] = directed_sums[QUANTITIES[name].sum_under_load][..., 0]
 
 
 def _solve_asperities(
