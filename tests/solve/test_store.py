@@ -829,6 +829,12 @@ def test_files_written_at_different_times_are_byte_identical(uninterrupted_datas
     assert first_file.getvalue() == second_file.getvalue()
 
 
+def test_encoding_members_rejects_arrays_of_another_shape(uninterrupted_dataset):
+    arrays = {name: uninterrupted_dataset[name].values for name in TINY_STUDY.contact_sum_names()}
+    with pytest.raises(ValueError, match=r"contact_count must have the shape \(.*\), got \(.*\)"):
+        store.encode_members(TINY_STUDY, range(22), arrays | {"contact_count": arrays["contact_count"][..., :1]})
+
+
 def find_dimensions_by_scale(file, name):
     """Return the names of the dimension scales of a variable of an open netCDF file."""
     if file[name].is_scale:

@@ -748,9 +748,12 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
         template = _encode_block_of_zeros(study, len(numbers))
     file_image = io.BytesIO(template)
     with h5py.File(file_image, "r+") as file:
-        file["repetition"][...] = numbers
-        for name, values in arrays.items():
-            file[name][...] = values
+        for name, values in {"repetition": np.asarray(numbers), **arrays}.items():
+            # These low-level calls of h5py take a third of the time of its classes.
+            identifier = h5py.h5d.open(file.id, name.encode())
+            if identifier.shape != values.shape:
+                raise ValueError(f"{name} must have the shape {identifier.shape}, got {values.shape}")
+            identifier.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(values, identifier.dtype))
     return file_image.getvalue()
 
 
