@@ -135,3 +135,26 @@ def test_report_evaluated_in_a_forked_process_equals_one_evaluated_in_one_proces
     run_script(script)
     save_report(result, tmp_path / "one.html", name="small")
     assert (tmp_path / "copy.html").read_bytes() == (tmp_path / "one.html").read_bytes()
+
+
+def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(tmp_path):
+    run(
+        Study.named("quick").with_changes({"ensemble.repetitions": 2, "surfaces.points": 3000}),
+        store=tmp_path / "small",
+    )
+    script = f"""
+        from stiction import open_result
+        from stiction.views.report import pictures, result
+        compose_content = result._compose_content
+        def print_process_number(name, value):
+            print(name, os.getpid() == pid, os.getpid(), flush=True)
+            return value
+        result._compose_content = lambda *arguments: print_process_number("numbers", compose_content(*arguments))
+        pictures.draw_panels = lambda data: print_process_number("figures", {{True: "", False: ""}})
+        result.report_page(open_result({str(tmp_path / "small")!r}))
+    """
+    words = run_script(script)
+    assert {(name, is_original) for name, is_original in zip(words[::3], words[1::3], strict=True)} == {
+        ("numbers", "False"), ("figures", "False"),
+    }  # fmt: skip
+    assert len(set(words[2::3])) == 2

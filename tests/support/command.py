@@ -59,7 +59,7 @@ def disable_reports():
     return mock.patch.multiple(
         "stiction.views.report",
         save_report=lambda _, path, **__: write_empty_page(path),
-        evaluate_report=lambda *_, **__: contextlib.nullcontext(lambda: empty_page),
+        evaluate_report=lambda *_, **__: contextlib.nullcontext(lambda: contextlib.nullcontext(lambda: empty_page)),
     )
 
 

@@ -120,12 +120,12 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    with evaluate_report(result, name=directory.resolve().name) as build_page:
-        from stiction.views.figures import draw_figures  # imports Matplotlib
+    with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
+        from stiction.views.figures import draw_figures  # imports Matplotlib, which must not delay the evaluation
 
         replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
         figure_paths = draw_figures(result, directory, first=True)
-        build_page().save(report_path)
+        get_report().save(report_path)
     return [str(report_path), RESULT_TABLE_NAME, *(figure_path.name for figure_path in figure_paths)]
 
 

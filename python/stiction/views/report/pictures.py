@@ -62,6 +62,14 @@ class FigurePanel:
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 
+def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
+    """Draw the panels of a report, and return the markup of the main panels (True) and of the others (False)."""
+    panels = list_panels(data)
+    return {
+        is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
+    }
+
+
 def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
     """Return the panels of a report for which the result has data."""
     return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)

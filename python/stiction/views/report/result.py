@@ -90,8 +90,8 @@ def save_report(
     ReportError
         As for `report_page`; also if the path is a file that is not a report, or cannot be written.
     """
-    with evaluate_report(result, name=name, picture=picture) as build_page:
-        build_page().save(Path(path))
+    with evaluate_report(result, name=name, picture=picture) as draw_report, draw_report() as get_page:
+        get_page().save(Path(path))
 
 
 def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
@@ -101,25 +101,26 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
     of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
     result, is too large for a page, or has no members.
     """
-    with evaluate_report(result, name=name, picture=picture) as build_page:
-        return build_page().html()
+    with evaluate_report(result, name=name, picture=picture) as draw_report, draw_report() as get_page:
+        return get_page().html()
 
 
 @contextlib.contextmanager
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
-) -> Iterator[Callable[[], HtmlPage]]:
-    """Evaluate the numbers of a report in a copy of this process, and yield a function that returns the report.
+) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
+    """Evaluate the numbers of a report in a copy of this process, and yield a function that draws the figures.
 
-    The function draws the figures, and then waits for the numbers. Its errors are those of `report_page`. If Matplotlib
-    is not imported yet, the numbers are evaluated during the import, too.
+    The function returns another context, in which a second copy draws the figures. That context yields a function that
+    waits for both copies and returns the report. Its errors are those of `report_page`. If Matplotlib is not imported
+    yet, open the second context after the import, so that this process imports it while the numbers are evaluated.
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
-    with contextlib.suppress(ValueError):  # the yielded function raises the error again
+    with contextlib.suppress(ValueError):  # the function that returns the report raises the error again
         collect_data_once()
     with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
-        yield partial(_build_page, collect_data_once, get_content)
+        yield partial(_draw_report, collect_data_once, get_content)
 
 
 _Data = MeasuredReportData | GeneratedReportData
@@ -133,16 +134,22 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
     return collect_report_data(result, picture)
 
 
-def _build_page(get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]) -> HtmlPage:
-    """Draw the figures of the page, wait for its content, and render it."""
-    data = get_data()
-    from stiction.views.report.pictures import list_panels  # imports Matplotlib
+@contextlib.contextmanager
+def _draw_report(
+    get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]
+) -> Iterator[Callable[[], HtmlPage]]:
+    """Draw the figures of a report in a copy of this process, and yield a function that returns the report."""
+    from stiction.views.report.pictures import draw_panels  # imports Matplotlib
 
-    panels = list_panels(data)
-    panel_markup = {
-        is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
-    }
-    content, facts, packed_arrays = get_content()
+    with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:
+        yield lambda: _build_page(get_data(), get_panel_markup(), *get_content())
+
+
+def _build_page(
+    data: _Data, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
+    packed_arrays: PackedArrays,
+) -> HtmlPage:  # fmt: skip
+    """Render a report from its content, the data for its scripts, its encoded numbers and its drawn panels."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
