@@ -1,6 +1,7 @@
 """Run the `stiction` command in tests."""
 
 import contextlib
+import functools
 import io
 import os
 import sys
@@ -44,7 +45,8 @@ def empty_figures():
     select_figures = standard.select_figures
 
     def select_empty_figures(*arguments):
-        return ((name, Figure) for name, _ in select_figures(*arguments))
+        # Empty figures are small, because most of the time of writing them is spent on the compression of pixels.
+        return ((name, functools.partial(Figure, figsize=(1, 1))) for name, _ in select_figures(*arguments))
 
     return mock.patch.object(standard, "select_figures", select_empty_figures)
 
