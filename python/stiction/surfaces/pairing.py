@@ -165,7 +165,7 @@ def paired_lines(
     Parameters
     ----------
     upper, lower : Profile or Surface
-        Scans, both with heights out of the material. If the grids differ, the finer one is used for both.
+        Scans, both with heights that point out of the material. If the grids differ, the finer one is used for both.
     travel : float, µm, optional
         Largest offset, by which sliders are shortened. The default for a single pair is half the length of the lower
         profile, or its excess length over the upper profile if this is larger. The default for several pairs is no
