@@ -85,8 +85,8 @@ def shear_test(
     Parameters
     ----------
     upper, lower : Profile, Surface or array_like
-        Faces as they were scanned, with heights that point out of the material. The upper face is flipped as `pair` flips it, and
-        both faces start at the same corner.
+        Faces as they were scanned, with heights that point out of the material. The upper face is flipped as `pair`
+        flips it, and both faces start at the same corner.
     load : float, mN, or str
         Normal load, "1 MPa" on the overlap at the start of the path, or a force. With `normal_stiffness`, the load at
         the start.
