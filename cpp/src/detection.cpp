@@ -151,7 +151,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // With scale = ±q²/f'', the osculating sphere has the radius scale q, and its centre is offset by scale (f', 1).
+    // With scale = ±q²/f'', the osculating sphere has the radius scale·q and the centre offset scale·(f', 1).
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];

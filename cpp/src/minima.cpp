@@ -24,7 +24,7 @@ constexpr double merge_distance = 1e-6;
 
 // The spline in a cell lies within the range of its 16 coefficients.
 // Each derivative of the spline lies within the range of the differences of its 16 coefficients.
-// A minimum is possible only if the lowest coefficient is at most `max_value` and both derivatives may be zero.
+// A minimum requires a coefficient of at most `max_value`, and ranges of both derivatives that contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }

@@ -415,7 +415,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
 
 // Call the visitor for each run of constrained points.
 // The visitor receives the indices into `free_points_` of both neighbours, and the number of constrained points.
-// The visitor also receives the two segments into which the edge of the grid divides a run of constrained points.
+// A run that wraps around the edge of the grid is passed as two segments.
 // A segment is described by its first point, its length, and its offset in the run of constrained points.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
