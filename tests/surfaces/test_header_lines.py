@@ -489,4 +489,4 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
 def test_numbers_in_several_units_are_rejected(read_text, columns):
     text = "".join(f"{z};um\n" if at % 9 else f"{1000 * z:.1f};nm\n" for at, z in enumerate(PROFILE))
     message = error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
-    assert "has numbers in several units, according to the words in column 1: 'um' (106) and 'nm' (14)" in message
+    assert "has numbers in several units in column 1: 'um' (106) and 'nm' (14)" in message

@@ -129,7 +129,7 @@ def _unit_factor(name: str, unit: Any, kind: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"unit of {name} must be a length unit ({allowed_units}), set in the {kind} or by the argument unit, "
+            f"unit of {name} must be a length unit ({allowed_units}), set in the {kind} or with unit=, "
             f"got {short_repr(unit)}"
         )
     return float(LENGTH_UNITS[unit])

@@ -439,10 +439,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
         text = f"column {numbers[column.place]}{name}"
         units, place_before = list(_column_units(table)), column.place - 1
         if len(column.units) > 1:
-            raise FormatError(
-                f"has numbers in several units, according to the words in {text}: {column.words}; convert them to one "
-                "unit"
-            )
+            raise FormatError(f"has numbers in several units in {text}: {column.words}; convert them to one unit")
         if column.units and place_before in other_places and units[place_before] is None:
             units[place_before] = column.units[0]
             table = replace(table, units=tuple(units))
