@@ -336,7 +336,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Quantities other than friction, whose combined intervals are computed one coefficient at a time."""
+    """Combined intervals of all quantities except friction, computed for one coefficient after another."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -347,7 +347,7 @@ class _CombinedQuantities:
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Extend the intervals of all quantities at the position of one coefficient."""
+        """Extend the intervals of all quantities at the indices `position` of one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -439,7 +439,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
-    """Extend intervals so that they cover the intervals for alternative preparations of the scans.
+    """Extend intervals to include the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. An uncertainty budget gets a row for each
     alternative, which contains the interval without this alternative. The other rows are extended by the same rows of
@@ -516,7 +516,7 @@ def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDAr
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend the intervals of estimates so that they cover other estimates.
+    """Extend the intervals of estimates to include the intervals of other estimates.
 
     The last axis of each array contains value, lower limit and upper limit.
     """

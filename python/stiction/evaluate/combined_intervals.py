@@ -79,7 +79,7 @@ The inputs change each quantity by the named ratio.
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return all quantities except the closure, each divided by its number at the central inputs.
+    """Return all quantities except the closure, divided by their values at the central inputs.
 
     `values` and `central` are the values of the response at the given inputs and at the central inputs.
     """
@@ -102,7 +102,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of uncertain inputs: probabilities, normal scores of sampling errors, and numbers."""
+    """Samples of uncertain inputs: probabilities, scores of sampling errors, and values of the inputs."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -133,15 +133,15 @@ class InputSampler:
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear for samples, cached for other mu0 and tau0."""
+        """Return the true areas before shear for samples, cached because mu0 and tau0 do not affect the areas."""
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
     def find_yield_pressure(self, key: Any, response: ContactResponse, inputs: InputValues) -> Any:
-        """Return the yield pressures for samples, cached for other loads."""
+        """Return the yield pressures for samples. The pressures are cached for other loads with the same `key`."""
         return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return the closures at the computed loads for samples, cached for other mu0 and tau0.
+        """Return the closures at the computed loads for samples. The closures do not depend on mu0 and tau0.
 
         The closures of the last key are cached for other loads. Samples with the key None are evaluated every time.
         """
@@ -229,7 +229,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Return the relative standard errors of a mean due to scans and positions that are not 0."""
+        """Return the nonzero relative standard errors of a mean, due to scans and due to positions."""
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error = relative_width / (2 * Z_95)
         if self._scan_mean is None:
@@ -324,7 +324,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient in one more test in one direction, and of its upper limit.
+        """Draw samples of the coefficient, and of its upper limit, for a single further test in one direction.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
@@ -421,7 +421,7 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """Return an interval without upper limit if the coefficient at the central inputs has none."""
+        """Return an interval without upper limit if the central inputs give no upper limit, or else an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
@@ -470,7 +470,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return areas before shear and yield pressures that samples at other loads, mu0 and tau0 share.
+        """Return cached areas before shear and yield pressures, or None with joint samples of mu0 and tau0.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
         depends on the depth of the contacts. An interface with joint samples may come with its own hardness.
@@ -508,7 +508,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Insert joint samples of mu0 and tau0, sorted by the coefficient to which they lead.
+        """Insert joint samples of mu0 and tau0, sorted by the resulting coefficient.
 
         Quantiles of the samples are therefore also quantiles of the coefficient.
         """
@@ -541,7 +541,7 @@ def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
 
 
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
-    """Return the difference (rad) of the friction angles at both limits of an interval."""
+    """Return the difference (rad) between the friction angles at the two limits of an interval."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
@@ -559,7 +559,7 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples along an axis, which may be infinite if samples are.
+    """Return quantiles of samples along an axis. Infinite samples can make the quantiles infinite.
 
     If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 

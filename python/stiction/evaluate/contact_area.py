@@ -85,7 +85,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) of elastic bodies at a load (mN), if E* changes by a ratio.
+        """Return the true area (µm²) of elastic bodies at a load (mN), after multiplying E* by the ratio `modulus`.
 
         Beyond the computed loads, the area is proportional to the load.
         """
@@ -129,7 +129,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or of elastic contacts for None."""
+        """Return the true area (µm²) of contacts that yield at a pressure (GPa). With None, contacts are elastic."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -231,7 +231,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 
 
 def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Return the true area at the onset of sliding divided by that before shear, and the friction fraction.
+    """Return the ratio of the true areas at the onset of sliding and before shear, and the friction fraction.
 
     The friction fraction is that of `OnsetState`. Both arrays have the shape (cells, loads, mu0, tau0). The ratio is
     infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion, so that

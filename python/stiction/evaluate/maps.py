@@ -211,7 +211,7 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a result whose combinations are its cells, such as cutoff."""
+    """Return the dimensions that span the cells of a result, such as the cutoff."""
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
@@ -223,7 +223,7 @@ def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArr
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the members of a result in groups, without those for which the solver failed at any load."""
+    """Yield the members of a result in groups, omitting members for which the solver failed at some load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece["normal_elastic"]
         is_solved = np.isfinite(
@@ -345,7 +345,7 @@ class _EnsembleQuantities:
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
         ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Return a dataset of each quantity, from means and intervals of all cells that `pool` evaluates.
+        """Return one dataset per quantity, from means and intervals of all cells. `pool` evaluates the cells.
 
         `averages` and `ratio_operands` are results of `_average_sums`.
         """
@@ -455,7 +455,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with axes for motion, cell, step and repetition; a missing variable is NaN."""
+    """Return a variable with axes for motion, cell, step and repetition, or NaN if the variable is missing."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),

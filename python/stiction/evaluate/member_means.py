@@ -152,7 +152,7 @@ def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
     names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
-    """Average quantities over the members, and their loads only if requested.
+    """Average quantities over the members. The loads are averaged only if `names` includes them.
 
     `find_limit` returns the largest upper limit of the interval of a quantity.
     """
@@ -297,7 +297,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes of motion (0 to 180 degrees) with both opposite directions, and the indices of these.
+    """Return the axes of motion (0 to 180 degrees) with two opposite directions, and the indices of both.
 
     The indices have the shape (axes, 2).
     """

@@ -272,7 +272,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, and which given loads they reach.
+    """Normal and tangential loads (mN) at the onset of sliding, and a mask of the loads that members reach.
 
     The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """
@@ -526,7 +526,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for sliding rule and direction, unless they are dimensions of the result."""
+    """Return coordinates for sliding rule and direction, omitting the dimensions of the result."""
     values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))

@@ -36,7 +36,7 @@ class PullOffValues:
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
-        """Answer to whether the bodies stick together: "yes", "no" or "uncertain".
+        """Assessment of whether the bodies stick together: "yes", "no" or "uncertain".
 
         The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
         below, and "uncertain" if it contains this pressure.

@@ -118,7 +118,7 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return the closure curve of each cell (cutoff) of a result, or None if closures are unknown."""
+    """Return the closure curve at each cutoff of a result, or None if fewer than two closures are known."""
     num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
     names = ["closure", "closure_stiffness", "unloading_closure_stiffness"]
     if any(name not in result.head.variables for name in names):
