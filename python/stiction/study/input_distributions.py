@@ -271,7 +271,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Add a missing unit to one of two texts, copied from the other text."""
+    """Append the unit of one text to the other text if the other text has no unit."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text

@@ -191,7 +191,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a line about the strength: mu0 + tau0 A/F, and mu0 and tau0 if tests separate these."""
+        """Return a line about the strength: mu0 + tau0 A/F and, if tests determine mu0 and tau0 separately, both."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)

@@ -91,7 +91,7 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Source of a study's members, which returns a pair of bodies for each member."""
+    """Member source of a study, which returns a pair of bodies for each member."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member of the study with a given index.
@@ -105,7 +105,7 @@ class MemberSource(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LineMemberSource:
-    """Source of the members of a study of profiles or of lines of height maps."""
+    """Member source for studies that press profiles, or lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -161,7 +161,7 @@ class LineMemberSource:
 def _find_shared_line_properties(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the properties that all members of a study of lines have in common.
+    """Return the properties that all members have in common, for studies that press lines.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -191,7 +191,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class MapMemberSource:
-    """Source of the members of a study of height maps or of surrogates of scans."""
+    """Member source for studies that press height maps, or surrogates of scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -229,7 +229,7 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """Source of the only member of a study of a gap: a flat face and a rough face."""
+    """Member source for studies of a gap. The only member is a flat face with a rough face."""
 
     flat: Surface
     rough: Surface

@@ -61,7 +61,7 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Write profiles of a body for several fractal dimensions to the rows of `heights`, without amplitudes.
+    """Write unscaled profiles of a body to the rows of `heights`, one for each fractal dimension.
 
     Returns the mean, the minimum and the maximum of each profile (k, 3).
     """

@@ -241,13 +241,13 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return False if surrogates are requested for a scan with masked points."""
+    """Return True unless surrogates are requested for a scan with masked points."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return False if the asperity model is used for a scan with masked points."""
+    """Return True unless the asperity model is used for a scan with masked points."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -259,7 +259,7 @@ def has_complete_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairProperties) -> bool:
-    """Return False if a body is a spectrum joined from several scans."""
+    """Return True unless a body is a spectrum joined from several scans."""
     return not pair.has_spectrum
 
 
@@ -301,7 +301,7 @@ def presses_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be given with {positions}")
 def uses_default_positions(pair: PairProperties) -> bool:
-    """Return False if the user lists the relative positions of the bodies."""
+    """Return True unless the user lists the relative positions of the bodies."""
     return pair.options.positions is None
 
 
@@ -355,7 +355,7 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return False if a hardness already determines the yield strength of the asperities."""
+    """Return True unless a hardness already determines the yield strength of the asperities."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -385,7 +385,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return False if an interface already determines mu0 and tau0."""
+    """Return True unless an interface already determines mu0 and tau0."""
     return pair.options.interface is None
 
 
@@ -841,7 +841,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Name of the equivalent option for each argument of surface functions that is not an option."""
+"""Arguments of surface functions, and the `pair` option with the same meaning."""
 
 
 def format_command_line_name(name: str) -> str:

@@ -397,7 +397,7 @@ class MeasuredPair:
         return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option, at the central value if it is uncertain."""
+        """Return the value of an option, or the central value if the option is uncertain."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -872,14 +872,14 @@ class MeasuredPair:
 
 
 def _build_entry(estimate: UncertainInput) -> InputValue:
-    """Return junction growth for a study file, with a central value that may not be the middle of its range."""
+    """Return junction growth for a study file. The central value may differ from the middle of the range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Build a study from sections. An error about a key names the option that sets it.
+    """Build a study from sections. An error about a study key contains the option that sets the key.
 
     If an option set the invalid key, the `ArgumentError` names the option.
     """
@@ -939,7 +939,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Return wavelengths of a scan in which the spectrum shows instrument noise, or may hide it.
+    """Return the wavelengths at which the spectrum of a scan shows instrument noise, or may hide noise.
 
     Returns None if they affect the slope only slightly.
     """
@@ -951,6 +951,6 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order, keeping the last of several equal ones."""
+    """Sort quantities in ascending order. Of equal quantities, the last one remains."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

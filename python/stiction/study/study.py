@@ -133,7 +133,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
-    """Section `[friction]` for generated surfaces: mu0 and tau0 of the figures."""
+    """Section `[friction]` for generated surfaces: mu0 and tau0 for which figures are drawn."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,14 +145,14 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 of the figures."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the half-space model: mu0, tau0 and loads of the figures."""
+    """Section `[friction]` for generated surfaces in the half-space model: mu0, tau0 and loads for figures."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -424,7 +424,7 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain, because their intervals neglect it."""
+        """Raise an error if an input of generated surfaces is uncertain, because intervals would ignore this."""
         for key, value in self.contact:
             if isinstance(value, InputValue) and not value.is_exact:
                 raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")
@@ -629,7 +629,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another class, with all keys that differ from the old defaults."""
+    """Convert a section to another class, and keep each key whose value differs from the old default."""
     section_class = type(section)
     changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
