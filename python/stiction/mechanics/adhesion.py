@@ -304,7 +304,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield contacts with the relative change of their attraction, until the bodies separate. Update `state`.
+        """Yield successive contacts, each with the relative change of the attraction, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
@@ -394,7 +394,7 @@ class AdhesionSolver:
         return state
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return equilibria of decreasing contact load, at least until the external load is lowest.
+        """Return equilibria at decreasing contact loads, at least until the external load has its minimum.
 
         States of decreasing contact load lead close to the minimum. Lower loads are then tried. If the bodies separate
         under a load, an equilibrium is searched near the state that changed most slowly.
@@ -413,8 +413,8 @@ class AdhesionSolver:
         unsupported_load = -math.inf
         for _ in range(MAX_TRIAL_LOADS):
             least_load = state_of_lowest_load(states).load
-            # Between two equilibria, the contact load is at least the contact load of the later one.
-            # Between two equilibria, the attraction is at most the attraction of the earlier one.
+            # Between equilibria i and i + 1, the contact load is at least that of equilibrium i + 1,
+            # and the attraction is at most that of equilibrium i.
             load_bound = min(
                 [b.contact_load - a.mean_attraction for a, b in itertools.pairwise(states)]
                 + [-states[-1].mean_attraction]
@@ -467,7 +467,7 @@ class AdhesionSolver:
         return states
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Continue a series of equilibria to smaller contact loads, until the external load rises or none is found."""
+        """Continue a series of equilibria to smaller contact loads, until the external load rises or no more exist."""
         states = list(states)
         while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:
@@ -503,7 +503,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return the equilibria and further ones, computed where interpolation predicts a lower external load."""
+        """Return the equilibria, and further ones where interpolation predicts a lower external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -541,7 +541,7 @@ class AdhesionSolver:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:
-    """Return the sum of the geometric series that two successive residuals begin, at most `longest`."""
+    """Return the sum of the geometric series that starts with two successive residuals, at most `longest`."""
     ratio = residual / previous_residual if previous_residual else 0.0
     return 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
 

@@ -26,7 +26,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor by which a finer scan changes the area coefficient κ at most, in 95 % of cases.
+    """Return the largest factor by which a finer scan changes the area coefficient κ in 95 % of cases.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength down to which the rms gradient of a gap reaches a given number, with its interval.
+    """Return the wavelength at which the rms gradient of a gap reaches a given number, with an interval.
 
     The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
     """
@@ -90,7 +90,7 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return area fractions of elastic contacts with given rms gradients. `area_of_slope` is the one at gradient 1.
+    """Return area fractions of elastic contacts with given rms gradients; `area_of_slope` is for gradient 1.
 
     The arrays have the dimensions wavelength, load and statistic.
     """

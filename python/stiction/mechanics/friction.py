@@ -395,7 +395,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two surfaces, three more than for profiles.
+    """Validity indicators of the asperity model for two surfaces: those for profiles, and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -535,7 +535,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Return the status of each curve, ensemble or member from boolean arrays, which are broadcast.
+    """Return the status of each curve, ensemble or member, chosen by boolean arrays, which are broadcast.
 
     `locked` refers to the last loading step. `below` means that the first loading step already supports more than the
     load.

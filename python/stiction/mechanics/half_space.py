@@ -221,7 +221,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Largest tension (mN), and True if it is only a lower bound, as `pull_off` but without a warning."""
+        """Largest tension (mN), and True if it is only a lower bound. Unlike `pull_off`, this gives no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
@@ -303,7 +303,7 @@ class HalfSpaceCurve(FrictionCurve):
         return make_read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
-        """Return the contact at `load[index]`: the points under pressure, their pressures and their patches."""
+        """Return the contact at `load[index]`: points under pressure, with pressures and patches."""
         return self._contact_solutions[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
@@ -336,11 +336,11 @@ class HalfSpaceCurve(FrictionCurve):
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
-        """Return the curve for another sliding rule, with the same contacts, which are not computed again."""
+        """Return the curve for another sliding rule, without computing the contacts again."""
         return self._with_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the curve for other directions of motion, with the same contacts, which are not computed again.
+        """Return the curve for other directions of motion, without computing the contacts again.
 
         Parameters
         ----------

@@ -252,7 +252,7 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures (sum: 1 GPa) that displace all contact points equally without tilt, and their displacement (µm)."""
+        """Pressures (sum: 1 GPa) that displace all contact points equally without tilt, and this displacement (µm)."""
         if self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.below_hardness.all() else self._unloading_response
@@ -262,7 +262,7 @@ class ContactSolution:
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (sum: 1 GPa) that displace all points in a mask equally, and their displacement (µm)."""
+        """Return pressures (sum: 1 GPa) that displace all points in a mask equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -425,7 +425,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) whose resultant force acts at the centre, and their approach (µm)."""
+        """Return pressures (sum: 1 GPa) with the resultant force at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -505,7 +505,7 @@ def to_contact_solution(
     problem: HalfSpaceProblem, solution: _core.HalfSpaceSolution | AdhesionState, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a result of the solver to a `ContactSolution`. Without a load (mN), it is the sum of the pressures."""
+    """Convert a result of the solver to a `ContactSolution`. The default load (mN) is the sum of the pressures."""
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -134,7 +134,7 @@ class SurfacePair:
         tau0: float,
         model: ContactModel,
     ) -> Floats:
-        """Find the approach that supports each load, given approaches at which the load is too small."""
+        """Find the approach that supports each load, given smaller approaches that do not support the load."""
         arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
         return np.asarray(
             self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)
@@ -165,7 +165,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach that supports each load, and "ok" or why the approach is NaN."""
+    """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

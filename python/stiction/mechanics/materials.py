@@ -281,7 +281,7 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softest_material(*bodies: Material) -> Material | None:
-    """Return the material with the lowest hardness, or None if one has no hardness, or without materials."""
+    """Return the material with the lowest hardness, or None if a hardness or all materials are missing."""
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
@@ -297,7 +297,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, other: Material) -> bool:
-    """Return whether a name, such as "TiN", is a formula that matches another material (tin) only without case."""
+    """Return whether a name is a formula that matches another material by its letters only, as "TiN" and "tin"."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

@@ -255,7 +255,7 @@ def source_history_entry(body: Profile | Surface) -> str:
 
 
 def add_model_keywords_to_signature(function: _Function) -> _Function:
-    """Add the keyword arguments of the contact model to the signature of a function, for its tooltip."""
+    """Add the keyword arguments of the contact model to a function's signature, which tooltips show."""
     signature = inspect.signature(function)
     parameters = [
         parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD

@@ -342,7 +342,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert a negative index, which counts from the end, to one that counts from the start."""
+    """Convert a negative index, which counts from the end, to a nonnegative index."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
