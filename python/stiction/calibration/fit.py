@@ -72,7 +72,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grid of mu0 and tau0 at each nuisance point, a combination of nuisance parameters."""
+    """Limits of the grid of mu0 and tau0 at each nuisance point (combination of nuisance parameters)."""
 
     triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
     deviance_range: float
@@ -87,7 +87,7 @@ class _GridLimits:
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Grid of mu0 and tau0 at each nuisance point, with the logarithm of the probability of each cell."""
+    """Grid of mu0 and tau0 at each nuisance point, with the log-probability of each cell."""
 
     limits: _GridLimits
     # (points, tau0, mu0) ln(probability) of the tests, without the prior of the nuisance parameters.
@@ -222,7 +222,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return how the residuals change with an offset that all tests of a run share: unit vectors and norms.
+        """Return the change of residuals due to an offset common to all tests of a run, as unit vectors and norms.
 
         The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
         errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
@@ -349,7 +349,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals at each point and test with sliding if contacts grow under shear."""
+            """Return the residuals at each point of the tests with sliding, whose contacts grow under shear."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -616,7 +616,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the limits of the grid around the best mu0, if contacts grow under shear.
+        """Return the limits of the grid around the best mu0 for contacts that grow under shear.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """

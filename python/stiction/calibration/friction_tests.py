@@ -119,7 +119,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Factor from the computed to the true contact area of a test, which depends on uncertain inputs."""
+    """Ratio of the true to the computed contact area of a test, as a function of uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
@@ -139,7 +139,7 @@ class AreaFactor:
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Convert cumulative probabilities of the nuisance parameters to inputs."""
+        """Convert cumulative probabilities of the nuisance parameters to values of the inputs."""
         return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.uncertain_inputs.items()}
 
     @property
@@ -165,7 +165,7 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball, or None if exact moduli and no effect of shear leave its area unchanged."""
+        """Return the area factor of a ball, or None if the moduli are exact and shear does not change the area."""
         loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return (
@@ -189,7 +189,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a result, or None if no uncertain input, creep or shear changes its area."""
+        """Return the area factor of a result, or None if uncertain inputs, creep and shear leave the area unchanged."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
@@ -334,7 +334,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test, or None if no uncertain input, creep or shear changes its area."""
+        """Area factor of the test, or None if uncertain inputs, creep and shear leave the area unchanged."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))

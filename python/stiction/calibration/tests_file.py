@@ -85,7 +85,7 @@ def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and unit of each column, by the standard name of the column."""
+    """Return the index and the unit of each column, with standard column names as keys."""
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(title_row):
         match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
