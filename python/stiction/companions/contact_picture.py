@@ -234,7 +234,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers with a disc for each asperity contact, which has the contact's area."""
+    """Return a map of contact numbers, with a disc of equal area for each asperity contact."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -301,7 +301,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield a load and the member whose contacts are listed, by default the one with the most typical area."""
+    """Yield each load with each selected member or, by default, with the member of the most typical area."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -132,7 +132,7 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose height factors, in steps of `HEIGHT_FACTOR_EXPONENT_STEP` of the exponent."""
+    """Return powers of 2 that enclose height factors. Their exponents are `HEIGHT_FACTOR_EXPONENT_STEP` apart."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -142,7 +142,7 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors to compute, between which friction at given factors is interpolated."""
+    """Return the height factors to compute before friction at given height factors can be interpolated."""
     missing_factors = np.array(
         [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
     )
@@ -153,7 +153,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the nearest computed height factors below and above a given one.
+    """Return the indices of the computed height factors nearest to a given factor, one below and one above.
 
     Both indices are equal if the factor itself was computed. Returns None if neighbouring factors are too far apart.
     """
@@ -366,7 +366,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return a quantity of each member, with given dimensions after the first axis.
+    """Return a quantity as an array whose first axis is the members, followed by given dimensions.
 
     Returns None if members have no values of the quantity.
     """

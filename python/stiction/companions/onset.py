@@ -93,7 +93,7 @@ def compute_onset(
 
 
 def _find_onset_members(study: Study, count: int | None) -> range:
-    """Return the members whose onset of sliding is computed: none for generated bodies, or without friction."""
+    """Return the members whose onset of sliding is computed; none for generated bodies or zero friction."""
     surfaces: Any = study.surfaces
     if not study.is_measured or float(study.friction.mu0[0]) == float(study.friction.tau0[0]) == 0:
         return range(0)
@@ -105,7 +105,7 @@ def _find_onset_members(study: Study, count: int | None) -> range:
 
 
 def estimate_onset_time(study: Study, members: int | None = None) -> float:
-    """Estimate the time (s) of `compute_onset` on one core. For asperities, it is 0."""
+    """Estimate the time (s) of `compute_onset` on one core; 0 in the asperity model."""
     if not study.uses_half_space:
         return 0.0
     return len(_find_onset_members(study, members)) * NUM_SOLUTIONS_PER_ONSET * estimate_solution_time(study)

@@ -51,7 +51,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest si
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the cutoff study of a measured pair, which has several cutoffs, fewer members and only requested loads.
+    """Return the cutoff study of a measured pair: several cutoffs, fewer members, and only the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -384,7 +384,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return a closed-form estimate of friction from joined spectra, or None if neither body has one."""
+    """Return a closed-form estimate of friction from joined spectra, or None if no body has a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

@@ -109,7 +109,7 @@ class MemberSums:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the named variables for one group of members after another, so that one group is in memory at a time.
+        """Yield the named variables of one group of members at a time, so that one group is in memory.
 
         The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
         """

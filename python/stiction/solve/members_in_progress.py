@@ -121,7 +121,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove stored steps of members from a result directory: of all or some members, with any or one checksum."""
+    """Remove stored steps from a result directory, by default of all members and with any checksum."""
     for member, member_directory in _list_member_directories(directory):
         if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
@@ -193,7 +193,7 @@ class _StoredRecord(SolutionRecord):
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Return the result of a stored step, or None if it or an earlier one is missing."""
+        """Return the result of a stored step, or None if this step or an earlier step is missing."""
         result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result

@@ -104,7 +104,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block of members in a file, whose name has the range of members and a checksum."""
+    """File with a block of members. The file name contains the range of members and a checksum."""
 
     first: int
     last: int
@@ -833,7 +833,7 @@ def _write_attributes(target: h5py.File | h5py.Dataset, attributes: Mapping[Any,
 
 
 def _write_netcdf_properties(file: h5py.File) -> None:
-    """Write the hidden attribute by which netCDF libraries recognise their files, a text that ends with a zero byte."""
+    """Write the hidden attribute that identifies netCDF files: a text that ends with a zero byte."""
     import h5py
 
     text = f"version=2,h5py={h5py.version.version},hdf5={h5py.version.hdf5_version}".encode()
@@ -844,7 +844,7 @@ def _write_netcdf_properties(file: h5py.File) -> None:
 
 
 def append_checksum(file: io.BytesIO) -> None:
-    """Append a checksum of all preceding bytes to a file, behind the bytes `CHECKSUM_PREFIX`."""
+    """Append `CHECKSUM_PREFIX` and a checksum of all preceding bytes to a file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 
