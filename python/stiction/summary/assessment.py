@@ -148,7 +148,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Number that the text of the caveat contains, by name."""
+        """Name of the number in the text of the caveat."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -636,7 +636,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction has no upper limit for some samples of the inputs, or nearly so."""
+    """Yield a caveat if friction is unlimited, or nearly so, for some samples of the inputs."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")

@@ -209,5 +209,5 @@ def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, 
 
 
 def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
-    """Return at most `max_count` evenly spaced indices out of `count`, with the first and the last."""
+    """Return at most `max_count` evenly spaced indices out of `count`, including the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

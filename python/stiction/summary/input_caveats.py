@@ -89,7 +89,7 @@ def find_input_caveats(
     is_vouched = bool(study.surfaces.vouched)
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about the scans of a body. Of several caveats of one kind, keep the longest cutoff."""
+        """Return the caveats about the scans of a body. Caveats of one kind are merged, with the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
@@ -223,7 +223,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or other advice if it is a cutoff above the largest one (µm)."""
+    """Return the remedy of a caveat, or other advice if the remedy is a cutoff above `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -339,7 +339,7 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield a caveat if scans have different spectra, and a caveat if no scan has certain wavelengths."""
+    """Yield caveats about scans with different spectra, and about wavelengths that no scan contains."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")

@@ -290,7 +290,7 @@ def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
 
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
-    """Return each assessment that occurs, with the number of its pressures."""
+    """Return a sentence with the number of pressures at which each assessment occurs."""
     counts = Counter(row.assessment for row in rows)
     texts = [
         f"{text} ({counts[text]} of {len(rows)} pressures)" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text]

@@ -145,12 +145,12 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate the numbers that a report on measured surfaces shows, but no figure: at all loads, mu0 and tau0."""
+    """Evaluate the numbers of a report on measured surfaces that no figure needs, at all loads, mu0 and tau0."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
-    """Evaluate the numbers that a report on generated surfaces shows, but no figure: at all loads, mu0 and tau0.
+    """Evaluate the numbers of a report on generated surfaces that no figure needs, at all loads, mu0 and tau0.
 
     None if no pair is in contact.
     """

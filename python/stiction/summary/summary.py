@@ -175,7 +175,7 @@ class PointSummary:
 
     @property
     def has_junction_growth(self) -> bool:
-        """True if contacts at the hardness grow under shear."""
+        """True if yielded contacts grow under shear."""
         return bool(self.study.contact.junction_growth)
 
     @property
@@ -400,7 +400,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Return a point with the faults that only an alternative preparation has.
+    """Return a point, extended by the faults that only an alternative preparation of the scans has.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
