@@ -44,7 +44,7 @@ class NoiseFloorFit(NamedTuple):
 
     @property
     def is_significant(self) -> bool:
-        """True if the spectra contain white noise: it improves the fit significantly."""
+        """True if white noise improves the fit significantly, so that the spectra contain noise."""
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 

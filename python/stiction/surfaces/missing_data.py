@@ -291,7 +291,7 @@ def _deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
-    """Return the smallest numbers at each point in ascending order, with infinity for missing ones.
+    """Return the smallest numbers at each point in ascending order, with infinity for missing numbers.
 
     For a few arrays, this is faster than sorting.
     """

@@ -296,7 +296,7 @@ class MapPairs:
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return where the overlap of two maps begins on the lower map (row, column), and its shape."""
+        """Return the first row and column, on the lower map, of the overlap of two maps, and the overlap's shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
         return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]

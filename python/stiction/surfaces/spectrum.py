@@ -277,7 +277,7 @@ def spectral_moments(
 
 
 def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return which wave numbers have wavelengths within a band.
+    """Return a mask of the wave numbers whose wavelengths are within a band.
 
     Wavelengths at the ends of the band are included in spite of round-off.
     """

@@ -510,7 +510,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column of positions contains in place of a length, or None.
+    """Return the quantity, such as "time", that a column of positions contains instead of a length, or None.
 
     The result is also None if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
@@ -588,7 +588,7 @@ def _has_unit(cell: str) -> bool:
 
 
 def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
-    """Return the names of columns, and whether the last header line has only their units."""
+    """Return the names of columns, and True if the last header line contains only units of the columns."""
     names = split_column_names(lines[-1], width, dialect) if width > 1 else None
     if names is None:
         return (), False

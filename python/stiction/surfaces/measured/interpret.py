@@ -266,7 +266,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
 
 
 def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
-    """Parse a length above 0 or, with `allows_zero`, a position of 0 or above."""
+    """Parse a length, which must be above 0 unless `allows_zero` is set."""
     try:
         length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -388,7 +388,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Reject a given spacing that contradicts the header, in whatever unit of length the header spacing is."""
+    """Reject a given spacing that contradicts the spacing in the header, whatever its unit of length."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):

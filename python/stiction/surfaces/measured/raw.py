@@ -128,7 +128,7 @@ class DeclaredLength:
 
 @dataclass(frozen=True)
 class UnclearSpacing:
-    """Header line that may declare a spacing. If it has only one length, this is used, with a caveat."""
+    """Header line that may declare a spacing. A single length in the line is used as spacing, with a caveat."""
 
     line: str
     lengths: tuple[float, ...] = ()  # lengths in a header line (µm): one, or one for each axis in unknown order

@@ -29,7 +29,7 @@ def _is_number_cell(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return columns with at least two numbers and a quarter as many as the column with the most."""
+    """Return the columns with at least two numbers and a quarter of the numbers in the fullest column."""
     number_counts: Counter[int] = Counter(
         index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell)
     )

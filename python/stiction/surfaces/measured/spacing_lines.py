@@ -251,7 +251,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse a spacing without a unit, or return None if no scan can have it."""
+    """Parse a spacing without a unit, or return None if no scan can have this spacing."""
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:  # ignore an invalid length, because headers often contain unused lengths

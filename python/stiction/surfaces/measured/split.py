@@ -31,7 +31,7 @@ _MAX_SAMPLE_LINES = 60  # maximum number of text lines from which the separator 
 _MAX_SAMPLE_CHARACTERS = 10_000
 _MIN_SAMPLED_LINE_LENGTH = 200  # number of characters of a long line from which the separator is detected
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows of a column from which the last printed digit is determined
-MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line above a table that may contain counts or sizes
+MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes above a table
 _QUOTED_SEPARATOR = "\x1f"  # cell separator in a text whose quotation marks were removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
