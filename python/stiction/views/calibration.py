@@ -36,7 +36,7 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of pairs of mu0 and tau0 that a figure
 
 
 def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:
-    """Return a calibration as text: mu0 + tau0 A/F, fits, and mu0 and tau0 if tests separate these.
+    """Return a calibration as text: mu0 + tau0 A/F, the fits and, if tests determine both, mu0 and tau0.
 
     `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`.
     """

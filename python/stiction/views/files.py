@@ -91,7 +91,7 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check the file for a joint table in advance, with the errors of `write_joint_table`."""
+    """Raise the errors of `write_joint_table` about a file name or units before the table is computed."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)

@@ -182,7 +182,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows of a joint table whose closure exceeds all before, as other programs require."""
+    """Return the rows of a joint table whose closure exceeds all earlier closures, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):

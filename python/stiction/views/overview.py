@@ -57,7 +57,7 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Select the points that an overview shows: in a long one, the middle mu0, and first and last tau0."""
+    """Select the points that an overview shows: of many, the middle mu0, and the first and the last tau0."""
     names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
     if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
         return points
@@ -90,7 +90,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return how many coefficients an overview omits and how to print these, or "" without omissions."""
+    """Return text about omitted coefficients, and the command that prints all; "" without omissions."""
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [

@@ -36,7 +36,7 @@ def coordinate_text(name: str, value: float) -> str:
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a point with its unit, or both cutoffs if upper and lower body have different ones."""
+    """Return a coordinate of a point with its unit, or both cutoffs if the bodies have different cutoffs."""
     if name == "cut_off" and point.cutoffs is not None:
         return cutoff_text(point.cutoffs)
     return coordinate_text(name, point.at[name])

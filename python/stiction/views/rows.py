@@ -258,7 +258,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return a column per body with the longest cutoff (µm) of its scans, if the cutoffs differ."""
+    """Return the longest cutoff (µm) of each body as columns, or {} if both bodies have the same cutoffs."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}

@@ -104,7 +104,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return the assessment with caveats and, for stored results, the version of stiction that computed these."""
+    """Return the assessment with its caveats and, for stored results, the version of stiction that computed it."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")

@@ -56,7 +56,7 @@ UPPER_BODY_COLOUR = "#c6d9e7"
 LOWER_BODY_COLOUR = "#e3d5bb"
 SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of results for the lowest and the highest tau0
 MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves along x and along y of a map
-SELF_LOCKED_COLOUR = "#7a0019"  # colour of map cells in which friction is self-locked
+SELF_LOCKED_COLOUR = "#7a0019"  # colour of chart cells in which the pair is self-locked
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
@@ -167,7 +167,7 @@ FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", 
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the formats of figure files without duplicates. Raises a `ValueError` for an unknown one."""
+    """Return the formats of figure files without duplicates. Raises a `ValueError` for an unknown format."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FIGURE_FORMATS):
         raise ValueError(

@@ -191,7 +191,7 @@ def preview_text(summary: Summary) -> str:
 
 
 def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line with mu0 and tau0 of the study, or "" if the study has only one of each."""
+    """Return a line with mu0 and tau0 of the study, or "" if the study has a single mu0 and a single tau0."""
     friction = study.friction
     assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence that names loads without a coefficient, and how to compute these loads.
+    """Return a sentence about loads without a coefficient, and about how to compute the coefficient.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """

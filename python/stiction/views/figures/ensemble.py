@@ -228,7 +228,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale over the valid numbers, or over all if few are valid."""
+    """Return a logarithmic colour scale over the valid numbers, or over all numbers if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(values) & (values > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)

@@ -181,7 +181,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the part of a map with most contact points: rows, columns and sides (µm)."""
+    """Return the part of a map with the most contact points: rows, columns and sides (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)

@@ -186,7 +186,7 @@ def _check_size(result: Evaluation) -> None:
 def _render_page(
     data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
-    """Render a report: insert content, panels (main ones: True) and scripts in the template."""
+    """Render a report: insert content, panels and scripts in the template. Main panels have the key True."""
     notices_markup = _incompleteness_notices(data, content.name)
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
