@@ -159,7 +159,7 @@ class JobQueue:
         return records
 
     async def shut_down(self) -> None:
-        """Stop all jobs and wait until they have ended. Their results are no longer shown."""
+        """Stop all jobs, and wait until they have ended. Results of the jobs are no longer shown."""
         self._is_ending = True
         for job in self.jobs_by_number.values():
             job.stop()
@@ -382,7 +382,7 @@ async def run_module(
 async def _start_module(
     arguments: list[str], memory: float, grace_time: float
 ) -> AsyncIterator[tuple[Process, StreamReader, asyncio.Task[bytes]]]:
-    """Start a module in a process, and end the process on exit.
+    """Start a module in a process. On exit, end the process.
 
     A task reads the error output, so that a full pipe does not block the process. A process that still runs on exit is
     interrupted, and killed after `grace_time` seconds.
@@ -419,7 +419,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return a message about a command that failed with an exit status, which is negative after a signal."""
+    """Return a message about a failed command, given its exit status, which is negative after a signal."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

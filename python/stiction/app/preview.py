@@ -74,7 +74,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether two scans show faces that fit into each other, and a shear path of a tenth of their length.
+    """Return whether the faces on two scans fit, and a shear path: a tenth of the length of the scans.
 
     Scans that cannot be read do not fit.
     """

@@ -1,4 +1,4 @@
-"""Command-line interface `stiction`: arguments are parsed and results printed, in one module per group of commands."""
+"""Command-line interface `stiction`. Each module defines one group of commands."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def report_interruption(detail: str = "") -> typer.Exit:
 
 
 def show_status(text: str) -> None:
-    """Show the current operation in a line on a terminal, which the next message overwrites."""
+    """Show the current operation in a line on a terminal. The next message overwrites the line."""
     if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -94,7 +94,7 @@ _BOLD_TEXT_PATTERN = re.compile("^(μ_s [=≥] [^ ]+( \\[.*?\\])?|Quote it|Quote
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning on standard error. A repeated warning is printed only once."""
+    """Print a warning on standard error, unless the same warning has been printed before."""
     if str(message) not in _PRINTED_WARNINGS:
         _PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")

@@ -181,7 +181,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result at several height factors, and compute missing ones first if `compute` is True."""
+    """Print a result at several height factors. If `compute` is True, compute missing results first."""
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
@@ -248,7 +248,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Return the computed fractal dimensions and amplitudes (µm) nearest to given ones.
+    """Return the computed fractal dimensions and amplitudes (µm) that are nearest to the requested ones.
 
     The default is all dimensions and the first amplitude.
     """

@@ -317,7 +317,7 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or a column of a surface, or the body unchanged without an index."""
+    """Return a row or column of a surface, or the body itself if no index is given."""
     from stiction.surfaces.profile import Profile
 
     for name, index, other_index in (("row", row, column), ("column", column, row)):

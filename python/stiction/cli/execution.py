@@ -46,7 +46,7 @@ def parse_part(text: str | None) -> tuple[int, int] | None:
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise a `StudyError` if the output directory is a file, or has a name like a file."""
+    """Raise a `StudyError` if the output directory is a file, or if its name has a file extension."""
     if directory.is_file():
         raise StudyError(
             f"{printable_path(directory)} must be a directory, got a file; use --output DIR to choose a directory"
@@ -56,7 +56,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return advice for an output directory with another study."""
+    """Return advice for an output directory that contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")

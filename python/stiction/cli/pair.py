@@ -227,7 +227,7 @@ def compute_preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute and print a preview of a study in one worker, or do nothing without a study or a terminal."""
+    """Compute a preview of a study in one worker, and print it. Without a study or a terminal, do nothing."""
 
     def print_preview(future: Future[str]) -> None:
         if not future.cancelled() and future.exception() is None:  # the computation fails if the surfaces do not touch

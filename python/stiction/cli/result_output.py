@@ -30,7 +30,7 @@ VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all points and caveats of a stored result, without computing again."""
+    """Return the command that prints all points and caveats of a stored result, without a new computation."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
