@@ -108,7 +108,7 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless an argument is an instance of `kind`, which `words` describes in the message."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`, called `words` in the message."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
@@ -120,7 +120,7 @@ def check_callable(name: str, value: Any) -> None:
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Return a path given as text or as a path. Names that no file can have raise a `ValueError`."""
+    """Convert a text to a path. Raises a `ValueError` if no file can have this name."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)
@@ -152,6 +152,6 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 
 def check_bool(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless an argument is True or False, and not 0 or 1."""
+    """Raise a `ValueError` unless an argument is True or False. The numbers 0 and 1 are rejected."""
     if not isinstance(unwrap_scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

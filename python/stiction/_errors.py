@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Replacements of placeholders in a message; an unknown placeholder is the name of an argument."""
+    """Replacements for placeholders in a message. A placeholder without a replacement is an argument name."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)

@@ -130,7 +130,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object, with the coordinates in `at`."""
+        """Return the estimate as a JSON object. `at` has the coordinates of the estimate."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -185,7 +185,7 @@ def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Extend intervals so that they include other intervals.
+    """Extend intervals to include other intervals.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the numbers of decimals that estimates print: of number and lower limit, and of the upper limit.
+    """Return how many decimals estimates print: for the number and the lower limit, and for the upper limit.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
@@ -234,7 +234,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals for `digits` digits of the half width, and 2 to 4 digits of the number."""
+    """Return the number of decimals that shows `digits` digits of the half width, but 2 to 4 of the number."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -255,7 +255,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the decimal exponents of numbers: 0 for the number 0, and not finite for NaN and infinity."""
+    """Return the decimal exponent of each number: 0 for the number 0, and not finite for NaN and infinity."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))

@@ -46,7 +46,7 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists, also as a dangling link, or if its directory does not exist."""
+    """Raise `error_type` if a path exists (even as a dangling link), or if its directory does not exist."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
@@ -55,7 +55,7 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
 
 @contextmanager
 def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when it is complete, unless an existing file lacks `mark`.
+    """Yield a temporary file that finally replaces `path`, unless `path` is a file without the bytes `mark`.
 
     A file without the bytes `mark` near its start or its end was not written by this package.
     """
@@ -178,7 +178,7 @@ def remove_stale_partial_files(directory: Path) -> None:
 
 
 def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield the partial files in a directory, each with True if its process has died."""
+    """Yield each partial file in a directory, with True if the process that wrote the file has died."""
     with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
@@ -257,5 +257,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error without the file name, which may be internal."""
+    """Return the reason for a system error without the file name, because the name may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)

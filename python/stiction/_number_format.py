@@ -29,7 +29,7 @@ MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number with `digits` significant digits, and with an exponent only below 1e-6 and from 1e6 on."""
+    """Format a number with `digits` significant digits, using an exponent below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -76,7 +76,7 @@ MIN_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of numbers by size, from the largest numbers down.
+    """Return the formats for a kind of number, ordered from the largest numbers to the smallest.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Return the unit in which a number has the fewest zeros, after its conversion factor.
+    """Return a conversion factor and a unit: the unit in which a number has the fewest zeros.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose limit is at most the rounded size of a number; 0 and NaN count as 1."""
+    """Return the first item whose limit does not exceed the absolute value of a number; 0 and NaN count as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 
@@ -137,7 +137,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Convert a number for JSON, with None for NaN and infinity."""
+    """Convert a number for JSON: NaN and infinity become None."""
     return json.dumps(_replace_nonfinite_by_none(record), allow_nan=False, **options)
 
 

@@ -62,7 +62,7 @@ class TableReprMixin(TextReprMixin):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of dataclass fields by name, without fields that have none."""
+    """Return the units of dataclass fields by name, omitting fields without a unit."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
@@ -82,7 +82,7 @@ def format_with_unit(value: float, unit: str) -> str:
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Return the range of the finite numbers in an array as text, with the count of missing ones."""
+    """Return the range of the finite numbers in an array as text, with the count of NaN and infinite numbers."""
     finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite_values.size:
         return "none"
@@ -131,7 +131,7 @@ def preformatted_html(text: str) -> str:
 
 
 def table_html(column_titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return an HTML table with names of rows in the first column."""
+    """Return an HTML table with row names in the first column."""
     head = "".join(f"<th>{html.escape(text)}</th>" for text in column_titles)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

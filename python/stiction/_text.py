@@ -15,7 +15,7 @@ _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
-    r"""Return a text as one line, with escaped control characters and dots for the middle of a long text.
+    r"""Return a text as one line: control characters are escaped, and dots replace the middle of a long text.
 
     Examples
     --------

@@ -130,7 +130,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads such as "10 mN" to mN, and pressures such as "10 MPa" with `area` (µm²).
+    """Convert loads to mN: forces such as "10 mN", and pressures such as "10 MPa" that act on `area` (µm²).
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """

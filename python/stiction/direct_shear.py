@@ -326,7 +326,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
 
 
 def _describe_uncertain_inputs(setup: _TestSetup) -> str:
-    """Return the labels of the uncertain inputs as a list with commas."""
+    """Return the labels of the uncertain inputs as text, separated by commas."""
     labels = [entry.label for entry in setup.inputs.uncertain.values()]
     return ", ".join(labels + ["the interface"] * bool(setup.strength and setup.samples))
 
@@ -350,7 +350,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _TestSetup) -> str:
-    """Return a text that identifies all inputs of a shear test; different inputs give different texts."""
+    """Return a text that differs between shear tests with different inputs."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -364,7 +364,7 @@ def _describe_inputs(setup: _TestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished shear test in a directory, or None without a shear test that can be reused."""
+    """Return the finished shear test in a directory, or None if no test there can be reused."""
     import xarray as xr
 
     path = directory / TEST_FILE_NAME
@@ -386,7 +386,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test. Return its faces with the conditions, and a registration of the faces."""
+    """Check the arguments of a shear test. Return the test to compute, and a registration of its two faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
