@@ -29,7 +29,7 @@ from matplotlib.testing.compare import compare_images
 from stiction import Study
 from stiction.solve import store
 from stiction.views.study_keys import study_keys_markdown
-from support.command import call_stiction
+from support.command import call_stiction, check_stiction
 from support.input_samples import use_input_samples
 
 ROOT = Path(__file__).parents[1]
@@ -368,6 +368,18 @@ def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_exam
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
     assert table in [text.partition("\n")[2] for text in shown_outputs]
+
+
+@pytest.mark.docs
+@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
+def test_documentation_page_about_friction_tests_shows_the_output_of_its_first_command(tmp_path, monkeypatch):
+    blocks = code_blocks(ROOT / "docs/howto/calibration.md")
+    first_blocks = {kind: next(block for block in blocks if block.kind == kind) for kind in ("python", "sh", "text")}
+    monkeypatch.chdir(tmp_path)
+    exec(compile(first_blocks["python"].text, "calibration.md", "exec"), {})
+    (command,) = command_lines(first_blocks["sh"])
+    output = check_stiction(*shlex.split(command)[1:], cwd=tmp_path).stdout
+    assert output.split() == first_blocks["text"].text.split()
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
