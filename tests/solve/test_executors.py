@@ -158,3 +158,23 @@ def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(t
         ("numbers", "False"), ("figures", "False"),
     }  # fmt: skip
     assert len(set(words[2::3])) == 2
+
+
+def test_figures_drawn_by_two_processes_equal_figures_drawn_by_one_process(tmp_path):
+    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    run(Study.named("quick").with_changes(small), store=tmp_path / "small")
+    for directory, preparation in (("two", "pass"), ("one", "os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])")):
+        (tmp_path / directory).mkdir()
+        script = f"""
+            from stiction import open_result
+            from stiction.views.figures import draw_figures
+            {preparation}
+            result = open_result({str(tmp_path / "small")!r})
+            paths = draw_figures(result, {str(tmp_path / directory)!r}, formats=["svg"])
+            print(*[path.name for path in paths], sum(os.times()[2:4]) > 0)
+        """
+        *names, used_copy = run_script(script)
+        assert used_copy == str(directory == "two")
+    assert len(names) > 1
+    for name in names:
+        assert (tmp_path / "two" / name).read_bytes() == (tmp_path / "one" / name).read_bytes()

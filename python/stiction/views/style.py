@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -179,23 +180,34 @@ def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure as PNG, PDF or SVG. Only figures that stiction wrote are overwritten.
 
+    Raises a `ValueError` as `write_figure_file` does.
+    """
+    write_figure_file(render_figure(figure, path.suffix.lower().removeprefix(".")), path)
+
+
+def render_figure(figure: Figure, file_format: str) -> bytes:
+    """Return a figure as the bytes of a PNG, PDF or SVG file."""
+    import matplotlib as mpl
+
+    producer, content = f"stiction {__version__}", io.BytesIO()
+    metadata: dict[str, dict[str, Any]] = {
+        "png": {"Software": producer},
+        "pdf": {"Creator": producer, "CreationDate": None},
+        "svg": {"Title": producer, "Date": None},
+    }
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        if file_format == "png":
+            write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
+        else:
+            figure.savefig(content, format=file_format, metadata=metadata[file_format])
+    return content.getvalue()
+
+
+def write_figure_file(content: bytes, path: Path) -> None:
+    """Write the bytes of a figure to a file.
+
     Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
     another file has the name, or if the file cannot be written.
     """
-    import matplotlib as mpl
-
-    suffix = path.suffix.lower()
-    producer = f"stiction {__version__}"
-    metadata: dict[str, dict[str, Any]] = {
-        ".png": {"Software": producer},
-        ".pdf": {"Creator": producer, "CreationDate": None},
-        ".svg": {"Title": producer, "Date": None},
-    }
-    with (
-        mpl.rc_context(MATPLOTLIB_STYLE),
-        replace_file_atomically(path, FIGURE_FILE_SIGNATURES[suffix], ValueError) as partial,
-    ):
-        if suffix == ".png":
-            write_png(figure, partial, dpi=figure.dpi, metadata=metadata[suffix])
-        else:
-            figure.savefig(partial, format=suffix[1:], metadata=metadata[suffix])
+    with replace_file_atomically(path, FIGURE_FILE_SIGNATURES[path.suffix.lower()], ValueError) as partial_path:
+        partial_path.write_bytes(content)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from stiction.evaluate.point import sort_sliding_rules
+from stiction.solve.executors import evaluate_in_copy
 from stiction.study.study import Study
 from stiction.study.study_description import get_pair_name
 from stiction.summary.evaluation import Evaluation
@@ -41,7 +43,7 @@ from stiction.views.figures.ensemble import area_figure, friction_figure, length
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, closure_figure, cut_off_figure, friction_by_load_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
-from stiction.views.style import MATPLOTLIB_STYLE, literal_text, parse_formats, save_figure
+from stiction.views.style import MATPLOTLIB_STYLE, literal_text, parse_formats, render_figure, write_figure_file
 
 if TYPE_CHECKING:
     from stiction.companions.height_scale import ScaledBodies
@@ -52,6 +54,8 @@ def draw_figures(
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
     """Draw the figures of a result, save the files, and return their paths.
+
+    A copy of this process draws every second figure, if the process can be copied.
 
     Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
@@ -77,20 +81,40 @@ def draw_figures(
         If a format is unknown, there is nothing to draw, or a file cannot be written.
     """
     file_extensions = parse_formats(formats)
-    paths: list[Path] = []
+    paths: dict[str, list[Path]] = {}
+    figures = []
     for name, draw_figure in select_figures(result, picture):
-        if (
-            first
-            and paths
-            and not any((Path(directory) / f"{name}.{file_extension}").exists() for file_extension in file_extensions)
-        ):
-            continue
-        with mpl.rc_context(MATPLOTLIB_STYLE):
-            figure = draw_figure()
-            for file_extension in file_extensions:
-                paths.append(Path(directory) / f"{name}.{file_extension}")
-                save_figure(figure, paths[-1])
-    return paths
+        figure_paths = [Path(directory) / f"{name}.{file_extension}" for file_extension in file_extensions]
+        if not first or not paths or any(path.exists() for path in figure_paths):
+            paths[name] = figure_paths
+            figures.append((name, draw_figure))
+
+    own_figures, other_figures = figures[::2], figures[1::2]
+    render_others = partial(_render_all_files, [draw_figure for _, draw_figure in other_figures], file_extensions)
+    with evaluate_in_copy(render_others) if other_figures else contextlib.nullcontext(list) as get_other_files:
+        for name, draw_figure in own_figures:
+            _write_files(paths[name], _render_files(draw_figure, file_extensions))
+        for (name, _), contents in zip(other_figures, get_other_files(), strict=True):
+            _write_files(paths[name], contents)
+    return [path for figure_paths in paths.values() for path in figure_paths]
+
+
+def _render_all_files(
+    drawing_functions: Iterable[Callable[[], Figure]], file_extensions: Sequence[str]
+) -> list[list[bytes]]:
+    return [_render_files(draw_figure, file_extensions) for draw_figure in drawing_functions]
+
+
+def _render_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
+    """Draw a figure, and return the contents of its files."""
+    with mpl.rc_context(MATPLOTLIB_STYLE):
+        figure = draw_figure()
+        return [render_figure(figure, file_extension) for file_extension in file_extensions]
+
+
+def _write_files(paths: Iterable[Path], contents: Iterable[bytes]) -> None:
+    for path, content in zip(paths, contents, strict=True):
+        write_figure_file(content, path)
 
 
 def select_figures(
