@@ -1,1 +1,1 @@
-"""Solution of the contacts of all members of a study, and storage of the contact sums."""
+"""Contact solutions for all members of a study, and storage of the contact sums."""

@@ -1,4 +1,4 @@
-"""Companion study: a variant of the study of a measured pair, stored in a subdirectory of the result.
+"""Companion study: a variant of a measured pair's study, stored in a subdirectory of the result.
 
 Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """

@@ -28,7 +28,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a small contac
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Statistics of the slopes of two bodies, and masks of their steep points."""
+    """Slope statistics of two bodies, and masks of steep points."""
 
     steep_masks: dict[str, NDArray[np.bool_]]  # for each body: mask of its steep points
     steepness_limits: dict[str, float]  # for each body: smallest slope of its steep points

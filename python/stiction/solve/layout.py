@@ -120,7 +120,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return the number of members of `size` bytes, a power of two, to load into memory at the same time."""
+    """Return how many members of `size` bytes to load into memory together: a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 

@@ -1,4 +1,4 @@
-"""Contact sums of the members of a study, in memory or in the directory of a result."""
+"""Contact sums of a study's members, in memory or in a result directory."""
 
 from __future__ import annotations
 

@@ -262,7 +262,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the message of a storage error, or of a lost worker."""
+    """Add the number of finished members to messages about storage errors and lost workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:

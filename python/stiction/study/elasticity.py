@@ -134,7 +134,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of two materials, with the hardness of the softer one if it can yield."""
+    """Return the elastic constants of two materials, and the hardness of the softer material if it can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(

@@ -365,7 +365,7 @@ _INPUT_LIMITS = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the input of a study with a given name, with its uncertainty.
+    """Parse the input of a study with a given name, including the uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not include the name.
     """
@@ -438,7 +438,7 @@ class InputValue(Quantity):
 
 
 def parse_input_value(name: str, source: Any) -> InputValue:
-    """Parse the input of a study file with a given name, one of the keys of `INPUT_KINDS`.
+    """Parse the value of an input in a study file. The name of the input is a key of `INPUT_KINDS`.
 
     The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. A central value may
     precede its range, as in "0.6 GPa (0.2..1.7 GPa)". Error messages do not include the name.

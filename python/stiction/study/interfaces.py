@@ -307,7 +307,7 @@ class InterfaceStrength:
 
 
 def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median of samples, and the limits of the interval that contains 95 % of them.
+    """Return the median and the limits of the 95 % credible interval of samples.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -327,7 +327,7 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
 
 
 def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
-    """Return the median of the first set of samples, and an interval that covers the credible intervals of all sets."""
+    """Return the median of the first sample set, and an interval that covers the credible intervals of all sets."""
     values, lows, highs = zip(*(compute_credible_interval(each, 0.0) for each in samples), strict=True)
     return values[0], min(lows), max(highs)
 

@@ -357,7 +357,7 @@ class MeasuredBodySettings(SettingsSection):
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
-        """Return the fraction of interpolated points, and the size of the largest gap of missing points.
+        """Return the fraction of interpolated points, and the size of the largest gap.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """

@@ -100,16 +100,16 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of scans, and not of surrogates."""
+        """Index of the first member that consists of scans instead of surrogates."""
         return 0
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and of the lower body."""
+        """Number of scans of each body (upper, lower)."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
-        """Return the indices of the upper scan and of the lower scan of each member.
+        """Return, for each member, the indices of the upper and the lower scan.
 
         Successive members use all pairs of scans in turn.
         """
@@ -147,7 +147,7 @@ MAX_RELATIVE_POSITIONS = 100_000  # maximum number of relative positions of two 
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for profiles, or lines of maps, from two files. Upper profiles slide along lower ones."""
+    """Keys of `[surfaces]` for profiles, or lines of maps, from two files. The upper profile is the slider."""
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"

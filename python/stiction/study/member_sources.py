@@ -1,4 +1,4 @@
-"""Members of measured surfaces: pairs of lines, of map pieces or of surrogates."""
+"""Members of measured surfaces: pairs of lines, map pieces or surrogates."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ class MapMemberSource:
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return a member: a pair of surrogates, or of overlapping pieces of maps."""
+        """Return a member: two surrogates, or two overlapping map pieces."""
         pairs, num_surrogates = self.pairs, self.surrogates
         if num_surrogates is None or index < num_surrogates:
             return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)

@@ -87,7 +87,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return Young's modulus (GPa) and Poisson's ratio of a material, with the ranges of their source."""
+    """Return Young's modulus (GPa) and Poisson's ratio of a material, with the ranges of the source."""
     poisson = replace(_build_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _build_input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 

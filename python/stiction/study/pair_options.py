@@ -173,7 +173,7 @@ class PairProperties(Protocol):
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and of the lower body."""
+        """Number of scans of each body (upper, lower)."""
 
     @property
     def press_mode(self) -> str:

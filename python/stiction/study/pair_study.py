@@ -256,7 +256,7 @@ class MeasuredPair:
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and of the lower body."""
+        """Number of scans of each body (upper, lower)."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -629,7 +629,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of pairs of lines, and the number of relative positions of each pair."""
+        """Return the number of line pairs, and the number of relative positions of each pair."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions

@@ -125,7 +125,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact, with the force on the upper one at each contact in the asperity model.
+        """Two profiles in contact, with the force on the upper profile at each contact in the asperity model.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
@@ -474,7 +474,7 @@ class Evaluation(MemberSums):
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget, with the interval that would remain if one input were exact in each row.
+        """Uncertainty budget: each row has the interval that would remain if one input were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
         and fraction (of the width that would vanish).

@@ -187,7 +187,7 @@ _MIRROR_ALTERNATIVES = (
 
 
 def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two maps at the position (0, 0) would fit much better with the upper one mirrored."""
+    """Yield a caveat if two maps at the position (0, 0) would fit much better with the upper map mirrored."""
     surfaces: Any = study.surfaces
     if (
         surfaces.press != "areas"
@@ -233,7 +233,7 @@ def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
 
 
 def _get_shortest_side_length(body: MeasuredBody) -> float:
-    """Return the length (µm) of a profile, or of the shorter side of a map."""
+    """Return the length (µm) of a profile, or of a map's shorter side."""
     return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
 
 
