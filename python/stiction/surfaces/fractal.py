@@ -179,7 +179,7 @@ def _validate_length_scale_and_gamma(length_scale: Any, gamma: Any, band_limit: 
 def _frequency_amplitudes(
     dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
-    """Return the amplitude (µm) of every frequency of the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
+    """Return the amplitude (µm) at every frequency of the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
     hurst = hurst_from_fractal_dimension(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 

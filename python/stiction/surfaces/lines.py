@@ -30,7 +30,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point s
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or of the columns of a surface, each measured from its own least-squares line.
+    """Roughness of the rows or columns of a surface, each measured from its least-squares line.
 
     Attributes
     ----------

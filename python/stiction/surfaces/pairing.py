@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, and pairs of surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, map pieces or surrogates.
 
 A pair depends only on the scans, the options and its index. Neither the number of pairs nor the process
 that computes a pair affects it.
@@ -224,7 +224,7 @@ def paired_lines(
 def _crop_to_equal_length(
     upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
 ) -> tuple[Profile, Profile]:
-    """Crop the longer profile of a pair to the length of the shorter one, and level it again.
+    """Crop the longer profile of a pair to the length of the shorter profile, and level it again.
 
     The position depends on `index`.
     """
@@ -331,7 +331,7 @@ class MapPairs:
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Fractions of the upper and of the lower map that a piece covers."""
+        """Fraction of each map (upper, lower) that a piece covers."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
@@ -344,7 +344,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper and of the lower piece of a pair, on the finer grid."""
+        """Return the first row and column of both pieces of a pair (upper, lower), on the finer grid."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -452,7 +452,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Side length of the generated surfaces divided by the length of the upper and of the lower profile."""
+        """Side length of the generated surfaces divided by the length of each profile (upper, lower)."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
@@ -512,7 +512,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Fractions of the upper and of the lower generated surface that a piece covers."""
+        """Fraction of each generated surface (upper, lower) that a piece covers."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 

@@ -1,4 +1,4 @@
-"""Definitions of roughness parameters (name, standard, formula, unit, requirements), and sets of their numbers."""
+"""Definitions of roughness parameters (name, standard, formula, unit, requirements), and computed sets."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ class Registration:
 
 @dataclass(frozen=True)
 class _FacePosition:
-    """Position of the upper face relative to the lower one: shift of the middle (µm) and rotation (radians)."""
+    """Position of the upper face relative to the lower face: shift of the middle (µm) and rotation (radians)."""
 
     shift: tuple[float, ...]
     rotation: float
@@ -150,7 +150,7 @@ def correlate_facing_slopes(upper: Any, lower: Any) -> float:
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
-    """Return the largest correlation of the slopes of two faces, and the offset (points) of the upper face."""
+    """Return the largest slope correlation of two faces, and the offset (points) of the upper face."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     offset = tuple(_to_offset(int(index), count) for index, count in zip(best_index, correlations.shape, strict=True))
@@ -246,7 +246,7 @@ def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[f
 
 
 def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
-    """Convert a shift (µm) of a face's middle to an offset of its first point, in points or fractions of points."""
+    """Convert a shift (µm) of a face's middle to an offset of its first point, in points that may be fractional."""
     return [
         distance / spacing - (count - other) / 2
         for distance, count, other, spacing in zip(
@@ -349,7 +349,7 @@ def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
 
 
 def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
-    """Return the rms gap (µm) at a position, and the change of shift and rotation that should close it."""
+    """Return the rms gap (µm) at a position, and the change of shift and rotation that minimises the gap."""
     upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_part, lower_part)
     measured = np.ones(lower_part.heights.shape, bool) if missing is None else ~missing
@@ -391,7 +391,7 @@ def _estimate_noise(gap: Any) -> float:
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
-    """Return the overlapping parts of two bodies, after the upper one is moved by an offset (points)."""
+    """Move the upper body by an offset (points), and return the overlapping parts of both bodies."""
     upper_index, lower_index = [], []
     for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)

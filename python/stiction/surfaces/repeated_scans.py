@@ -41,7 +41,7 @@ _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotReprMixin):
-    """Comparison of two scans of the same area in each octave of the wavelength.
+    """Comparison of two scans of the same area in each octave of wavelength.
 
     Attributes
     ----------

@@ -193,7 +193,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law at wavelengths between a given one (µm) and the fitted band."""
+    """Return the mean square slope of a power law between a given wavelength (µm) and the fitted band."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)

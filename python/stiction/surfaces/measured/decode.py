@@ -65,7 +65,7 @@ class DecodedText:
 
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
-        """Byte offsets of the start of each line and of the end of the text."""
+        """Byte offsets of all line starts and of the end of the text."""
         line_ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], line_ends + 1])
 

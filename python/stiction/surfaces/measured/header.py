@@ -286,7 +286,7 @@ _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "se
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of columns in the header of a table, and the unit of heights in a line about heights alone."""
+    """Names and units of columns in a table header, and the height unit in a line that is only about heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()

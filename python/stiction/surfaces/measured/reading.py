@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: a suitable reader is chosen, and the content is interpreted."""
+"""Reading of measured profiles and surfaces: choice of a reader, and interpretation of the content."""
 
 from __future__ import annotations
 

@@ -324,7 +324,7 @@ def _reject_positions_above_heights(column: Floats) -> None:
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a column of heights if it is the number of heights below it."""
+    """Remove the first number of a column of heights if it counts the heights below it."""
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         # number of leading numbers that may be counts or sizes instead of heights
         for leading_number_count in range(place + 1, 4):

@@ -1,4 +1,4 @@
-"""Conversion of lines of numbers to a matrix: separators, decimal marks and quotes are detected."""
+"""Conversion of lines of numbers to a matrix, with detection of separators, decimal marks and quotes."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the place value of the last printed digit, given the numbers of decimals and of significant digits."""
+    """Return the place value of the last printed digit, given the counts of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits

@@ -201,7 +201,7 @@ def _find_units(words: Iterable[str]) -> tuple[str, ...]:
 
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
-    """Return the place of a block of numbers in its text, and the format of the numbers."""
+    """Return the place of a number block in the text, and the format of the numbers."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightProvenance(

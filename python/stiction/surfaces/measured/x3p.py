@@ -206,7 +206,7 @@ class _StoredAxis:
 
 
 def _read_shape(root: _MainXml) -> tuple[int, int]:
-    """Return the numbers of rows and of columns of an X3P map."""
+    """Return the numbers of rows and columns of an X3P map."""
     if (list_dimension := _get_element_text(root, "Record3/ListDimension", "")) != "":
         return 1, _parse_count(list_dimension)
     x, y, z = (_parse_count(_get_element_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
