@@ -162,7 +162,7 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients of mu0 and tau0 in the test equations, and their right sides.
+        """Return the coefficients of mu0 and tau0, and the right sides, of the test equations.
 
         The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
         tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and
@@ -297,7 +297,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of the tests with sliding, divided by their errors, and the equations' coefficients.
+        """Return the residuals of tests with sliding, divided by the errors, and the coefficients of the equations.
 
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -464,7 +464,7 @@ class CalibrationProblem:
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that all tests share, or None if it differs between tests or does not affect them.
+        """Junction growth α that all tests share, or None if it differs between tests or has no effect.
 
         The value is 0 if no test has junction growth although it would affect at least one of them.
         """

@@ -299,7 +299,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the label of an interface, and of the uncertain inputs in its samples."""
+    """Return the label of an interface, which includes the labels of uncertain inputs in the joint samples."""
     _, _, hardness, growth = joint_samples
     labels = [
         study_inputs.uncertain[name].label
@@ -310,7 +310,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviations of ln(rms slope of the gap) due to drift of single scans, by source.
+    """Return, by source, the standard deviation of ln(rms slope of the gap) due to the drift of single scans.
 
     The slope of another place on a part is assumed to differ by as much as the slopes at the two ends of the scan.
     """

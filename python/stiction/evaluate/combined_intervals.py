@@ -112,7 +112,7 @@ class _InputSamples:
 
 
 class InputSampler:
-    """Samples of the uncertain inputs of a study, which all its coefficients share."""
+    """Samples of a study's uncertain inputs, which all coefficients share."""
 
     def __init__(self, study: Study) -> None:
         self._inputs = Inputs.from_study(study)
@@ -239,7 +239,7 @@ class CombinedIntervals:
         return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
 
     def _find_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of a single test from the mean, and its degrees of freedom.
+        """Return the relative standard deviation of single tests about the mean, and the degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """

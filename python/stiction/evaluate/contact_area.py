@@ -141,7 +141,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding. Arguments are as for a call of the object.
+        """Return the state of the contacts at the onset of sliding. The arguments are those of `__call__`.
 
         `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before.
         """

@@ -136,7 +136,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
+    """Return mean(F_T) / mean(F_N) at elastic loads (mN), and its jackknife interval.
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and
     statistic. The value is NaN if mean(F_N) is not above 0.

@@ -308,7 +308,7 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Sums of powers of jackknife values, which give the half width of an interval."""
+    """Sums of powers of jackknife values, from which the half width of an interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -579,7 +579,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, which is a sum of components.
+    """Return the degrees of freedom of a single test's variance, which is a sum of variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

@@ -207,7 +207,7 @@ def sort_sliding_rules(table: Any, study: Study) -> Any:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether a point has a nominal area in its contact model."""
+    """Return whether the contact model of a point has a nominal area."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 

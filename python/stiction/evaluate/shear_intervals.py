@@ -44,7 +44,7 @@ _Samples = dict[str, Floats]  # an array of each quantity, whose first axis cont
 
 @dataclass(frozen=True)
 class ShearInputSamples:
-    """Samples of the inputs of a shear test, each as an array of n numbers.
+    """Samples of the inputs of a shear test: an array of n numbers for each input.
 
     `contact_inputs` contains those `CONTACT_INPUTS` that are uncertain, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
@@ -257,7 +257,7 @@ def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floa
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of the shear test with intervals of curves (variables) and of single numbers (attributes)."""
+    """Return a copy of the shear test with intervals: variables for curves, attributes for single numbers."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SHEAR_INTERVAL_ATTRIBUTES:

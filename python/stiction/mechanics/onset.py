@@ -429,7 +429,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the slip state at a displacement (µm), whose tangential load a root finder determines."""
+    """Return the slip state at a displacement (µm). A root finder determines the tangential load."""
     from scipy.optimize import brentq
 
     sliding_displacement = sliding_state.displacement
