@@ -1,4 +1,4 @@
-"""Errors about arguments, with names of parameters or of command-line options, and errors of solvers."""
+"""Errors about invalid arguments, and errors of solvers."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and the given ones."""
+        """Return the smallest interval that includes this interval and the given intervals."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -102,7 +102,7 @@ class Estimate:
 
     @property
     def has_interval(self) -> bool:
-        """True if both limits of the interval are known, although the upper one may be infinite."""
+        """True if both limits of the interval are known. The upper limit may be infinite."""
         return not (math.isnan(self.lower) or math.isnan(self.upper))
 
     def __str__(self) -> str:
@@ -110,7 +110,7 @@ class Estimate:
 
     @property
     def table_text(self) -> str:
-        """Text of the estimate in a table: `text`, with "no interval" if there is none."""
+        """Text of the estimate in a table: `text`, followed by "no interval" if there is no interval."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
@@ -234,7 +234,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals that shows `digits` digits of the half width, but 2 to 4 of the number."""
+    """Return how many decimals show `digits` digits of the half width, but 2 to 4 digits of the number."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)

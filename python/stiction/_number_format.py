@@ -1,4 +1,4 @@
-"""Formatting of numbers without interval, in a unit that suits their size."""
+"""Formatting of numbers without an interval, in units that suit the numbers."""
 
 from __future__ import annotations
 

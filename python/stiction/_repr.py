@@ -189,7 +189,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
 
 
 def axes_or_new_axes(ax: Axes | None) -> Axes:
-    """Return the given axes, or new ones that a notebook displays."""
+    """Return the given axes or, without any, create axes that a notebook displays."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

@@ -120,7 +120,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of a part of the study.
+    """Compute the missing blocks of a study, or of one part of it.
 
     Without a part, the companion files are computed too.
 

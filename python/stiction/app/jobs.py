@@ -297,7 +297,7 @@ class JobQueue:
         )
 
     def _choose_directory(self) -> Path:
-        """Return a new path for the files of a result that the user can save."""
+        """Return a new path for result files that the user can save."""
         self._directory_count += 1
         return self.root / "shared" / f"{self._directory_count}"
 
@@ -327,7 +327,7 @@ def _read_answer(job: Job, record: str) -> dict[str, Any]:
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return the coefficients at the peak and at the end of a shear test as text, with its caveats."""
+    """Return the peak and final coefficients of a shear test as text, and the caveats."""
     values, lines = json.loads(record), []
     for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(each for each in values["values"] if each["name"] == name)

@@ -380,7 +380,7 @@ class Server:
         return self.jobs.jobs_by_number.get(request.path_params["job"]) or _raise_not_found()
 
     async def stop_job(self, request: Request) -> Response:
-        """Stop a job, and keep the part of the result that is finished."""
+        """Stop a job, and keep the finished part of its result."""
         self._find_job(request).stop()
         return JSONResponse({})
 

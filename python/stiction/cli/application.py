@@ -76,7 +76,7 @@ def is_stderr_terminal() -> bool:
 
 
 def print_output(text: str) -> None:
-    """Print a result on standard output, even if the pipe that reads it is closed."""
+    """Print a result on standard output, and ignore a closed output pipe."""
     lines = [printable_text(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
         lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]

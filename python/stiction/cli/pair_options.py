@@ -18,7 +18,7 @@ PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.i
 
 
 class _CommandLineOptionNames(dict[str, str]):
-    """Command-line names of options, by their placeholders in help texts."""
+    """Command-line names of options, with the placeholders in help texts as keys."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)

@@ -111,7 +111,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
-    """Parse the texts of `--set` into new values by their keys."""
+    """Parse the texts of `--set` into a dict of study keys and new values."""
     from stiction.study.values import StudyError
 
     overrides = {}

@@ -85,7 +85,7 @@ def point_load_text(point: PointSummary) -> str:
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return the coefficient of a point with its interval, or why it is missing.
+    """Return the coefficient of a point with its interval, or the reason why it is missing.
 
     A coefficient that is only a lower limit starts with "≥".
     """

@@ -352,5 +352,5 @@ def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return a property of the upper and of the lower body as fields of a JSON record."""
+    """Return a property of both bodies as fields of a JSON record."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

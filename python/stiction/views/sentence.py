@@ -367,7 +367,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans could change friction appreciably, compared with its interval."""
+    """Return whether finer scans could change friction appreciably, compared with the width of the interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)

@@ -233,7 +233,7 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return a sentence for each load between two computed loads, with their assessments.
+    """Return a sentence for each interpolated load, with the assessments at the computed loads on both sides.
 
     `neighbours` contains the two computed loads by load (mN), and `points` all points at the computed loads.
     """

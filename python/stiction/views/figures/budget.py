@@ -1,4 +1,4 @@
-"""Figures of contributions to friction, of the uncertainty budget, and of friction against dwell time."""
+"""Figures of the contributions to friction, the uncertainty budget, and friction after dwell times."""
 
 from __future__ import annotations
 

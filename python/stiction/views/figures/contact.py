@@ -43,7 +43,7 @@ _MIN_PROFILE_ZOOM_HALF_WIDTH = 60
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw two profiles in contact, with the forces on the upper one at the contact with the largest load.
+    """Draw two profiles in contact, with the forces on the upper profile at the contact with the largest load.
 
     `forces` is a result of `build_contact_forces`. The load and the shift of the upper profile are in the heading if
     the dataset contains them.

@@ -290,7 +290,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each cell of a map, which increases with the relative width of its interval."""
+    """Return the fading of each map cell, which increases with the relative width of the interval."""
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values

@@ -56,7 +56,7 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 
 def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
-    """Draw the heights of a profile, as means and ranges of neighbouring points if it is long."""
+    """Draw the heights of a profile. For a long profile, draw means and ranges of neighbouring points."""
     group_size = -(-len(profile) // MAX_DRAWN_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(heights)), "um")

@@ -1,4 +1,4 @@
-"""Content of a report before it is rendered as HTML."""
+"""Content of a report, before rendering as HTML."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def common_facts(
 
 
 def _strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the notice that a report shows above it."""
+    """Return the largest plausible tau0 (MPa), and the notice that a report shows for larger tau0."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}

@@ -76,7 +76,7 @@ The number of coefficients is the product of the numbers of mu0, tau0, loads, ce
 def save_report(
     result: Evaluation | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report of a result, and replace an older one when it is complete.
+    """Write the report of a result. An older report is replaced when the new report is complete.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Numbers in the data of a report, each stored with the number of its printed decimals."""
+"""Numbers in the data of a report, each with the number of decimals to print."""
 
 from __future__ import annotations
 
