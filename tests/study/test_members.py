@@ -1,7 +1,13 @@
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from stiction import Study, pair_of, random_phases, weierstrass_mandelbrot
 from stiction.study import members as members_module
+from support.studies_of_files import pair_study, write_maps
+
+MATERIAL = {"effective_modulus": "100 GPa", "hardness": "2 GPa", "load": "1 MPa", "mu0": 0.2}
 
 STUDY = Study().with_changes(
     {
@@ -61,3 +67,19 @@ def test_profiles_of_a_numbered_pair_of_a_study_equal_directly_generated_profile
 def test_pair_generation_rejects_invalid_arguments(repetition, dimension, amplitude, pattern):
     with pytest.raises(ValueError, match=pattern):
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
+
+
+def test_measured_bodies_are_filtered_once_for_all_threads(tmp_path):
+    spacing = write_maps(tmp_path, shape=(256, 256))
+    study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
+    bodies, num_threads = members_module.load_bodies(study), 4
+    barrier = threading.Barrier(num_threads)
+
+    def find_members(cutoff):
+        barrier.wait()
+        return bodies.members(cutoff)
+
+    with ThreadPoolExecutor(num_threads) as pool:
+        for cutoff in (1.0, 2.0, 3.0):
+            first, *others = pool.map(find_members, [cutoff] * num_threads)
+            assert all(each is first for each in others)

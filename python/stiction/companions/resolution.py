@@ -197,7 +197,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     upper, lower = bodies.member(_find_first_scan_member(study), cut_off).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)
     gap = with_interpolated_points(gap, find_outliers(gap.heights))
-    attributes = bodies.attributes().attributes
+    attributes = bodies.attributes.attributes
     spacings = [*gap.spacings, *(float(np.max(attributes[f"{side}_spacing_um"])) for side in ("upper", "lower"))]
     roughness = scale_dependent_roughness(gap)
     return ResolvedRoughness(

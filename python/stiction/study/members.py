@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -202,18 +203,25 @@ class PreparedBodies:
                 raise ValueError(
                     f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
                 )
-            heights = [scan.heights.tobytes() for scan in scans if isinstance(scan, Profile | Surface)]
-            if len(set(heights)) < len(heights):
+            heights = [scan.heights for scan in scans if isinstance(scan, Profile | Surface)]
+            if len(heights) > 1 and len({array.tobytes() for array in heights}) < len(heights):
                 raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
         if surfaces.first_scan_member_index and math.prod(surfaces.scan_counts) > 1:
             raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
-        self.members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
+        self._cached_members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
+        self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
-    def _prepare_member_source(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Low-pass filter two scans at a cutoff (µm, 0 for no filter), and return the members that they form.
+    def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
+        """Return the members that two scans form after a low-pass filter at a cutoff (µm, 0 for no filter).
 
-        Raises a `ValueError` if the scans have no members.
+        If several threads need the same members, one thread filters the scans, and the others wait. Raises a
+        `ValueError` if the scans have no members.
         """
+        key = wavelength, upper, lower
+        with self._locks.setdefault(key, threading.Lock()):
+            return self._cached_members(*key)
+
+    def _prepare_member_source(self, wavelength: float, upper: int, lower: int) -> MemberSource:
         surfaces, indices = self._surfaces, (upper, lower)
         scan_pair = self._parts[0][upper], self._parts[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
@@ -229,8 +237,9 @@ class PreparedBodies:
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
 
+    @cached_property
     def attributes(self) -> BodyAttributes:
-        """Return the attributes of the bodies in a result: nominal area, history, grid and missing points."""
+        """Attributes of the bodies in a result: nominal area, history, grid and missing points."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -343,4 +352,4 @@ def check_last_member(study: Study) -> None:
 
 def find_body_attributes(study: Study) -> BodyAttributes:
     """Return the attributes of a study's bodies in a result. Generated bodies have none."""
-    return load_bodies(study).attributes() if study.is_measured else BodyAttributes()
+    return load_bodies(study).attributes if study.is_measured else BodyAttributes()
