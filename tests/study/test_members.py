@@ -83,3 +83,13 @@ def test_measured_bodies_are_filtered_once_for_all_threads(tmp_path):
         for cutoff in (1.0, 2.0, 3.0):
             first, *others = pool.map(find_members, [cutoff] * num_threads)
             assert all(each is first for each in others)
+
+
+def test_measured_pair_prepares_bodies_once_for_nominal_area_and_result(tmp_path, monkeypatch):
+    spacing = write_maps(tmp_path)
+    pressed_bodies = []
+    monkeypatch.setattr(members_module, "estimate_roughness_drift", lambda body: pressed_bodies.append(body) or 0.0)
+    # The hardness times the nominal area limits the load.
+    study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
+    assert members_module.find_body_attributes(study).nominal_area > 0
+    assert len(pressed_bodies) == 2

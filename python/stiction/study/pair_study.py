@@ -861,7 +861,8 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        return find_body_attributes(_validate_study(sections))
+        # With checksums, the surfaces equal those of the final study, so that the bodies are prepared only once.
+        return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property
     def _nominal_area(self) -> float:
