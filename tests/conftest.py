@@ -14,7 +14,7 @@ from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES
 from support.command import disable_companion_files, disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
-from support.input_samples import use_input_samples
+from support.input_samples import use_input_samples, use_nuisance_points
 
 # Background jobs of a shell ignore SIGINT, which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -29,19 +29,25 @@ hypothesis.settings.load_profile("without time limits")
 NUM_INPUT_SAMPLES_IN_TESTS = 2**10
 """Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
 
+NUISANCE_POINT_FRACTION_IN_TESTS = 0.25
+"""Number of nuisance points of a calibration in most tests, as a fraction of the number for users."""
+
 
 @pytest.fixture(scope="session", autouse=True)
 def few_input_samples(request):
-    """Draw few samples of uncertain inputs in the tests that `./dev test` runs, to save time."""
+    """Draw few samples of inputs and calibrations in the tests that `./dev test` runs, to save time."""
     draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
-    with use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS):
+    with (
+        use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
+        use_nuisance_points(1 if draws_all else NUISANCE_POINT_FRACTION_IN_TESTS),
+    ):
         yield
 
 
 @pytest.fixture
 def all_input_samples():
-    """Draw as many samples of uncertain inputs as for users. Results must be created during the test."""
-    with use_input_samples(NUM_INPUT_SAMPLES):
+    """Draw as many samples of inputs and calibrations as for users. Results must be created during the test."""
+    with use_input_samples(NUM_INPUT_SAMPLES), use_nuisance_points(1):
         yield
 
 

@@ -261,6 +261,7 @@ def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
         assert (test.load, test.coefficient, test.uncertainty) == (2000, 0.5, pytest.approx(0.01))
 
 
+@pytest.mark.usefixtures("all_input_samples")
 @pytest.mark.parametrize(
     "ranges",
     [

@@ -1,8 +1,11 @@
-"""Number of samples of uncertain inputs in tests."""
+"""Numbers of samples of uncertain inputs and of calibrations in tests."""
 
 import contextlib
 
 import pytest
+from stiction.calibration import fit
+from stiction.calibration.fit import FINAL_NUISANCE_POINT_COUNTS as NUISANCE_POINT_COUNTS
+from stiction.calibration.fit import MIN_EFFECTIVE_SAMPLES
 from stiction.evaluate import combined_intervals, shear_intervals
 from stiction.study import input_distributions, inputs, interfaces
 
@@ -16,6 +19,15 @@ def use_input_samples(count):
         _clear_caches()
         yield
     _clear_caches()
+
+
+@contextlib.contextmanager
+def use_nuisance_points(fraction):
+    """Return a context manager in which calibrations use a fraction of the nuisance points for users."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(fit, "FINAL_NUISANCE_POINT_COUNTS", tuple(int(fraction * n) for n in NUISANCE_POINT_COUNTS))
+        patch.setattr(fit, "MIN_EFFECTIVE_SAMPLES", fraction * MIN_EFFECTIVE_SAMPLES)
+        yield
 
 
 def _clear_caches():
