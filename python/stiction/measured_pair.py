@@ -144,7 +144,7 @@ def pair(
     yield_strength : str or float, GPa, optional
         Yield strength of the softer body, for `law` jackson-green. By default the hardness divided by 2.84.
     junction_growth : str or float, optional
-        Growth of plastic contacts under shear: "slip-line", α of p² + α s² = H² as in "9" or "0..27", or 0. By default
+        Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0. By default
         slip-line.
     yield_exponent : str or float, optional
         Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6". By default "uniform 0.7 .. 1.6".

@@ -784,7 +784,7 @@ def hardness_under_shear(
         Yield by slip lines, or junction growth α, at least 0. 0 leaves H unchanged; at 27 the material shears at
         H/(3 sqrt(3)) without pressure (von Mises, H of three yield strengths).
     ratio : array_like of float
-        R, ratio of hardness to shear strength, for slip lines only: 2 + π in plane strain, 5.7 to 6.05 for a circle.
+        H/k, ratio of hardness to shear strength, for slip lines only: 2 + π in plane strain, 5.7 to 6.05 for a circle.
 
     Returns
     -------
@@ -805,11 +805,11 @@ def hardness_under_shear(
 
     Notes
     -----
-    Pressure p and shear traction s act on the same material. During sliding s = mu0 p + tau0.
+    Pressure p and shear traction τ act on the same material. During sliding τ = mu0 p + tau0.
 
     Slip lines of a flat junction on a half-space in plane strain give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π)
-    with f = s/k, where k = H/R is the shear strength. Green, Journal of the Mechanics and Physics of Solids 2 (1954)
-    197; Johnson, the same journal 16 (1968) 395. With α, the material yields at p² + α s² = H². Tabor, Proceedings of
+    with f = τ/k and the shear strength k. Green, Journal of the Mechanics and Physics of Solids 2 (1954)
+    197; Johnson, the same journal 16 (1968) 395. With α, the material yields at p² + α τ² = H². Tabor, Proceedings of
     the Royal Society A 251 (1959) 378.
 
     Examples

@@ -93,7 +93,7 @@ class FrictionLaw:
     """Friction law: a contact with force F and true area A carries mu0 F + tau0 A.
 
     Contacts that yield carry less pressure while they are sheared. Their pressure at the onset of sliding follows from
-    slip lines, or from p² + α s² = H². Elastic contacts of soft bodies lose area while they are sheared.
+    slip lines, or from p² + α τ² = H². Elastic contacts of soft bodies lose area while they are sheared.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class FrictionLaw:
         return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
 
     def bulk_strength_ratio(self, hardness: Any) -> Any:
-        """Return tau0 divided by the shear strength, H/R or H/√α, of a body with the hardness H (GPa)."""
+        """Return tau0 divided by the shear strength, k or H/√α, of a body with the hardness H (GPa)."""
         ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
         return self.tau0 * ratio / hardness
 
@@ -212,7 +212,7 @@ class FrictionLaw:
     def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
         """Return the fraction of the friction force that remains if the shear strength limits each traction.
 
-        The traction at each point is the smaller of mu0 p + tau0 and the shear strength H/R. The pressures p follow a
+        The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
         fraction is 1 if the reduction is negligible.
         """
@@ -255,7 +255,7 @@ class OnsetState:
 def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     """Return the pressure p at which contacts yield under the traction mu0 p + tau0, by slip-line theory.
 
-    With f = R s/H, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
+    With f = τ/k, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
     p = H/2 has f > 1: the interface is stronger than the softer body. The unknown of the Newton steps is
     x = sin(arccos(f)/2). The function is concave in x, and the first value is on the side of the root from which the
     steps are monotone.

@@ -374,7 +374,7 @@ class HalfSpaceSettings(CommonContactSettings):
     )
     junction_growth: JunctionGrowthEntry | None = Field(
         default=None,
-        description='Growth of contacts under shear: "slip-line", or α of p² + α s² = H²; 0 with a caveat if omitted.',
+        description='Growth of contacts under shear: "slip-line", or α of p² + α τ² = H²; 0 with a caveat if omitted.',
     )
     yield_exponent: YieldExponentEntry | None = Field(
         default=None, description="Exponent of the area of yielding contacts, 0.7 to 1.6 for rough surfaces."

@@ -614,7 +614,7 @@ class MaterialOptions(OptionGroup):
         applies=(uses_asperity_model, has_contact_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
-        "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α s² = H² as in "9" or "0..27", or 0.',
+        "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0.',
         usual="slip-line", key="contact.junction_growth", applies=(uses_half_space_model,),
         field=FormField(label="junction growth", example="slip-line, 9, or 0..27"),
     )] = None  # fmt: skip
