@@ -92,7 +92,9 @@ def find_input_caveats(
         """Return the caveats about the scans of a body. Caveats of one kind are merged, with the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
-            scan_caveats = [Caveat(each.text, f"{each.remedy} ({each.name})", "caution") for each in scan_entry.caveats]
+            scan_caveats = [
+                Caveat(caveat.text, f"{caveat.remedy} ({caveat.name})", "caution") for caveat in scan_entry.caveats
+            ]
             if isinstance(scan, JoinedSpectrum):
                 scan_caveats += _find_spectrum_caveats(scan)
             else:
@@ -102,9 +104,9 @@ def find_input_caveats(
                     textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study), alternatives=alternatives,
                 )  # fmt: skip
-            for each in scan_caveats:
-                caveats_by_kind[_get_caveat_kind(each)] = max(
-                    caveats_by_kind.get(_get_caveat_kind(each), each), each, key=lambda caveat: caveat.cut_off
+            for caveat in scan_caveats:
+                caveats_by_kind[_get_caveat_kind(caveat)] = max(
+                    caveats_by_kind.get(_get_caveat_kind(caveat), caveat), caveat, key=lambda caveat: caveat.cut_off
                 )
         return list(caveats_by_kind.values())
 
@@ -112,24 +114,28 @@ def find_input_caveats(
         find_body_caveats, (getattr(study.surfaces, side) for side in SIDES), (upper, lower)
     )
     caveat_pairs = [
-        (each, other) for each in upper_caveats for other in lower_caveats
-        if _get_caveat_kind(each) == _get_caveat_kind(other) and each.severity == other.severity
+        (upper_caveat, lower_caveat) for upper_caveat in upper_caveats for lower_caveat in lower_caveats
+        if _get_caveat_kind(upper_caveat) == _get_caveat_kind(lower_caveat)
+        and upper_caveat.severity == lower_caveat.severity
     ]  # fmt: skip
     paired_caveats = {caveat for pair in caveat_pairs for caveat in pair}
     merged_caveats = [
-        replace(max(pair, key=lambda each: each.cut_off), text=_merge_caveat_texts(*pair)) for pair in caveat_pairs
+        replace(max(pair, key=lambda caveat: caveat.cut_off), text=_merge_caveat_texts(*pair)) for pair in caveat_pairs
     ]
     unpaired_caveats = [
-        [each for each in body_caveats if each not in paired_caveats] for body_caveats in (upper_caveats, lower_caveats)
+        [caveat for caveat in body_caveats if caveat not in paired_caveats]
+        for body_caveats in (upper_caveats, lower_caveats)
     ]
     # In a study of a gap, both bodies have the same map.
     names = ("gap" if study.is_gap else "both scans", "upper", "lower")
     named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
-        replace(each, text=f"{name}: {each.text}") for name, body_caveats in named_caveats for each in body_caveats
+        replace(caveat, text=f"{name}: {caveat.text}")
+        for name, body_caveats in named_caveats
+        for caveat in body_caveats
     ]
     longest_cutoff = MAX_CUTOFF_FRACTION * min(_get_shortest_side_length(body) for body in (upper, lower))
-    caveats = [replace(each, remedy=_adapt_remedy_to_max_cutoff(each, longest_cutoff)) for each in caveats]
+    caveats = [replace(caveat, remedy=_adapt_remedy_to_max_cutoff(caveat, longest_cutoff)) for caveat in caveats]
     mu0 = max(float(each) for each in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"

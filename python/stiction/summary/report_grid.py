@@ -37,7 +37,7 @@ Reports of generated surfaces have more loads, and therefore fewer values of mu0
 
 # maximum number of steps of tau0 in a report, for measured (True) and generated surfaces (False)
 MAX_TAU0_STEPS = {True: 6, False: 5}
-MAX_STUDY_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; more are thinned out
+MAX_SHOWN_FRICTION_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; more are thinned out
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger one
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 of a report relative to the hardness, unless the study has a larger value."""
@@ -172,9 +172,9 @@ def _round_steps(largest: float, max_count: int) -> Floats:
 
 
 def _build_axis(study_values: Floats, round_values: Floats, *, has_range: bool) -> ParameterAxis:
-    if study_values.size > MAX_STUDY_VALUES:
+    if study_values.size > MAX_SHOWN_FRICTION_VALUES:
         study_values = study_values[
-            np.unique(np.linspace(0, study_values.size - 1, MAX_STUDY_VALUES).round().astype(int))
+            np.unique(np.linspace(0, study_values.size - 1, MAX_SHOWN_FRICTION_VALUES).round().astype(int))
         ]
     difference = np.abs(round_values[:, np.newaxis] - study_values).min(axis=1)
     values = np.union1d(study_values, round_values[difference > 2 * SAME_VALUE_TOLERANCE * round_values])

@@ -405,12 +405,12 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
     """
-    (other_point,) = (each for each in alternative.points if each.at == point.at)
-    own_faults = {each.name or each.text for each in point.faults}
+    (other_point,) = (other for other in alternative.points if other.at == point.at)
+    own_faults = {caveat.name or caveat.text for caveat in point.faults}
     other_faults = [
-        replace(each, text=f"{ALTERNATIVE_CONDITIONS[name]}: {each.text}")
-        for each in other_point.faults
-        if (each.name or each.text) not in own_faults
+        replace(caveat, text=f"{ALTERNATIVE_CONDITIONS[name]}: {caveat.text}")
+        for caveat in other_point.faults
+        if (caveat.name or caveat.text) not in own_faults
     ]
     if not other_faults:
         return point
@@ -459,16 +459,18 @@ def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> Poi
     is_measured = point.at["cut_off"] == 0
     text = f"; {'without' if is_measured else 'with'} them μ_s is {other_coefficient}"
     text = text if math.isfinite(other_coefficient.value) else ""
-    own_caveats = [replace(each, text=each.text + text) if each.has_second_cutoff else each for each in point.caveats]
-    caveat_texts = {each.text for each in point.caveats}
+    own_caveats = [
+        replace(caveat, text=caveat.text + text) if caveat.has_second_cutoff else caveat for caveat in point.caveats
+    ]
+    caveat_texts = {caveat.text for caveat in point.caveats}
     other_caveats = [
-        replace(each, text=f"as measured: {each.text}")
-        for each in other_point.faults
-        if not (is_measured or each.has_second_cutoff or each.text in caveat_texts)
+        replace(caveat, text=f"as measured: {caveat.text}")
+        for caveat in other_point.faults
+        if not (is_measured or caveat.has_second_cutoff or caveat.text in caveat_texts)
     ]
     caveats = sorted([*own_caveats, *other_caveats], key=lambda caveat: caveat.severity != "fault")
     sorted_budget = tuple(sorted(budget, key=lambda entry: entry.width))
-    bracket = None if any(each.severity == "fault" for each in caveats) else point.bracket
+    bracket = None if any(caveat.severity == "fault" for caveat in caveats) else point.bracket
     return replace(point, rules=rules, budget=sorted_budget, caveats=tuple(caveats), bracket=bracket)
 
 
@@ -506,9 +508,9 @@ def summarize_point(
     has_interval_note = rules[0].has_interval and covers_alternatives
     # A cutoff removes caveats only if the user requested it.
     kept_caveats = [
-        replace(each, text=each.text + (each.interval_note if has_interval_note else ""), interval_note="")
-        for each in input_caveats
-        if study.surfaces.both_readings or cut_off < each.cut_off
+        replace(caveat, text=caveat.text + (caveat.interval_note if has_interval_note else ""), interval_note="")
+        for caveat in input_caveats
+        if study.surfaces.both_readings or cut_off < caveat.cut_off
     ]
     caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_interval_of_mean, status)]
     return PointSummary(

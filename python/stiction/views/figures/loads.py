@@ -232,11 +232,11 @@ def _friction_and_area_figure(
         ax.set_xscale("log")
     if (mean > 0).any():
         area_axes.set_yscale("log")
-    highest = max(
+    highest_mean = max(
         line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in friction_axes.lines
     )
     friction_axes.set_ylim(
-        0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest) if highest > 0 else None
+        0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest_mean) if highest_mean > 0 else None
     )
     if limits is not None:
         is_shown = limits.wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min()

@@ -130,7 +130,7 @@ _ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
 
 def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
     """Collect the data of the page, unless the result is too large for a page."""
-    _check_size(result)
+    _check_can_render(result)
     return collect_report_data(result, picture)
 
 
@@ -166,7 +166,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: st
     return content, facts, packed_arrays
 
 
-def _check_size(result: Evaluation) -> None:
+def _check_can_render(result: Evaluation) -> None:
     """Raise a `ReportError` if no member was solved, or if a report would have too many coefficients."""
     try:
         study = result.study
