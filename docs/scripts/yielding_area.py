@@ -456,7 +456,7 @@ def combine_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float
 
 
 @dataclass(frozen=True)
-class Point:
+class AreaComparison:
     """True area of a case at one load by finite elements, and areas by other models divided by it."""
 
     case: str
@@ -467,7 +467,7 @@ class Point:
     ratios: dict[str, float]
 
 
-def compare_case(name: str, result: dict[str, list[float]]) -> list[Point]:
+def compare_case(name: str, result: dict[str, list[float]]) -> list[AreaComparison]:
     """Compare areas at selected loads of a case."""
     case = CASES[name]
     loads, areas, areas_by_nodes = (np.array(result[key]) for key in ("load", "area_edges", "area_nodes"))
@@ -491,7 +491,7 @@ def compare_case(name: str, result: dict[str, list[float]]) -> list[Point]:
         bound = math.inf if isinstance(case, PressedBall) else case.nominal_area
         ratios = {key: float(min(value, bound) / areas[index]) for key, value in values.items()}
         points.append(
-            Point(
+            AreaComparison(
                 name,
                 float(plastic / elastic),
                 float(fractions[index]),
@@ -591,7 +591,7 @@ def compare_opposing_sums(kind: str, hurst: float, repetition: int) -> list[list
 # ---- Tables and figure ----------------------------------------------------------------------------------------------
 
 
-def format_cases(points: list[Point]) -> list[str]:
+def format_cases(points: list[AreaComparison]) -> list[str]:
     rows = [
         "| case | seed | Hurst exponent | rms slope | yield strength / E | tangent modulus / E | x | A/A0 |",
         "|---|---|---|---|---|---|---|---|",
@@ -616,7 +616,7 @@ def format_cases(points: list[Point]) -> list[str]:
     return rows
 
 
-def write_points(points: list[Point]) -> None:
+def write_points(points: list[AreaComparison]) -> None:
     """Write areas divided by the finite-element area, one row for each load of each case."""
     names = [name for name in points[0].ratios if name not in ("n = 2", "n = 2.5")]
     with (DOCS_DIRECTORY / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
@@ -631,7 +631,7 @@ def write_points(points: list[Point]) -> None:
             )
 
 
-def format_summary(points: list[Point]) -> list[str]:
+def format_summary(points: list[AreaComparison]) -> list[str]:
     rows = [
         "| model | points | mean | mean deviation | lowest | highest | within 12 % |",
         "|---|---|---|---|---|---|---|",
@@ -699,7 +699,7 @@ def classify_case(name: str) -> str:
     return "steep profile" if case.rms_slope > MAX_RMS_SLOPE else "profile"
 
 
-def draw_figure(points: list[Point]) -> None:
+def draw_figure(points: list[AreaComparison]) -> None:
     figure = Figure(figsize=(6.7, 3.6), dpi=200, layout="constrained")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     groups = {

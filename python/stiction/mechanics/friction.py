@@ -80,7 +80,7 @@ Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 
 MAX_BULK_SHEAR_EFFECT = 0.05
 """Largest reduction of the friction force by shear of the softer body that is neglected, as a fraction of the force."""
 
-SMALLEST_TABULATED_MEAN, NUM_TABULATED_VALUES = 0.005, 256
+MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
 """Table of `_fraction_below`: smallest mean pressure as a fraction of the largest, and number of values along each
 axis.
 """
@@ -285,7 +285,7 @@ def _fraction_below(limit: Any, mean: Any) -> Floats:
     limit, mean = np.broadcast_arrays(limit, mean)
     fraction, is_limited = np.ones(limit.shape), ~(limit >= 1)
     limit, mean = limit[is_limited], mean[is_limited]
-    positions = (mean - SMALLEST_TABULATED_MEAN) / (1 - SMALLEST_TABULATED_MEAN), limit / (limit + mean)
+    positions = (mean - MIN_TABULATED_MEAN_PRESSURE) / (1 - MIN_TABULATED_MEAN_PRESSURE), limit / (limit + mean)
     indices = [position * (size - 1) for position, size in zip(positions, table.shape, strict=True)]
     fraction[is_limited] = map_coordinates(table, indices, order=1, mode="nearest")
     return fraction
@@ -300,7 +300,7 @@ def _tabulate_fractions_below() -> Floats:
     """
     from scipy.special import gamma, gammainc
 
-    means = np.linspace(SMALLEST_TABULATED_MEAN, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
+    means = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
     means = np.minimum(means, 0.9999)  # a mean of 1 would give the rate 0, whose logarithm is not finite
     shape = 1.5 - 0.65 * means
     low, high = np.full_like(means, -12.0), np.full_like(means, 12.0)

@@ -17,13 +17,13 @@ from stiction.surfaces.height_step import find_height_step
 if TYPE_CHECKING:
     from stiction.surfaces.surface import AnyBody
 
-MIN_OUTLIER_DEVIATIONS = 6.0
+MIN_OUTLIER_SIGMAS = 6.0
 """Smallest deviation of an outlier from its neighbours, in robust standard deviations.
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
 # smallest deviation of an outlier from its neighbours, in median absolute deviations
-_MIN_OUTLIER_RATIO = MIN_OUTLIER_DEVIATIONS * 1.4826
+_MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
 
 # Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
@@ -136,14 +136,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
     from scipy.ndimage import label, maximum_filter
 
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
-    typical_deviations: list[_TypicalDeviations] = []
+    typical_deviations: list[_NeighbourDeviations] = []
     step = find_height_step(heights) if height_step is None else height_step
     for _ in range(_MAX_OUTLIER_PASSES):
         mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
         if not typical_deviations:
             typical_deviations = [
-                _find_typical_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), heights, step),
-                _find_typical_deviations(line_deviations, is_measured, at_edge, heights, step),
+                _find_neighbour_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), heights, step),
+                _find_neighbour_deviations(line_deviations, is_measured, at_edge, heights, step),
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
@@ -173,7 +173,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 
 @dataclass(frozen=True, eq=False)
-class _TypicalDeviations:
+class _NeighbourDeviations:
     """Median deviations of a scan's points from their neighbours, and each deviation relative to its median.
 
     The medians differ between edge points and other points.
@@ -198,9 +198,9 @@ class _TypicalDeviations:
         return np.asarray(self.of_scan[points] * np.maximum(local_medians, 1.0))
 
 
-def _find_typical_deviations(
+def _find_neighbour_deviations(
     distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
-) -> _TypicalDeviations:
+) -> _NeighbourDeviations:
     """Find the median deviation of edge points, and the median deviation of all other points.
 
     `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
@@ -230,7 +230,7 @@ def _find_typical_deviations(
                 typical_values[group_mask & near_rough_region] = max(float(np.median(rough_values)), typical_value)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
-    return _TypicalDeviations(typical_values, ratio)
+    return _NeighbourDeviations(typical_values, ratio)
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:

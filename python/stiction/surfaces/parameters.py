@@ -174,7 +174,7 @@ ROUGHNESS_PARAMETERS = {
 
 
 @dataclass(frozen=True, repr=False)
-class ParameterSet(TextReprMixin):
+class RoughnessParameterSet(TextReprMixin):
     """Set of roughness parameters, whose numbers are available as attributes.
 
     Attributes

@@ -357,12 +357,12 @@ def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float,
         np.gradient(lower_part.heights, spacing, axis=axis)[measured] for axis, spacing in enumerate(lower.spacings)
     ]
     distances = np.meshgrid(*_measure_distances(lower_part), indexing="ij")
-    planes = [np.ones(slopes[0].shape), *(along[measured] for along in distances)]
+    plane_terms = [np.ones(slopes[0].shape), *(along[measured] for along in distances)]
     changes = [-slope for slope in slopes]
     if isinstance(upper, Surface):
-        changes.append(slopes[1] * planes[1] - slopes[0] * planes[2])
+        changes.append(slopes[1] * plane_terms[1] - slopes[0] * plane_terms[2])
     gap = (upper_part.heights - lower_part.heights)[measured]
-    columns = [*changes, *planes]
+    columns = [*changes, *plane_terms]
     norms = [float(np.linalg.norm(column)) or 1.0 for column in columns]
     matrix = np.array([[np.vdot(a, b) for b in columns] for a in columns]) / np.outer(norms, norms)
     moments = np.array([np.vdot(column, gap) for column in columns]) / norms

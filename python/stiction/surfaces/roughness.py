@@ -17,7 +17,12 @@ from stiction.surfaces.material_ratio import (
     heights_at_material_ratios,
     material_volumes,
 )
-from stiction.surfaces.parameters import NOT_LEVELLED_VALUE, PROFILE_PARAMETERS, SURFACE_PARAMETERS, ParameterSet
+from stiction.surfaces.parameters import (
+    NOT_LEVELLED_VALUE,
+    PROFILE_PARAMETERS,
+    SURFACE_PARAMETERS,
+    RoughnessParameterSet,
+)
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
@@ -36,7 +41,7 @@ def describe_levelling(history: tuple[str, ...]) -> str:
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 
 
-class RoughnessParameters(ParameterSet):
+class RoughnessParameters(RoughnessParameterSet):
     """Parameters of a primary profile about its mean, named as in ISO 21920-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
@@ -131,7 +136,7 @@ def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivativ
     }  # fmt: skip
 
 
-class SurfaceParameters(ParameterSet):
+class SurfaceParameters(RoughnessParameterSet):
     """Parameters of a surface about its mean plane, named as in ISO 25178-2.
 
     The reference page on roughness parameters lists the names, formulas and units.

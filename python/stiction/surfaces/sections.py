@@ -14,7 +14,7 @@ from stiction._repr import format_with_unit
 from stiction._units import short_repr
 from stiction.surfaces.filters import gaussian_low_pass, robust_gaussian_low_pass
 from stiction.surfaces.material_ratio import core_parameters, heights_at_material_ratios
-from stiction.surfaces.parameters import PROFILE_PARAMETERS, ParameterSet
+from stiction.surfaces.parameters import PROFILE_PARAMETERS, RoughnessParameterSet
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.profile_elements import mean_profile_element
 from stiction.surfaces.roughness import (
@@ -102,7 +102,7 @@ class SectionFilters:
 
 
 @dataclass(frozen=True, repr=False)
-class SectionParameters(ParameterSet):
+class SectionParameters(RoughnessParameterSet):
     """Parameters of the roughness profile (R) and the waviness profile (W) of ISO 21920-2.
 
     The reference page on roughness parameters lists the names, formulas and units.

@@ -17,7 +17,7 @@ from stiction.summary.assessment import Caveat
 from stiction.summary.characterisation import ASSUMED_MU0, Characterisation
 from stiction.summary.input_caveats import INSTRUMENT_LIMIT_REASON_TEXTS
 from stiction.surfaces.lines import LineRoughness
-from stiction.surfaces.missing_data import MIN_OUTLIER_DEVIATIONS
+from stiction.surfaces.missing_data import MIN_OUTLIER_SIGMAS
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, ROUGHNESS_PARAMETERS, ParameterDefinition
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import InstrumentLimit
@@ -391,7 +391,7 @@ def find_outlier_caveats(
 
 def _describe_outliers(count: int) -> str:
     points_text = f"{count} points" if count > 1 else "1 point"
-    return f"{points_text} more than {MIN_OUTLIER_DEVIATIONS:g} robust standard deviations from the neighbours"
+    return f"{points_text} more than {MIN_OUTLIER_SIGMAS:g} robust standard deviations from the neighbours"
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:

@@ -24,7 +24,7 @@ from stiction.surfaces.measured.raw import (
 )
 from stiction.surfaces.measured.shapes import MAX_STEP_UNEVENNESS, NameOrIndex
 from stiction.surfaces.missing_data import (
-    MIN_OUTLIER_DEVIATIONS,
+    MIN_OUTLIER_SIGMAS,
     describe_missing_points,
     find_outliers,
     interpolate_missing_points,
@@ -645,8 +645,7 @@ def _crop_and_fill_gaps(
         missing = "mask" if missing == "error" else missing
         is_gap, heights = is_gap | outlier_mask, np.where(outlier_mask, np.nan, heights)
         steps.append(
-            f"{int(outlier_mask.sum())} outliers beyond {MIN_OUTLIER_DEVIATIONS:g} deviations of their neighbours "
-            "removed"
+            f"{int(outlier_mask.sum())} outliers beyond {MIN_OUTLIER_SIGMAS:g} deviations of their neighbours removed"
         )
     if heights.ndim == 1 and (is_gap[0] or is_gap[-1]):
         measured = np.flatnonzero(~is_gap)

@@ -17,7 +17,7 @@ from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
 MIN_GRID_POINTS = 9  # minimum number of points in a list of points with grid coordinates in two columns
 # maximum number of grid nodes per point in a list of points with grid coordinates in two columns
-MAX_NODES_PER_GRID_POINT = 2
+MAX_GRID_NODES_PER_LISTED_POINT = 2
 # maximum number of columns in a list of points, such as coordinates, colours, intensity and normal
 MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12  # minimum number of rows of a table that may be a list of points
@@ -113,7 +113,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     for first, second in itertools.combinations(positions, 2):
         (x_count, x_index), (y_count, y_index) = positions[first], positions[second]
         nodes = x_count * y_count
-        if nodes > MAX_NODES_PER_GRID_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
+        if nodes > MAX_GRID_NODES_PER_LISTED_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
             continue
         steps = (np.diff(values[:, place]) for place in (first, second))
         if any((step >= 0).all() or (step <= 0).all() for step in steps) or (

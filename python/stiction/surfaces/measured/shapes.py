@@ -70,10 +70,10 @@ _NUMBERING_NAME_PATTERN = re.compile(
     r"(?:points?|samples?|punkt|pos(?:ition)?)[ _-]?(?:no|nr|number|index)\.?",
     re.IGNORECASE,
 )
-_VALID_NAME_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
-_INVALID_NAME_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
+_VALIDITY_COLUMN_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
+_INVALIDITY_COLUMN_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # Matches names of columns of flags, which do not show whether 1 means valid or invalid.
-_FLAG_NAME_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_FLAG_COLUMN_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # matches a multiple of a unit, such as "10 nm" but not "1 nm"
 _NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
 _RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
@@ -483,7 +483,7 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
         flags = table.values[:, place]
         flag_meanings = [
             pattern.fullmatch(name.strip()) is not None
-            for pattern in (_VALID_NAME_PATTERN, _INVALID_NAME_PATTERN, _FLAG_NAME_PATTERN)
+            for pattern in (_VALIDITY_COLUMN_PATTERN, _INVALIDITY_COLUMN_PATTERN, _FLAG_COLUMN_PATTERN)
         ]
         if table.values.shape[1] < 2 or not any(flag_meanings) or not np.isin(flags, (0.0, 1.0)).all():
             continue

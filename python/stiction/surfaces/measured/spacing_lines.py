@@ -182,7 +182,9 @@ def _parse_spacing_line(
         # the axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um"
         return UnclearSpacing(line.strip())
     if match is None:
-        has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _unit_or_none(start[2] or bracket)
+        has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _parse_optional_unit(
+            start[2] or bracket
+        )
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     items = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
     if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
@@ -218,7 +220,7 @@ def _parse_spacing_line(
     return (parsed_lengths[0], parsed_lengths[0]) if is_pixel and not axes[0] else parsed_lengths[0]
 
 
-def _unit_or_none(unit: str | None) -> str | None:
+def _parse_optional_unit(unit: str | None) -> str | None:
     return None if unit is None else parse_length_unit(unit)
 
 
