@@ -39,12 +39,12 @@ def shear(face, **options):
     return shear_test(create_mate(face), face, level="none", **FULL_FIT | options)
 
 
-def integrate_work(test):
+def integrate_work(result):
     """Return the work of the tangential load, of dilation and of elastic deformation since the second step, in nJ."""
-    force = (test.shear_stress * test.overlap_area).values[1:]
-    work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(test.displacement.values[1:]))
-    dilation, energy = (float(test[name][-1] - test[name][1]) for name in ("dilation", "elastic_energy"))
-    return work, float(test.normal_load[0]) * dilation, energy
+    force = (result.shear_stress * result.overlap_area).values[1:]
+    work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(result.displacement.values[1:]))
+    dilation, energy = (float(result[name][-1] - result[name][1]) for name in ("dilation", "elastic_energy"))
+    return work, float(result.normal_load[0]) * dilation, energy
 
 
 # ---- Sawtooth --------------------------------------------------------------------------------------------------------
@@ -53,37 +53,37 @@ def integrate_work(test):
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("mu0", [0.0, 0.5])
 def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
-    test = shear(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
+    result = shear(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
     exact = math.tan(math.atan(mu0) + ANGLE)
-    assert test.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
-    np.testing.assert_allclose(test.friction_coefficient[1:], exact, rtol=0.01)
-    np.testing.assert_allclose(test.dilation[1:], math.tan(ANGLE) * test.displacement[1:], rtol=0.01)
-    assert test.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
+    assert result.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
+    np.testing.assert_allclose(result.friction_coefficient[1:], exact, rtol=0.01)
+    np.testing.assert_allclose(result.dilation[1:], math.tan(ANGLE) * result.displacement[1:], rtol=0.01)
+    assert result.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
 
 
 def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
-    test = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
-    assert test.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
+    result = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
+    assert result.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
     smooth = shear(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert smooth.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
 
 
 def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
-    test = shear(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
-    assert test.status.values[-1] == "downhill"
-    assert np.isnan(test.friction_coefficient[-1])
-    assert np.isnan(test.attrs["end"])
-    assert test.shear_stress[-1] < 0
-    assert test.attrs["peak"] > 0.2
+    result = shear(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
+    assert result.status.values[-1] == "downhill"
+    assert np.isnan(result.friction_coefficient[-1])
+    assert np.isnan(result.attrs["end"])
+    assert result.shear_stress[-1] < 0
+    assert result.attrs["peak"] > 0.2
 
 
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
     steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth of 45 degrees
-    test = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
-    assert list(test.status.values) == ["ok", "self-locked", "self-locked"]
-    assert test.attrs["peak_status"] == "self-locked"
-    assert np.isnan(test.attrs["peak"])
+    result = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
+    assert list(result.status.values) == ["ok", "self-locked", "self-locked"]
+    assert result.attrs["peak_status"] == "self-locked"
+    assert np.isnan(result.attrs["peak"])
 
 
 # ---- Energy ----------------------------------------------------------------------------------------------------------
@@ -91,25 +91,27 @@ def test_sawtooth_faces_with_steep_teeth_lock():
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
-    test = shear(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
-    work, dilation_work, energy = integrate_work(test)
+    result = shear(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
+    work, dilation_work, energy = integrate_work(result)
     assert work > 0
     assert work == pytest.approx(dilation_work + energy, rel=0.01)
 
 
 @pytest.mark.parametrize("angle", [0, 90, 225])
 def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
-    test = shear(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
-    work, dilation_work, energy = integrate_work(test)
-    assert work == pytest.approx(dilation_work + energy, abs=0.01 * float(test.normal_load[0] * test.dilation.max()))
+    result = shear(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
+    work, dilation_work, energy = integrate_work(result)
+    assert work == pytest.approx(
+        dilation_work + energy, abs=0.01 * float(result.normal_load[0] * result.dilation.max())
+    )
 
 
 def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
     x = np.linspace(-1, 1, 401)
     bowl = Profile(4 * x**2, spacing=0.25)  # the ends of the upper face touch first
-    test = shear(bowl, path="30 um", steps=60, mu0=0)
-    assert test.load_fraction_at_edges[-1] > 0.3
-    work, dilation_work, energy = integrate_work(test)
+    result = shear(bowl, path="30 um", steps=60, mu0=0)
+    assert result.load_fraction_at_edges[-1] > 0.3
+    work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(dilation_work + energy, rel=0.03)
 
 
@@ -117,12 +119,12 @@ def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
 
 
 def test_faces_that_fit_perfectly_start_in_complete_contact():
-    test = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
-    assert test.contact_area_fraction[0] == pytest.approx(1.0)
+    result = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
+    assert result.contact_area_fraction[0] == pytest.approx(1.0)
     # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
-    assert test.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)
-    assert test.dilation[0] == 0
-    assert test.contact_area_fraction[1] < 0.2
+    assert result.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)
+    assert result.dilation[0] == 0
+    assert result.contact_area_fraction[1] < 0.2
 
 
 def test_mirrored_faces_have_the_same_shear_curve_in_the_opposite_direction():
@@ -150,30 +152,30 @@ def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
 
 
 def test_normal_load_of_a_shear_test_is_constant_although_friction_has_a_vertical_part():
-    test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
-    np.testing.assert_allclose(test.normal_load, 1000.0, rtol=1.1e-4)
+    result = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
+    np.testing.assert_allclose(result.normal_load, 1000.0, rtol=1.1e-4)
     np.testing.assert_allclose(
-        test.friction_coefficient, test.shear_stress * test.overlap_area / test.normal_load, rtol=1e-12
+        result.friction_coefficient, result.shear_stress * result.overlap_area / result.normal_load, rtol=1e-12
     )
 
 
 def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation():
-    test = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
-    area = float(test.overlap_area[0])
-    np.testing.assert_allclose(test.normal_load, 1000.0 + 5e-5 * area * test.dilation, rtol=1e-4)
-    assert test.normal_load[-1] > 1.2 * test.normal_load[0]
+    result = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
+    area = float(result.overlap_area[0])
+    np.testing.assert_allclose(result.normal_load, 1000.0 + 5e-5 * area * result.dilation, rtol=1e-4)
+    assert result.normal_load[-1] > 1.2 * result.normal_load[0]
 
 
 def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
     x = 2 * np.pi * np.arange(256) / 256
     wave = Profile(5 * np.cos(x), spacing=1.0)
     opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # crests stand on crests at the start
-    test = shear_test(
+    result = shear_test(
         opposite, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
         **FULL_FIT,
     )  # fmt: skip
-    assert test.status.values[-1] == "no-contact"
-    assert np.isnan(test.friction_coefficient[-1])
+    assert result.status.values[-1] == "no-contact"
+    assert np.isnan(result.friction_coefficient[-1])
 
 
 def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements():
@@ -181,22 +183,22 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
     ramp = Profile(np.clip(1.2 * (x - 60), 0, 120), spacing=1.0)  # this ramp locks if mu0 exceeds 0.83
     pin = Profile(80 * np.exp(-(((x - 100) / 20) ** 2)), spacing=1.0)
     options = {"path": "100 um", "steps": 5, "mu0": 1.5, "level": "none", "load": "1 kPa", "effective_modulus": 30.0}
-    test = shear_test(pin, ramp, **options)
-    assert test.status[0] == "self-locked"
-    assert test.status[-1] == "ok"
+    result = shear_test(pin, ramp, **options)
+    assert result.status[0] == "self-locked"
+    assert result.status[-1] == "ok"
     stiff_test = shear_test(pin, ramp, normal_stiffness="1 kPa/mm", **options)
     assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
 
 
 def test_faces_that_fit_perfectly_start_without_force_if_friction_is_zero():
-    test = shear(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
-    assert test.friction_coefficient[0] == 0
-    assert test.status[0] == "ok"
+    result = shear(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
+    assert result.friction_coefficient[0] == 0
+    assert result.status[0] == "ok"
 
 
 def test_shear_test_has_at_most_one_step_per_grid_point():
-    test = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
-    np.testing.assert_allclose(np.diff(test.displacement), 100 / 2048)
+    result = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
+    np.testing.assert_allclose(np.diff(result.displacement), 100 / 2048)
 
 
 def test_hardness_limits_the_peak_and_the_dilation_of_a_sawtooth():
@@ -220,51 +222,51 @@ def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
 
 def test_shear_interval_lies_between_curves_at_the_limits_of_mu0_and_tau0():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
-    test = shear(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
+    result = shear(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
     ends = [shear(create_rough_map(), mu0=mu0, tau0=tau0, **options) for mu0, tau0 in ((0.5, 0), (0.7, "1 MPa"))]
-    lower, upper = test.friction_coefficient_interval.values
-    assert (lower < test.friction_coefficient).all()
-    assert (upper > test.friction_coefficient).all()
+    lower, upper = result.friction_coefficient_interval.values
+    assert (lower < result.friction_coefficient).all()
+    assert (upper > result.friction_coefficient).all()
     assert (lower > ends[0].friction_coefficient - 1e-3).all()
     assert (upper < ends[1].friction_coefficient + 1e-3).all()
-    assert test.attrs["peak_lower"] < test.attrs["peak"] < test.attrs["peak_upper"]
-    assert test.attrs["end_lower"] < test.attrs["end"] < test.attrs["end_upper"]
+    assert result.attrs["peak_lower"] < result.attrs["peak"] < result.attrs["peak_upper"]
+    assert result.attrs["end_lower"] < result.attrs["end"] < result.attrs["end_upper"]
 
 
 def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock():
     # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
     x = np.arange(400) / 200
     teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
-    test = shear(teeth, path="20 um", steps=2, mu0="uniform 0.2..1.3", boundary="periodic", effective_modulus=1e4)
-    lower, upper = test.friction_coefficient_interval.values[:, 1]
+    result = shear(teeth, path="20 um", steps=2, mu0="uniform 0.2..1.3", boundary="periodic", effective_modulus=1e4)
+    lower, upper = result.friction_coefficient_interval.values[:, 1]
     assert 1 < lower < 2
     assert upper == np.inf
-    assert test.attrs["peak_upper"] == np.inf
+    assert result.attrs["peak_upper"] == np.inf
 
 
 def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
-    test = shear(create_rough_map(), hardness="50..400 MPa", **options)
+    result = shear(create_rough_map(), hardness="50..400 MPa", **options)
     soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
     for name in ("peak", "end", "peak_shear_stress_GPa"):
-        assert test.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
-        assert test.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
-    np.testing.assert_allclose(test.dilation_interval[0], soft.dilation, rtol=0.01, atol=1e-3)
+        assert result.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
+        assert result.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
+    np.testing.assert_allclose(result.dilation_interval[0], soft.dilation, rtol=0.01, atol=1e-3)
     angles = sorted(each.attrs["peak_dilation_angle_deg"] for each in (soft, hard))
-    assert test.attrs["peak_dilation_angle_deg_lower"] == pytest.approx(angles[0], abs=0.3)
-    assert test.attrs["peak_dilation_angle_deg_upper"] == pytest.approx(angles[1], abs=0.3)
-    assert test.attrs["uncertain_inputs"] == "the hardness"
+    assert result.attrs["peak_dilation_angle_deg_lower"] == pytest.approx(angles[0], abs=0.3)
+    assert result.attrs["peak_dilation_angle_deg_upper"] == pytest.approx(angles[1], abs=0.3)
+    assert result.attrs["uncertain_inputs"] == "the hardness"
 
 
 def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
-    test = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
+    result = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
     low, high = (
         float(shear(create_rough_map(), young=young, boundary="periodic", **options).friction_coefficient[1])
         for young in ("10 GPa", "40 GPa")
     )
-    lower, upper = test.friction_coefficient_interval.values[:, 1]
-    assert low < lower < float(test.friction_coefficient[1]) < upper < high
+    lower, upper = result.friction_coefficient_interval.values[:, 1]
+    assert low < lower < float(result.friction_coefficient[1]) < upper < high
 
 
 def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements():
@@ -295,9 +297,9 @@ def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_h
     steep = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}
     assert shear(steep, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
-    test = shear(steep, hardness="10..1000 MPa", **options)
-    assert test.attrs["peak_upper"] == np.inf
-    assert test.attrs["peak_lower"] < test.attrs["peak"] < np.inf
+    result = shear(steep, hardness="10..1000 MPa", **options)
+    assert result.attrs["peak_upper"] == np.inf
+    assert result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
 
 
 def test_shear_test_accepts_materials_and_interfaces_like_pair():
@@ -319,19 +321,19 @@ def test_shear_test_accepts_materials_and_interfaces_like_pair():
 
 
 def test_interval_of_the_peak_displacement_includes_neighbouring_displacements():
-    test = shear(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
-    peak = int(np.argmax(test.friction_coefficient.values))
-    lower, upper = (test.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
-    assert lower <= float(test.displacement[peak - 1])
-    assert upper >= float(test.displacement[peak + 1])
+    result = shear(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
+    peak = int(np.argmax(result.friction_coefficient.values))
+    lower, upper = (result.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
+    assert lower <= float(result.displacement[peak - 1])
+    assert upper >= float(result.displacement[peak + 1])
 
 
 def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
     options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
-    test = shear(create_rough_map(), hardness="200 MPa", **options)
-    assert test.attrs["peak_lower"] < test.attrs["peak_upper"]
-    assert "peak_dilation_angle_deg_lower" not in test.attrs
-    assert headline_estimates(test)["dilation_angle_at_peak"].kind == ""
+    result = shear(create_rough_map(), hardness="200 MPa", **options)
+    assert result.attrs["peak_lower"] < result.attrs["peak_upper"]
+    assert "peak_dilation_angle_deg_lower" not in result.attrs
+    assert headline_estimates(result)["dilation_angle_at_peak"].kind == ""
     by_hardness = shear(create_rough_map(), hardness="100..400 MPa", **options)
     assert by_hardness.attrs["peak_dilation_angle_deg_lower"] < by_hardness.attrs["peak_dilation_angle_deg_upper"]
 
@@ -342,18 +344,18 @@ def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
 @pytest.mark.usefixtures("all_input_samples")
 def test_scatter_between_strips_equals_scatter_between_separate_shear_tests():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
-    test = shear(face, **options)
+    result = shear(face, **options)
     strips = [
         shear(Surface(face.heights[first : first + 32], spacing=face.spacing), strips=0, **options)
         for first in range(0, 128, 32)
     ]
-    assert test.attrs["strips"] == 4
+    assert result.attrs["strips"] == 4
     assert all(each.attrs["strips"] == 0 for each in strips)
     for name in ("peak", "end", "peak_dilation_angle_deg"):
         error = np.std([each.attrs[name] for each in strips], ddof=1) / 2
         for end, sign in (("lower", -1), ("upper", 1)):
-            limit = test.attrs[name] + sign * 3.182 * error  # Student's t with three degrees of freedom
-            assert test.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
+            limit = result.attrs[name] + sign * 3.182 * error  # Student's t with three degrees of freedom
+            assert result.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
 
 
 def test_strips_of_a_shear_test_lie_along_the_motion():
@@ -452,10 +454,10 @@ def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
     missing = np.zeros(face.heights.shape, bool)
     missing[:8, :8] = True
     holed = Surface(face.heights, spacing=face.spacing, missing=missing)
-    test = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **FULL_FIT)
-    assert (test.status == "ok").all()
-    assert test.contact_area_fraction[0] == pytest.approx(1, abs=1e-3)
-    assert test.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
+    result = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **FULL_FIT)
+    assert (result.status == "ok").all()
+    assert result.contact_area_fraction[0] == pytest.approx(1, abs=1e-3)
+    assert result.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
 
 
 # ---- Registration ----------------------------------------------------------------------------------------------------
