@@ -212,7 +212,7 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_interval_between_height_factors_contains_the_solution_for_few_contacts():
+def test_interval_at_an_interpolated_height_factor_contains_the_solution_for_few_contacts():
     bodies = [
         self_affine_surface(
             30, side=side, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.4

@@ -81,7 +81,7 @@ def test_error_in_a_forked_process_is_raised_in_its_parent():
     assert run_script(script) == ["reason"]
 
 
-def test_forked_process_ends_if_its_value_is_not_used():
+def test_forked_process_ends_if_its_result_is_not_requested():
     script = """
         import multiprocessing
         start = time.monotonic()

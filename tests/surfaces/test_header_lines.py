@@ -257,7 +257,7 @@ def test_unit_option_does_not_replace_a_column_unit_without_brackets(read_text, 
 @pytest.mark.parametrize(
     "names", ["X_my;Z_my", "x pollici;z pollici", "X_10nm;Z_10nm", "Position, \\mum;Height, \\mum"]
 )
-def test_unit_option_does_not_replace_an_unknown_unit_of_all_columns(read_text, names):
+def test_unit_option_does_not_replace_an_unknown_header_unit_that_applies_to_all_columns(read_text, names):
     assert "which is not a supported unit of length" in error_message(read_text, f"{names}\n{ROWS}", unit="um")
 
 

@@ -108,7 +108,7 @@ def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, 
         assert {each.kind for each in percentiles} == {"prediction"}
 
 
-def test_tangential_stiffness_of_grooves_is_the_normal_stiffness_while_unloading(table):
+def test_tangential_stiffness_of_grooves_equals_the_normal_unloading_stiffness(table):
     for row in table.rows:
         unloading = row.estimates["unloading_closure_stiffness"].value
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
