@@ -247,7 +247,7 @@ def render_coarser_cutoff_rows(rows):
         f"| elastic: mean pressure (GPa) | {format_means('elastic', 'pressure', 1, 1)} |",
         f"| elastic: μ_s, friction at all contacts | {format_means('elastic', 'all')} |",
         f"| H = 4 GPa: A/A0 (%), F/H is {100 * rows[0]['limit'][0]:.3f} | {format_means('plastic', 'area', 100)} |",
-        f"| H = 4 GPa: fraction of the load at the hardness | {format_means('plastic', 'capped', 1, 2)} |",
+        f"| H = 4 GPa: fraction of the load on yielded points | {format_means('plastic', 'capped', 1, 2)} |",
         f"| H = 4 GPa: μ_s, friction at all contacts; limit {rows[0]['limit'][1]:.3f} "
         f"| {format_means('plastic', 'all')} |",
         f"| H = 4 GPa: μ_s, friction at opposing contacts | {format_means('plastic', 'opposing')} |",
