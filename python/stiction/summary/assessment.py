@@ -326,7 +326,7 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats about one point of a result, which depend on its numbers and its status."""
+    """Yield caveats that depend on the numbers and the status of one point of a result."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -366,7 +366,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the smallest limit of a number in the checks of contacts, or None without such a check."""
+    """Return the smallest limit of a number in the checks of contacts, or None if no check has a limit for it."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
@@ -611,7 +611,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if soft bodies may slide at a lower coefficient, because their contacts lose area under shear."""
+    """Yield a caveat if the coefficient of soft bodies may be lower, because contacts lose area under shear."""
     contact = study.contact
     is_soft = contact.hardness is None and effective_modulus_at(point, study) < MAX_RUBBER_MODULUS
     if not (study.is_measured and is_soft) or contact.area_loss is not None:
@@ -836,7 +836,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return true area divided by nominal area, or NaN for generated profiles, which have no nominal area."""
+    """Return true area divided by nominal area, or NaN for generated profiles without a nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

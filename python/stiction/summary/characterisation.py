@@ -158,7 +158,7 @@ class Characterisation:
 
     @cached_property
     def power_law_fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, however well it fits, or None without a suitable band."""
+        """Power law fitted to the spectrum, however poor the fit, or None if no wavelength band is suitable."""
         try:
             return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -168,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def power_law_misfit(self) -> float:
-        """Rms factor between spectrum and fitted power law, or NaN without a power law."""
+        """Rms factor between spectrum and fitted power law, or NaN if there is no power law."""
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
@@ -194,7 +194,7 @@ class Characterisation:
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, limited by pixels, noise and tip, or None without a tip radius."""
+        """Shortest reliable wavelength, limited by pixels, noise and tip, or None if the tip radius is unknown."""
         return self.defects.limit_with_tip
 
     @cached_property

@@ -138,7 +138,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the measured bodies, which apply at all loads.
+        """Caveats about the measured bodies. They apply at all loads.
 
         The files are read on first use.
         """

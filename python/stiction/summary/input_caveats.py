@@ -247,7 +247,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without numbers, which is equal for caveats of one kind."""
+    """Return the text of a caveat without numbers. Caveats of one kind have the same text."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 

@@ -228,7 +228,7 @@ QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity, which depends on its numbers."""
+    """Return whether a report shows a quantity, given the numbers of the quantity."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 
@@ -307,7 +307,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, with or without intervals, for all points."""
+    """Return the means of a quantity, which may have intervals, for all points."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )

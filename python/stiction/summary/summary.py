@@ -227,7 +227,7 @@ class PointSummary:
 
     @property
     def kappa(self) -> float:
-        """Area coefficient κ = A E* h'/F, or NaN without a root-mean-square gradient."""
+        """Area coefficient κ = A E* h'/F, or NaN if the rms gradient is unknown."""
         if "rms_gradient" not in self.quantities:
             return math.nan
         return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
@@ -264,7 +264,7 @@ class PointSummary:
 
     @property
     def ageing(self) -> float:
-        """Increase of the coefficient per increase of ln(dwell time), or NaN without dwell times."""
+        """Increase of the coefficient per increase of ln(dwell time), or NaN if the study has no dwell times."""
         if not self.after_dwell or self.after_dwell[-1].seconds == 1:
             return math.nan
         longest_wait = self.after_dwell[-1]
@@ -319,7 +319,7 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution, or None for generated surfaces or missing files."""
+        """Effect of the scan resolution, or None if surfaces are generated or files are missing."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
@@ -347,7 +347,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Points to quote, without the points at a second cutoff, which the intervals cover."""
+        """Points to quote. Points at a second cutoff are omitted, because the intervals cover them."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -606,12 +606,12 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along one dimension of a dataset, or an empty dict without this dimension."""
+    """Return the coefficients along one dimension of a dataset, or {} if the dataset lacks this dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None without an interval."""
+    """Return the 95 % interval of a quantity, or None if it has no interval."""
     if name not in table:
         return None
     estimate = read_estimate(table[name])

@@ -82,7 +82,7 @@ def _caveat_lines(caveats: Sequence[Caveat]) -> str:
 
 
 def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return a joined spectrum with caveats as fields of a JSON record, with lengths in µm."""
+    """Return a joined spectrum and its caveats as fields of a JSON record. Lengths are in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -236,7 +236,7 @@ def usable_wavelength_text(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return the comparison of two scans with caveats as fields of a JSON record, with lengths in µm."""
+    """Return the comparison of two scans and its caveats as fields of a JSON record. Lengths are in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,

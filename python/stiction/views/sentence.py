@@ -94,7 +94,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a phrase about the inputs that the 95 % interval covers, or "" without an interval."""
+    """Return a phrase about the inputs that the 95 % interval covers, or "" if there is no interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
@@ -278,7 +278,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are
 
 
 def lay_assumption(study: Study) -> str:
-    """Return text about the assumed lay and width of measured profiles, or "" for other surfaces."""
+    """Return text about the assumed lay of measured profiles and surrogates, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -302,7 +302,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions at a point, which the sentence to quote includes."""
+    """Return all assumptions at a point, for the sentence to quote."""
     study = point.study
     if not study.is_measured:
         return ()
@@ -336,7 +336,7 @@ def _scan_count_text(study: Study) -> str:
 
 
 def small_slope_estimate_text(point: PointSummary) -> str:
-    """Return a sentence with the small-slope estimate, and why it may not apply; "" without an estimate."""
+    """Return a sentence with the small-slope estimate and why it may not apply, or "" if there is no estimate."""
     study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
@@ -409,7 +409,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return text about friction after dwell times, or "" without dwell times."""
+    """Return text about friction after dwell times, or "" if the study has none."""
     estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"

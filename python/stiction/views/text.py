@@ -310,7 +310,7 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" for a single cell."""
+    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
@@ -433,7 +433,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Return a coefficient with its interval, or with "no interval"."""
+    """Return a coefficient with its interval, or with the words "no interval"."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 

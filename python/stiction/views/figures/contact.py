@@ -106,7 +106,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
-    """Return the heading of a figure of forces: title, number of contacts, approach and, if known, load and shift."""
+    """Return the heading of a figure of forces: title, number of contacts, approach, and any load and shift."""
     attributes, num_contacts = forces.attrs, forces.sizes["contact"]
     contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
     load_captions = []

@@ -162,7 +162,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
 
 
 def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: bool) -> None:
-    """Format the axis for the fractal dimension, which has a label below the last row of panels."""
+    """Format the axis of the fractal dimension. Only the last row of panels gets a label."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         is_classical = points["fractal_dimension"].attrs.get("convention") == "classical"

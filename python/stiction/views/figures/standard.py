@@ -129,7 +129,7 @@ def select_figures(
 
 
 def format_print_title(pair_name: str) -> str:
-    """Return the names of a pair for print: file names without extension, with spaces for underscores."""
+    """Return the names of a pair for print: file names without extensions, and spaces instead of underscores."""
     return literal_text(re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " "))
 
 

@@ -33,7 +33,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class HtmlPage:
-    """HTML page: title, lines below it, main part, scripts, and the version of the result."""
+    """HTML page: title, subtitle lines, main part, scripts, and the version that computed the result."""
 
     name: str
     head: list[str]

@@ -213,7 +213,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return notices about missing and unsolved members as HTML, or "" for a complete result."""
+    """Return notices about missing and unsolved members as HTML, or "" if the result is complete."""
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(
