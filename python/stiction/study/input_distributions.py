@@ -217,7 +217,7 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness in HRC, which the error of its conversion widens."""
+    """Return the distribution of a hardness in HRC, widened by the error of the unit conversion."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -501,7 +501,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 as a tuple: one number, which may be uncertain, or several exact numbers."""
+    """Parse mu0 or tau0 as a tuple: either one number, possibly uncertain, or several exact numbers."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -110,7 +110,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Return inputs with given central values, which include E*, without a study.
+        """Return inputs that belong to no study, with given central values, which must include E*.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -128,7 +128,7 @@ class Inputs:
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0, or None without an interface, or if its file is missing or changed."""
+        """Joint distribution of mu0 and tau0, or None if there is no interface, or its file is missing or changed."""
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
@@ -212,5 +212,5 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the interface of a study, or None without an interface, or if its file is missing or changed."""
+    """Return the interface of a study, or None if there is no interface, or its file is missing or changed."""
     return Inputs.from_study(study).strength

@@ -370,7 +370,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def reading(self) -> FileReading[Any] | None:
-        """Interpretation of the scan file, such as columns and units, or None without a file."""
+        """Interpretation of the scan file, such as columns and units, or None if the body has no file."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
         return _load_reading(self._identify_content(self.checksum()))

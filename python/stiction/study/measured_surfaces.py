@@ -241,7 +241,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Words for the members in output, which may be positions and pairs of surrogates."""
+        """Words for the members in output: positions, pairs of surrogates, or both."""
         return GENERAL_MEMBER_NAMES if self.surrogates else POSITION_NAMES
 
     @property

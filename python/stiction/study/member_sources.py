@@ -29,7 +29,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: two bodies, with their shift (µm), the index of the line, and whether they are surrogates."""
+    """Member of a study: two bodies with their shift (µm), a line index, and a mark for surrogates."""
 
     pair: BodyPair
     x: float
@@ -235,7 +235,7 @@ class GapMemberSource:
     rough: Surface
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the only member, which consists of the flat and the rough face."""
+        """Return the only member: the flat face and the rough face."""
         if index > 0:
             raise ValueError(f"a gap has only member 0, got member {index}")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)

@@ -74,7 +74,7 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
 
 
 def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Generate a profile with a given fractal dimension, without scaling it to an amplitude."""
+    """Generate a profile with a given fractal dimension, but without a given amplitude."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profile_family(study, heights, np.array([dimension]), repetition, side)
@@ -104,7 +104,7 @@ def generate_profile_pairs(
 
 
 def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Generate a surface with a given fractal dimension, without scaling it to an amplitude."""
+    """Generate a surface with a given fractal dimension, but without a given amplitude."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
         longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength

@@ -31,7 +31,7 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default area loss under shear for E* (GPa), or None for bodies stiffer than rubber."""
+    """Return the default area loss under shear for E* (GPa), or None if the bodies are stiffer than rubber."""
     return ELASTOMER_AREA_LOSS if effective_modulus < MAX_RUBBER_MODULUS else None
 
 

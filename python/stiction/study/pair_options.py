@@ -165,7 +165,7 @@ class PairProperties(Protocol):
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, which were not measured."""
+        """True if at least one body has masked points, that is, points that were not measured."""
 
     @property
     def has_surrogates(self) -> bool:
@@ -349,7 +349,7 @@ def has_contact_law_for_lay(pair: PairProperties) -> bool:
 
 @make_condition("is for {law} jackson-green")
 def has_contact_law_with_yield(pair: PairProperties) -> bool:
-    """Return whether the contact law of Jackson and Green is used, which needs a yield strength."""
+    """Return whether the contact law is that of Jackson and Green, for which a yield strength is needed."""
     return pair.contact_law == JacksonGreen.name
 
 

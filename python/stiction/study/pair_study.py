@@ -264,7 +264,7 @@ class MeasuredPair:
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, which were not measured."""
+        """True if at least one body has masked points, that is, points that were not measured."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
@@ -348,7 +348,7 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Interface that defines mu0 and tau0, or None without an interface."""
+        """Interface that defines mu0 and tau0, or None if no interface is given."""
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -481,7 +481,7 @@ class MeasuredPair:
 
     @property
     def preview_study(self) -> Study | None:
-        """Study in the asperity model, which previews the pair.
+        """Study that previews the pair, in the asperity model.
 
         None if profiles or scan lines are pressed, if points are masked, or if the result itself uses the asperity
         model.
@@ -751,7 +751,7 @@ class MeasuredPair:
 
     @property
     def _yield_exponent(self) -> InputValue | None:
-        """Exponent of the area of yielding contacts, or None for contacts that do not yield."""
+        """Exponent of the area of yielding contacts, or None if the contacts do not yield."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
@@ -919,7 +919,7 @@ def _split_at_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body, given as a list, a directory, file names with commas, or one scan."""
+    """Return the scans of a body as a list, given as a list, a directory, file names with commas, or one scan."""
     if isinstance(given, (str, Path)) and "\0" in str(given):
         raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
     if isinstance(given, (list, tuple)):

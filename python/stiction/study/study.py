@@ -301,7 +301,7 @@ def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section, which validation replaces by the class that suits the surfaces."""
+    """Return an empty section. Validation replaces it by a section whose class suits the surfaces."""
     return {}
 
 
@@ -670,7 +670,7 @@ def study_names() -> list[str]:
 
 
 def read_study_description(name: str) -> str:
-    """Return a built-in study's description, which is one sentence."""
+    """Return the description of a built-in study: one sentence."""
     return (_STUDY_LIBRARY_DIRECTORY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
 
 

@@ -171,7 +171,7 @@ SlidingRules = Annotated[
 
 
 class SettingsSection(BaseModel):
-    """Base class for the sections of a study file, which declare their keys and cannot change."""
+    """Base class for the sections of a study file. Sections declare their keys, and are immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 

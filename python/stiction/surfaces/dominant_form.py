@@ -66,7 +66,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the straight height step that explains most of the mean square height, or return None without a sharp step.
+    """Find the straight height step that explains most of the mean square height, or return None if none is sharp.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """

@@ -145,5 +145,5 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 
 def _mean_of_five_largest(heights: Floats) -> float:
-    """Return the mean of the five largest heights, or NaN for fewer than five heights."""
+    """Return the mean of the five largest heights, or NaN if there are fewer than five."""
     return math.nan if heights.size < NUM_AVERAGED_FEATURES else float(np.sort(heights)[-NUM_AVERAGED_FEATURES:].mean())

@@ -115,7 +115,7 @@ def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None)
 
 
 def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
-    """Return the spacing of positions, which must be equidistant."""
+    """Return the spacing of equidistant positions. Raises a `ValueError` for other positions."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():

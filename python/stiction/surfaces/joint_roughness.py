@@ -1,4 +1,4 @@
-"""Roughness of rock joints along a direction: Z2, the joint roughness coefficient, and slopes facing the motion.
+"""Roughness of rock joints along a direction: Z2, joint roughness coefficient, and slopes against the motion.
 
 Tse & Cruden, International Journal of Rock Mechanics and Mining Sciences 16 (1979) 303.
 """

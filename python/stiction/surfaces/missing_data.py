@@ -91,7 +91,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a body with interpolated heights at given points, or the body itself without such points.
+    """Return a body with interpolated heights at given points, or the body itself if no points are given.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """

@@ -216,12 +216,12 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the selected part of a mask of missing points, or None without a mask."""
+    """Return the selected part of a mask of missing points, or None if there is no mask."""
     return None if mask is None else mask[index]
 
 
 def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in one of two bodies, or None without missing points.
+    """Return the mask of points that are missing in one of two bodies, or None if no points are missing.
 
     Raises a `ValueError` if no point is measured in both bodies.
     """

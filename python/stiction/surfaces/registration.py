@@ -71,7 +71,7 @@ class _FacePosition:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Register two facing bodies: return their overlapping parts at the position of the best fit, and this position.
+    """Register two facing bodies. Return their overlapping parts at the best fit, and the position of this fit.
 
     The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
     gap has no slope on average. The upper face is interpolated by a cubic spline, unless it fits after a shift by whole
@@ -143,7 +143,7 @@ def do_faces_fit(upper: Any, lower: Any) -> bool:
 
 
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:
-    """Return the correlation of the slopes of two facing bodies that are not shifted, or NaN for a flat body."""
+    """Return the slope correlation of two facing bodies without a shift, or NaN if a body is flat."""
     if upper.is_flat or lower.is_flat:
         return math.nan
     return float(_correlate_slopes(upper, lower)[(0,) * lower.heights.ndim])
@@ -158,7 +158,7 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_offset(index: int, count: int) -> int:
-    """Convert an index of a discrete Fourier transform to an offset, which is negative in the upper half."""
+    """Convert an index of a discrete Fourier transform to an offset. Indices in the upper half become negative."""
     return index - count if index > count // 2 else index
 
 
@@ -267,7 +267,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset (points) that moves the upper face close to a position, or None beyond `GRID_TOLERANCE`."""
+    """Return the offset (points) of the upper face nearest to a position, or None if not within `GRID_TOLERANCE`."""
     steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)

@@ -377,7 +377,7 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
-    """Return the units of positions and heights, from a line with both or from several lines with the same unit."""
+    """Return the units of positions and heights, from one line with both units or several lines with equal units."""
     for line in lines:
         if (match := _UNITS_OF_COLUMNS_PATTERN.fullmatch(line)) is not None:
             return match[1], match[2]
@@ -388,7 +388,7 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """List each unit that the header declares without naming a quantity, with its line."""
+    """List each header unit that is declared without the name of a quantity, and the line of the unit."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
@@ -472,7 +472,7 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last header line with letters, without comment characters at its start."""
+    """Return the last header line with letters, after removing leading comment characters."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
@@ -710,7 +710,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit, which "point" in "data point" is not."""
+    """Return whether the last word of a column name is a unit; "point" in "data point" is none."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

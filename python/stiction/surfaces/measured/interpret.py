@@ -360,7 +360,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise one error for a file without units and without spacing."""
+    """Raise one error if a file declares neither units nor a spacing."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -380,7 +380,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes the header line of an unclear spacing, or "" without such a line."""
+    """Return a clause that quotes the header line of an unclear spacing, or "" if there is no such line."""
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"

@@ -234,7 +234,7 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str | None:
-    """Return a finding if more heights are exactly 0 than the frequencies of similar heights explain, or else None.
+    """Return a finding if more heights are exactly 0 than frequencies of similar heights explain, or else None.
 
     Heights that are rounded towards zero are 0 twice as often as they have another value.
     """
@@ -260,7 +260,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find repeated rows, columns or points of a scan, which may not have been measured."""
+    """Find repeated rows, columns or points of a scan. Repetitions may not have been measured."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:

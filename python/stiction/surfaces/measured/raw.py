@@ -261,7 +261,7 @@ _COMPOSITE_UNIT_PATTERN = re.compile(
 
 
 def parse_length_unit(text: str) -> str | None:
-    """Return the symbol of a unit of length, as in `LENGTH_UNITS`, or None for other units.
+    """Return the symbol of a length unit, as in `LENGTH_UNITS`, or None if the unit is no length unit.
 
     A unit with a power of ten is accepted if it equals a unit with a name: ``mm/1000`` is µm, but ``0.1 um`` has none.
     """
@@ -289,7 +289,7 @@ def check_point_count(points: int, stored_bytes: int) -> None:
 
 
 def parse_number(text: str, place: str) -> float:
-    """Return the finite number at the start of a text. `place` describes the origin of the text in an error message.
+    """Return the finite number at the start of a text. Error messages describe the text's origin by `place`.
 
     Raises `FormatError` if there is no such number.
     """

@@ -451,7 +451,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for slopes in a file of the mirror database dabam, according to the description beside it."""
+    """Raise `FormatError` for a file of the mirror database dabam if the description beside it declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return

@@ -230,7 +230,7 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the numbers have the declared height range, which is given with at least three digits."""
+    """Return whether the numbers have the declared height range, which must have at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -651,7 +651,7 @@ def _correlation_with_index(values: Floats) -> float:
 
 
 def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether numbers change in equal steps, ignoring the first, which may be the corner of a table."""
+    """Return whether numbers change in equal steps. The first number is ignored, as a possible table corner."""
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False

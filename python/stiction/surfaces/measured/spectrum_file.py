@@ -89,7 +89,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def _format_scan_name(name: str) -> str:
-    """Return the name of a scan as one line of text, which is a JSON string if necessary."""
+    """Return the name of a scan as one line of text, written as a JSON string if necessary."""
     is_plain = name == printable_text(name, len(name)) and name == " ".join(name.split()) and name[:1] not in ("", '"')
     return name if is_plain else json.dumps(name)
 

@@ -304,7 +304,7 @@ def _find_runs_of_equal_width(
 def _to_channels(
     text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> HeightChannels:
-    """Convert blocks with the same number of columns to channels, each with its own header."""
+    """Convert blocks with equal numbers of columns to channels. Each channel has its own header."""
     header_starts = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), header_start in zip(runs, header_starts, strict=False):
