@@ -115,7 +115,7 @@ def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
 
 
 def set_log_tick_labels(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers up to three decades, and with powers of ten beyond."""
+    """Label logarithmic axes with plain numbers up to three decades, and with powers of ten above that range."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -168,7 +168,7 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a label for each pair of mu0 and tau0, or an empty list for a single pair."""
+    """Return a label for each pair of mu0 and tau0, or an empty list if there is only one pair."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []

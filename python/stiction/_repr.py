@@ -125,7 +125,7 @@ def _format_array(values: Any, unit: str) -> str:
 
 
 def preformatted_html(text: str) -> str:
-    """Return text as preformatted HTML, which the keyboard can scroll."""
+    """Return text as preformatted HTML that can be scrolled with the keyboard."""
     style = "white-space:pre;overflow-x:auto;font-size:0.85em;line-height:1.35"
     return f'<pre tabindex="0" style="{style}">{html.escape(text)}</pre>'
 

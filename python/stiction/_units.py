@@ -45,7 +45,7 @@ def unit_names(kind: str) -> tuple[str, ...]:
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) with its original text, which comparisons ignore."""
+    """Number in core units (µm, GPa, mN) with its original text. Comparisons ignore the text."""
 
     text: str
 

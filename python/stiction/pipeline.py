@@ -197,7 +197,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the results for alternative preparations of the scans, which the combined interval covers.
+    """Compute results for alternative preparations of the scans. The combined interval covers these results.
 
     If such a result cannot be computed, the pair keeps its result, and a remark gives the reason.
     """

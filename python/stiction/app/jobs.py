@@ -1,4 +1,4 @@
-"""Job queue of the app, which runs commands in separate processes, one at a time.
+"""Job queue of the app. Commands run in separate processes, one at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -91,7 +91,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Store the numbers of a result, which the page then shows.
+        """Store the numbers of a result for the page to show.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number

@@ -1,4 +1,4 @@
-"""Preview of scans: command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`, which prints JSON.
+"""Preview of scans as JSON: command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`.
 
 For one scan it prints the contents with a small image, and for two scans whether they fit into each other. OPTIONS is
 JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses neither

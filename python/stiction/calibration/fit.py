@@ -481,7 +481,7 @@ class CalibrationProblem:
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
     def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the junction growth α that all tests share, or NaN without a common α."""
+        """Return samples of the junction growth α that all tests share, or NaN if the tests share no α."""
         from scipy.special import ndtr
 
         if self.junction_growth is None or self.junction_growth.is_exact:
@@ -495,7 +495,7 @@ class CalibrationProblem:
 
     @cached_property
     def shared_hardness(self) -> Any:
-        """Uncertain hardness that all tests share, or None without a common hardness."""
+        """Uncertain hardness that all tests share, or None if the tests share no hardness."""
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         names = {
@@ -509,7 +509,7 @@ class CalibrationProblem:
         )
 
     def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN without a common hardness."""
+        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
         from scipy.special import ndtr
 
         first = self._friction[0]

@@ -126,7 +126,7 @@ class AreaFactor:
     surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
-        """Return the nuisance parameter of an input, which tests with equal inputs share.
+        """Return the nuisance parameter of an input. Tests with equal inputs share the parameter.
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """

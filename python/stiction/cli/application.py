@@ -323,7 +323,7 @@ def run_command_line() -> int:
 
 
 def _discard_unwritable_output() -> None:
-    """Discard output that cannot be written, which would otherwise cause a traceback and status 120 at exit."""
+    """Discard output that cannot be written. Otherwise, Python would exit with a traceback and status 120."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

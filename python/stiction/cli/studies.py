@@ -1,4 +1,4 @@
-"""Commands `stiction run` and `stiction studies`, which compute a study and list the built-in studies."""
+"""Commands `stiction run`, which computes a study, and `stiction studies`, which lists the built-in studies."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact map stored with a result, or return None without one.
+    """Read the contact map stored with a result, or return None if no map is stored.
 
     Raises a `StoreError` if the file is damaged.
     """

@@ -432,7 +432,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum over each block of `block_size` rows and columns, or NaN for an empty block."""
+    """Return the minimum of each block of `block_size` rows and columns, or NaN if the block has no numbers."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

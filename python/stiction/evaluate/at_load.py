@@ -1,4 +1,4 @@
-"""Evaluation of results at given loads, which are elastic, normal or mean normal loads.
+"""Evaluation of results at given elastic, normal or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
 the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the

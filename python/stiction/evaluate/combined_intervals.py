@@ -317,7 +317,7 @@ class CombinedIntervals:
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
-        """Return percentiles (`FRICTION_PERCENTILES`) of single tests, which enclose the coefficient."""
+        """Return the percentiles `FRICTION_PERCENTILES` of single tests, extended to include the coefficient."""
         by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
@@ -436,7 +436,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the coefficient, and of its upper limit, which may be infinite.
+        """Return samples of the coefficient, and samples of its upper limit, some of which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change
         the coefficient, it lies between the lowest and the highest coefficient for finer scans.

@@ -95,7 +95,7 @@ class AreaFunction:
         return np.asarray(np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area))
 
     def _contact_load(self, load: ArrayLike) -> Floats:
-        """Return the load (mN) on the contacts, which includes the attraction."""
+        """Return the load (mN) on the contacts: the applied load plus the attraction."""
         loads = np.asarray(load, dtype=np.float64)
         if self.attractions is None:
             return loads

@@ -125,7 +125,7 @@ def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, ta
 
 
 def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variable:
-    """Return a quantity with the limits of its interval as one variable, with the dimension `statistic`."""
+    """Combine a quantity and its interval limits in one variable with the dimension `statistic`."""
     import xarray
 
     variable = table[name]

@@ -136,7 +136,7 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads, which are known only if the points were found with `interpolates_ratio`."""
+        """Requested loads. They are known only if the points were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 

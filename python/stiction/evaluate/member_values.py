@@ -344,7 +344,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the load fraction on contacts that oppose the motion, or {} without both sliding rules."""
+    """Return the load fraction on contacts that oppose the motion, or {} unless both sliding rules were computed."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}

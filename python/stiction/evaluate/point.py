@@ -212,7 +212,7 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the nominal pressure (GPa) at a point, or NaN without nominal area."""
+    """Return the nominal pressure (GPa) at a point, or NaN if the model has no nominal area."""
     return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
 
 
@@ -232,7 +232,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of adhesion (µm) in the study, and the range used, which is larger on a coarse grid."""
+    """Return two adhesion ranges (µm): of the study, and as computed, which is larger on a coarse grid."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
     grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))

@@ -109,7 +109,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures by power laws, which continue beyond the computed loads."""
+        """Interpolate closures by power laws, and extrapolate them beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -212,7 +212,7 @@ class ContactResponse:
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
     def yield_pressure(self, inputs: InputValues) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None for elastic bodies.
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None if bodies are elastic.
 
         The pressure does not depend on the load, unless the depth of the indentation is known.
         """

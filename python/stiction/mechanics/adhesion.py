@@ -346,7 +346,7 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution, which decreases with the residual of the attraction."""
+        """Return the tolerance of the next contact solution: the smaller the residual, the smaller the tolerance."""
         tolerance = state.tolerance_ratio * self.relative_range * state.residual
         return min(max(self.tolerance, tolerance), MAX_SOLUTION_TOLERANCE)
 
@@ -481,7 +481,7 @@ class AdhesionSolver:
         return states
 
     def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
-        """Return the equilibrium at which complete contact begins to open, or None for incomplete contact.
+        """Return the equilibrium at which complete contact begins to open, or None if contact is not complete.
 
         Until then, all points move together, and the attraction is as in full contact.
         """

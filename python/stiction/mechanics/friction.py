@@ -481,7 +481,7 @@ class FrictionCurve(PlotReprMixin):
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the normal load F_N (mN) at each step, for mu0 and tau0 (GPa), which are broadcast.
+        """Return the normal load F_N (mN) at each step. The arrays of mu0 and tau0 (GPa) are broadcast.
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
@@ -535,7 +535,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Return the status of each curve, ensemble or member, chosen by boolean arrays, which are broadcast.
+    """Return the status of each curve, ensemble or member. Boolean arrays, which are broadcast, select it.
 
     `locked` refers to the last loading step. `below` means that the first loading step already supports more than the
     load.

@@ -398,7 +398,7 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute the sums that depend on the motion, by name, with the shape (sliding rules, directions, loads)."""
+        """Compute the sums that depend on the motion, as arrays (sliding rules, directions, loads) by name."""
         unit_vectors = replace(self._model, direction=tuple(directions)).directions()
         sums: Sequence[PatchSums] = self._sums
         if not np.array_equal(unit_vectors, self._model.directions()):
@@ -601,7 +601,7 @@ def _solve_contacts(
 def _add_adhesion(
     problem: HalfSpaceProblem, work: float, adhesion_range: float, effective_modulus: float
 ) -> HalfSpaceProblem:
-    """Add an attraction to a problem, given work of adhesion (mN/µm) and range (µm). Too short a range is increased."""
+    """Add an attraction to a problem, given work of adhesion (mN/µm) and range (µm), which may be increased."""
     min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if min_range > adhesion_range:
         warnings.warn(
@@ -674,7 +674,7 @@ def solve_together_or_separately(
 
 
 def solve_at_zero_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load, or None without a solution."""
+    """Return the contact of adhering surfaces at zero load, or None if the solver fails."""
     try:
         return solve(np.zeros(1))
     except NoSolutionError:

@@ -1,4 +1,4 @@
-"""Load curves: sums over asperity contacts at each approach, which determine loads and friction.
+"""Load curves: contact sums at each approach, from which loads and friction are computed.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """
@@ -45,7 +45,7 @@ class LoadCurveInputs:
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at one approach, which do not depend on the direction of motion."""
+        """Return all contacts at one approach. They do not depend on the direction of motion."""
         if not self.bodies:
             raise ValueError(
                 "the curve comes from another process and does not contain its contact candidates, which are required "

@@ -250,7 +250,7 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def source_history_entry(body: Profile | Surface) -> str:
-    """Return the history entry with the file of a measured body, or "" for a generated body."""
+    """Return the history entry with the file of a measured body, or "" if the body was generated."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 

@@ -175,7 +175,7 @@ class Onset(PlotReprMixin):
         return make_read_only(self._values_at_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest tangential load (mN) at which each point slips, or NaN for points that never slip.
+        """Return the smallest tangential load (mN) at which each point slips, or NaN if the point never slips.
 
         For asperities, the load at which the whole contact slides is returned, (contacts,).
         """
@@ -364,7 +364,7 @@ def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) ->
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Parse one direction of motion (degrees from +x towards +y), which must be along x for profiles."""
+    """Parse one direction of motion (degrees from +x towards +y). For profiles, it must be along x."""
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single angle, got {short_repr(direction)}")

@@ -44,7 +44,7 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums over each patch of a contact, which determine F_N and F_T for every mu0 and tau0.
+    """Sums over each patch of a contact, from which F_N and F_T follow for any mu0 and tau0.
 
     Shapes are (patches,) or (directions, patches).
     """

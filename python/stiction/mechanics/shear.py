@@ -381,7 +381,7 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return the contact pressure at the peak of the shear curve, or None without a peak."""
+        """Return the contact pressure at the peak of the shear curve, or None if there is no peak."""
         import xarray as xr
 
         if test.attrs["peak_status"] != STATUS_OK:

@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record of a computation, which counts solver iterations and runs the steps.
+    """Record that runs the steps of a computation and counts solver iterations.
 
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
@@ -28,7 +28,7 @@ class SolutionRecord:
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Run the next step and return its result, which may be an error of the given type."""
+        """Run the next step and return its result. A stored error of the given type is raised again."""
         return compute()
 
     def read_state(self) -> StepResult | None:

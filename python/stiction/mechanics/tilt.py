@@ -128,7 +128,7 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes at which rigid surfaces balance a load, which is the sum of all pressures (GPa).
+    """Return the slopes at which rigid surfaces balance a load, given as the sum of all pressures (GPa).
 
     Without a hardness, rigid surfaces then touch at three points (two points of profiles) around the centre. The slopes
     maximise the energy, a concave and piecewise linear function, by Kelley's cutting planes.

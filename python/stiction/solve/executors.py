@@ -232,7 +232,7 @@ class ClusterError(ValueError):
 
 @contextlib.contextmanager
 def _suppress_disconnect_log() -> Iterator[None]:
-    """Suppress Dask's log messages about a lost scheduler, which a `ClusterError` reports too."""
+    """Suppress Dask's messages about a lost scheduler, because a `ClusterError` reports the loss too."""
     loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "tornado.application")]
     log_levels = [logger.level for logger in loggers]
     try:

@@ -51,14 +51,14 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same sums with another study, which may have other inputs."""
+        """Return the same sums with a study that may have other inputs."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
 
     @property
     def stored(self) -> StoredResult | None:
-        """Stored result, or None for a result in memory."""
+        """Stored result, or None if the result is only in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
@@ -68,7 +68,7 @@ class MemberSums:
 
     @property
     def path(self) -> Path | None:
-        """Directory of the result, or None for a result in memory."""
+        """Directory of the result, or None if the result is only in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property

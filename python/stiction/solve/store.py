@@ -209,7 +209,7 @@ class StoredResult:
         )
 
     def first_member(self) -> xarray.Dataset:
-        """Return a dataset of the first finished member, which must exist."""
+        """Return a dataset of the first finished member. There must be a finished member."""
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
@@ -965,7 +965,7 @@ def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> ND
 
 
 def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return a variable of an HDF5 file, which must not be in a linked file."""
+    """Return a variable of an HDF5 file. Variables in linked files are rejected."""
     import h5py
 
     # These low-level calls of h5py take half the time of its classes, which matters for many small variables.
