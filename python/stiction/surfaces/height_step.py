@@ -79,7 +79,7 @@ def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:
-    """Return the second differences of heights along an axis, minus their median, without missing points."""
+    """Return the second differences of measured heights along an axis, minus the median of the differences."""
     differences = np.diff(heights, 2, axis=axis)
     differences = differences[np.isfinite(differences)]
     return differences - np.quantile(differences, 0.5, method="lower") if differences.size else differences

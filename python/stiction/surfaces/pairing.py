@@ -291,7 +291,7 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Given shifts of the upper map, in rows and columns."""
+        """Shifts of the upper map, as given by the user, in rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 

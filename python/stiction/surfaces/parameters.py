@@ -175,7 +175,7 @@ ROUGHNESS_PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class RoughnessParameterSet(TextReprMixin):
-    """Set of roughness parameters, whose numbers are available as attributes.
+    """Set of roughness parameters. Each parameter is available as an attribute.
 
     Attributes
     ----------

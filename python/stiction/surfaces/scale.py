@@ -762,7 +762,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
 def _fit_window_exponents(
     x: Floats, y: Floats, chance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Yield the bins, the exponent and its standard deviation for each window, `octaves` wide, of a spectrum.
+    """Yield bins, exponent and standard deviation of the exponent for each window of a spectrum.
 
     Bins are given as the first bin and the bin after the last.
     """

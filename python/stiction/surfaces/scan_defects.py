@@ -109,7 +109,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, whose spectrum is assessed; single outliers would look like white noise.
+        """Body with interpolated outliers, from which the spectrum is computed; outliers resemble white noise.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -168,7 +168,7 @@ def compute_mean_square_slope(body: Profile | Surface) -> float:
 
 
 def compute_lay_ratio(surface: Surface) -> float:
-    """Return the largest rms slope of a map over all directions divided by the smallest, at most `MAX_LAY_RATIO`.
+    """Return the ratio of a map's largest to smallest rms slope over all directions, at most `MAX_LAY_RATIO`.
 
     The slopes are averaged over the cells of the grid.
     """
@@ -320,7 +320,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan, in an object that all calls for the scan share.
+    """Return the defects of a scan. All calls for one scan return the same object.
 
     The defects are cached as an attribute of the body, so that the memory of both is released together.
     """

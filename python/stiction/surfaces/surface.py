@@ -64,12 +64,12 @@ class Surface(Body):
 
     @property
     def x(self) -> Floats:
-        """Positions (µm) of the columns of the surface along x."""
+        """Positions (µm) of the columns along x."""
         return np.arange(self.heights.shape[1], dtype=np.float64) * self.spacing[1]
 
     @property
     def y(self) -> Floats:
-        """Positions (µm) of the rows of the surface along y."""
+        """Positions (µm) of the rows along y."""
         return np.arange(self.heights.shape[0], dtype=np.float64) * self.spacing[0]
 
     @property

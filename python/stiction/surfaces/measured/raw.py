@@ -304,7 +304,7 @@ def parse_number(text: str, place: str) -> float:
 
 
 def parse_positive_number(text: str, place: str) -> float:
-    """Return the factor or length at the start of a text. Raises `FormatError` if it is impossible for a scan.
+    """Return the factor or length at the start of a text. Raises `FormatError` if no scan can have this number.
 
     A negative factor would turn the heights upside down, and a factor of 0 would make them equal.
     """

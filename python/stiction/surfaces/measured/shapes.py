@@ -426,7 +426,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove columns of words from a table, and mark heights as missing in rows where a word says so.
+    """Remove columns of words from a table. In rows where a word marks a missing point, set the height to NaN.
 
     If all words of a column are one unit of length, this is the unit of the column before it. Raises `FormatError` for
     a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
@@ -475,7 +475,7 @@ def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], plac
 
 
 def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove a column of flags from a table, and mark the heights that it declares invalid as missing.
+    """Remove a column of flags from a table, and mark heights with an invalid flag as missing.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """

@@ -112,7 +112,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Texts of the XML elements in main.xml of an X3P file by element path, and points listed in main.xml."""
+    """Content of main.xml in an X3P file: the text of each element by element path, and listed points."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory

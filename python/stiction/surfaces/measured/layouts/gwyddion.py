@@ -29,7 +29,7 @@ _COMMENT_LINE_PATTERN = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
-    """Return the header comments of a channel: name, width, height and unit, in the same order in all languages."""
+    """Return the header comments of a channel: name, width, height and unit. All languages have this order."""
     comments = []
     for line in map(normalise_line, lines):
         if not line.startswith("#"):
