@@ -115,7 +115,7 @@ class Estimate:
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return the estimate in another unit, which is `factor` (positive) times as large."""
+        """Return the estimate in a unit that is `factor` (positive) times as large."""
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:

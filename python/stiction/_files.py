@@ -65,7 +65,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists, except for a file that contains `mark`.
+    """Raise `error_type` if a path exists, unless it is a file that contains `mark`.
 
     A dangling link counts as existing.
     """

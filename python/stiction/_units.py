@@ -97,7 +97,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def core_quantity(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity. Raises a `ValueError` if its size is out of range."""
+    """Return a number in core units as a quantity. Raises a `ValueError` if the number is out of range."""
     text = exact_quantity_text(value, _core_unit(kind))
     return _check_magnitude(Quantity(value, text), kind, text)
 
@@ -168,7 +168,7 @@ def exact_quantity(value: float, unit: str) -> Quantity:
 
 
 def short_repr(value: object) -> str:
-    """Return the representation of an argument, shortened to a line of a message."""
+    """Return the `repr` of an argument, shortened to one line for a message."""
     try:
         text = repr(value)
     except (

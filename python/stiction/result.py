@@ -142,7 +142,7 @@ class Result(Evaluation):
 
 
 def open_result(directory: str | Path) -> Result:
-    """Open a finished or unfinished result in a directory that `run`, `pair` or a command has written.
+    """Open a finished or unfinished result that `run`, `pair` or a command wrote to a directory.
 
     Parameters
     ----------

@@ -301,7 +301,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield each load with each selected member or, by default, with the member of the most typical area."""
+    """Yield each load with each selected member or, by default, with the member whose area is most typical."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -51,12 +51,12 @@ class SlidingRuleCoefficient(Estimate):
 
     @property
     def mean(self) -> Estimate:
-        """Mean coefficient with its interval of the mean."""
+        """Mean coefficient and the interval of the mean."""
         return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction", {}))
 
     @property
     def prediction(self) -> Estimate:
-        """Mean coefficient with its prediction interval."""
+        """Mean coefficient and the prediction interval."""
         return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction", {}))
 
 

@@ -120,7 +120,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for samples of the inputs, from tests at central inputs and at their limits.
+    """Curves of a shear test for samples of the inputs, from tests with central inputs and with input limits.
 
     Between them, curves are linear in the logarithm of the input. The effects of two inputs are added.
     `has_no_solution` is True for samples near a limit at which the contact has no solution, with the shape (samples,

@@ -146,7 +146,7 @@ def _to_adhesion_state(result: StepResult) -> AdhesionState:
 
 
 class AdhesionSolver:
-    """Adhesive attraction in a contact problem, with methods that find the equilibrium states of the contact."""
+    """Solver for the equilibrium states of a contact with adhesive attraction."""
 
     def __init__(
         self, problem: HalfSpaceProblem, *, tolerance: float, report: Callable[[int, float], object] | None,

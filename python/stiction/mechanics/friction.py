@@ -442,7 +442,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Return all ratios of contact sums at a normal load (mN), by the name of the quantity.
+    """Return all ratios of contact sums at a normal load (mN), with names of quantities as keys.
 
     The sums are the sums of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
     """

@@ -321,7 +321,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant, comparing the first rows first."""
+    """Return True if two arrays differ only by a constant. The first rows are compared first."""
     tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

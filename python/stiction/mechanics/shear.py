@@ -158,7 +158,7 @@ class ShearBox:
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
-        """Return the largest number of strips whose overlaps are at least `min_points` wide, or 0.
+        """Return the largest number of strips with overlaps at least `min_points` wide, or 0 if there are none.
 
         Strips move sideways if the motion is oblique to the grid.
         """
@@ -319,7 +319,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return how far the normal load is above its target, and the target."""
+            """Return the excess of the normal load over its target, and the target."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first is None:
@@ -490,7 +490,7 @@ def _find_root(
 
 
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
-    """Return the dilation angles (degrees), whose tangent is the change of the dilation per displacement.
+    """Return the dilation angles (degrees): arctangents of the change of the dilation per displacement.
 
     The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, the line
     passes through the end and its only neighbour.
@@ -502,7 +502,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the peak of a shear curve, where it occurs, and the friction at the end, as attributes.
+    """Return attributes of a shear curve: the peak and its place, and the friction at the end.
 
     The peak is NaN if the faces lock. The value at the end is NaN if the faces slide there without a tangential load.
     """

@@ -1,4 +1,4 @@
-"""Alternative preparations of scans, whose results the combined interval of a pair covers.
+"""Alternative preparations of scans. The combined interval of a pair covers the results of all preparations.
 
 Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of its
 result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.

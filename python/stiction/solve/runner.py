@@ -434,7 +434,7 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory into which workers write their blocks if they can access it."""
+    """Result directory to which workers write blocks themselves if they can access it."""
 
     path: Path
     token: str  # name of the file that marks the run and exists in the blocks directory until its end

@@ -402,7 +402,7 @@ def _parse_slip_line_ratio(source: str) -> UncertainInput:
 
 
 class InputValue(Quantity):
-    """Central value of a study's input in core units, with its text and its distribution.
+    """Central value of an input in core units, with the text and the distribution of the input.
 
     Contacts are computed with the central value: the number itself, or the mean of the limits of a range, rounded to
     four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
@@ -420,7 +420,7 @@ class InputValue(Quantity):
         return float(self), self.estimate, self.text
 
     def __eq__(self, other: object) -> bool:
-        """Compare central values and, if one of two inputs is uncertain, their distributions."""
+        """Compare central values and, if an input is uncertain, the distributions of both inputs."""
         if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
             return float(self) == float(other) and self.estimate == other.estimate
         return float(self) == other

@@ -132,7 +132,7 @@ class Inputs:
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
-        """Return the friction law for given mu0 and tau0 (GPa), with central junction growth or area loss."""
+        """Return the friction law for given mu0 and tau0 (GPa), and the central junction growth or area loss."""
         growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
             return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)

@@ -242,7 +242,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredBodySettings:
-        """Describe a body in memory, also of another library, for a study.
+        """Describe a body in memory, possibly of another library, for a study.
 
         Raises an `ArgumentError` if the body is invalid.
         """

@@ -101,7 +101,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
-    """Return the elastic constants of a pair at central values, and the moduli with their uncertainty.
+    """Return the central elastic constants of a pair, and the uncertain moduli.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

@@ -349,7 +349,7 @@ def has_contact_law_for_lay(pair: PairProperties) -> bool:
 
 @make_condition("is for {law} jackson-green")
 def has_contact_law_with_yield(pair: PairProperties) -> bool:
-    """Return whether the contact law is that of Jackson and Green, for which a yield strength is needed."""
+    """Return whether the contact law is that of Jackson and Green, which needs a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 

@@ -919,7 +919,7 @@ def _split_at_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body as a list, given as a list, a directory, file names with commas, or one scan."""
+    """Convert the scans of a body (a list, a directory, file names with commas, or one scan) to a list."""
     if isinstance(given, (str, Path)) and "\0" in str(given):
         raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
     if isinstance(given, (list, tuple)):

@@ -424,7 +424,7 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain, because intervals would ignore this."""
+        """Raise an error if an input of generated surfaces is uncertain. Intervals would ignore the uncertainty."""
         for key, value in self.contact:
             if isinstance(value, InputValue) and not value.is_exact:
                 raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")

@@ -366,7 +366,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the smallest limit of a number in the checks of contacts, or None if no check has a limit for it."""
+    """Return the smallest limit of a number in all contact checks, or None if no check limits it."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 

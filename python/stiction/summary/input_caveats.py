@@ -339,7 +339,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return True if the spectrum of a scan differs from all others together, significantly and by a factor of 2."""
+    """Return True if one scan's spectrum differs significantly, and by a factor of 2, from the other spectra."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 

@@ -109,7 +109,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence about the measurement that would narrow the interval most, with the new interval."""
+    """Return a sentence about the measurement that would narrow the interval most, and about the new interval."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""

@@ -49,7 +49,7 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, whic
 
 
 class TableRow(NamedTuple):
-    """Row of a table: a label, a text (or one for x and one for y), and numbers for JSON and CSV."""
+    """Row of a table: label, text (or two texts, for x and y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -171,7 +171,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return text for a parameter of the autocorrelation (Sal or Str) that needs a larger map."""
+        """Return text for an autocorrelation parameter (Sal or Str) that cannot be computed without a larger map."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
