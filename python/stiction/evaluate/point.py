@@ -12,7 +12,8 @@ import numpy as np
 from stiction._estimate import Estimate, Interval
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.mechanics.friction import STATUS_OK
-from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
+from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.quantities import QUANTITIES, find_interval_kind
 from stiction.study.inputs import Inputs
 

@@ -8,6 +8,10 @@ function of the gap. A smaller load or attraction gives a larger gap at every po
 larger load, the attraction decreases with every iteration, either to the first equilibrium of bodies that are pulled
 apart, or until the bodies separate. In the second case the bodies do not bear the load, because the attraction of any
 equilibrium would be a lower bound.
+
+Near the pull-off load of soft bodies, the edges of the contacts move by less than a grid cell per iteration, and each
+iteration solves a contact problem. Conjugate gradients (`EnergyMinimizer`) change pressure and attraction together, so
+that the edges move by about a cell per step. They may pass an equilibrium.
 """
 
 from __future__ import annotations
@@ -21,12 +25,14 @@ from typing import Any
 import numpy as np
 
 import stiction._core as _core
+from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction._errors import NoSolutionError
 from stiction.mechanics.half_space_problem import (
     AdhesionState,
     ContactSolution,
     HalfSpaceProblem,
+    coarsen_problem,
     solver_thread_count,
     to_contact_solution,
 )
@@ -38,15 +44,6 @@ MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, in le
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-# Limits of the search for an adhesive equilibrium near a known equilibrium, in this order:
-# largest number of contact solutions, and number of steps between computations of the response to the load;
-# relative change of the contact load for the response, and largest relative change in one step.
-MAX_SOLVES_NEAR_STATE = 100
-NUM_STEPS_PER_RESPONSE = 15
-RESPONSE_LOAD_CHANGE = 0.005
-MAX_CONTACT_LOAD_CHANGE = 0.2
-# residual of the attraction assumed before the first contact solution of the search near an equilibrium
-MAX_INITIAL_RESIDUAL = 1e-3
 # maximum number of successive contact solutions that do not reduce the residual of the attraction
 MAX_STALLED_SOLVES = 20
 # largest accepted relative residual of the attraction, as a multiple of the solver tolerance
@@ -64,23 +61,42 @@ MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
-# The search for the pull-off load ends if the bodies separate under a load that is lower by these fractions:
-# the first fraction applies to extrapolated steps of the iteration, the second fraction to plain steps.
-# With a second fraction of 0.01 instead of 0.05, plain steps need two to three times as many iterations.
+# The search for the pull-off load ends if the bodies separate under a load that is lower by this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
+# If decreasing contact loads lead past the minimum load, plain steps must also separate the bodies under a load that is
+# lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# The search for the pull-off load bisects between the lowest equilibrium load and a load without equilibrium.
-# If these loads differ by less than this fraction, the search takes small steps from the lowest equilibrium load.
-BISECTED_LOAD_MARGIN = 0.15
-# First decrease of the load in the search for the pull-off load, relative to the lowest equilibrium load.
-FIRST_LOAD_DECREMENT = 0.05
 # A contact solution at an interpolated load is computed only if the load is lower than all equilibrium loads.
 # The load must be lower by at least this fraction of the lowest equilibrium load.
 MIN_LOAD_IMPROVEMENT = 0.003
 # two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6  # maximum number of contact solutions at interpolated loads
-MAX_TRIAL_LOADS = 24  # maximum number of external loads that the search for the pull-off load tries
+# They must separate from an equilibrium whose load differs by at most this fraction.
+MAX_LOAD_STEP = 0.1
+MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
+MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
+
+MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimization
+# number of iterations of the contact solver as which each step of the minimization is counted
+ITERATIONS_PER_MINIMIZATION_STEP = 2
+# The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
+MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
+# A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
+MAX_GAP_CHANGE = 2.0
+SMALL_GAP = 5.0  # largest small gap, as a multiple of the range of the attraction
+NEGLIGIBLE_ATTRACTION_GAP = 30.0  # gap beyond which the line search neglects the attraction, in the same unit
+# The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
+# first minimum. It ends if the slope of the energy is below a fraction of the initial slope.
+INITIAL_STEP_FRACTION = 0.125
+MAX_SLOPE_RATIO = 0.05
+MAX_STEP_LENGTH = 1e4
+MAX_LINE_SEARCH_STEPS = 12
+# Number of steps after which the net pressure is computed in double precision, because round-off accumulates.
+NUM_STEPS_PER_RECOMPUTATION = 20
+MAX_FAILED_DESCENTS = 3  # maximum number of successive directions along which round-off increases the energy
+# Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
+MIN_COMPLIANCE_RATIO = 1e-3
 
 
 class EquilibriumNotFoundError(NoSolutionError):
@@ -94,10 +110,6 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Decrease of the gap and increase of the attraction due to a relative change of the contact load.
-    # The contact load increases by the fraction `RESPONSE_LOAD_CHANGE`.
-    gap_response: Floats | None = None
-    attraction_response: Floats | None = None
     # Attraction after the plain step, from which the iteration continues if the extrapolated step loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
@@ -240,59 +252,6 @@ class AdhesionSolver:
         result = self.record.run_step(solve, EquilibriumNotFoundError)
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
-    def find_equilibrium_near(self, near: AdhesionState, *, earlier_state: AdhesionState) -> AdhesionState:
-        """Find an equilibrium near a state of the separation, with an adjusted external load.
-
-        At a constant load, the attraction changes fastest in the direction in which a change of the contact load
-        changes it. Each step therefore changes the contact load so that the attraction does not change in this
-        direction. All other changes decay. No point may be closer than in `earlier_state`. Otherwise, or if the
-        iteration fails, `EquilibriumNotFoundError` is raised.
-        """
-
-        def solve() -> StepResult:
-            iteration = self._start_iteration(near)
-            if math.isnan(iteration.contact_load):
-                iteration.contact_load, iteration.residual = near.contact_load, MAX_INITIAL_RESIDUAL
-            for number in range(iteration.number, MAX_SOLVES_NEAR_STATE):
-                iteration.number = number
-                self.record.offer_state(iteration.to_step_result)
-                tolerance, contact_load = self._solution_tolerance(iteration), iteration.contact_load
-                state, gap = self._solve_contact(iteration, contact_load, tolerance)
-                iteration.pressure = state.pressure
-                change = self.attraction_at_gap(gap) - state.attraction
-                unit_load = contact_load + state.mean_attraction
-                if float(np.abs(change).mean()) <= self.max_residual * unit_load and tolerance <= self.tolerance:
-                    max_attraction = earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction
-                    if (state.attraction <= max_attraction).all():
-                        return dict(vars(state))
-                    break
-                if number % NUM_STEPS_PER_RESPONSE == 0:
-                    closer_gap = self._solve_contact(iteration, (1 + RESPONSE_LOAD_CHANGE) * contact_load, tolerance)[1]
-                    iteration.gap_response = np.maximum(gap - closer_gap, 0)
-                    iteration.attraction_response = self.attraction_at_gap(closer_gap) - self.attraction_at_gap(gap)
-                gap_response, attraction_response = iteration.gap_response, iteration.attraction_response
-                assert gap_response is not None
-                assert attraction_response is not None
-                if not (response := float((gap_response * attraction_response).sum())) > 0:
-                    break
-                max_factor = MAX_CONTACT_LOAD_CHANGE / RESPONSE_LOAD_CHANGE
-                factor = min(max(-float((gap_response * change).sum()) / response, -max_factor), max_factor)
-                change += factor * attraction_response
-                iteration.contact_load = (1 + factor * RESPONSE_LOAD_CHANGE) * contact_load
-                previous_residual = iteration.residual
-                residual = iteration.residual = float(np.abs(change).mean()) / unit_load
-                if residual < iteration.best_residual:
-                    iteration.best_residual, iteration.best_state_number = residual, number
-                num_worse = number - iteration.best_state_number
-                if num_worse > MAX_STALLED_SOLVES or iteration.contact_load < self.min_contact:
-                    break
-                if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS:
-                    change *= _extrapolation_factor(residual, previous_residual, MAX_EXTRAPOLATION_FACTOR)
-                iteration.attraction = np.clip(state.attraction + change, 0.0, self.max_attraction)
-            raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-
-        return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
-
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
         """Return the state from which the iteration starts, or in which an earlier computation was interrupted."""
         if (state := self.record.read_state()) is not None:
@@ -394,77 +353,115 @@ class AdhesionSolver:
         return state
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return equilibria at decreasing contact loads, at least until the external load has its minimum.
+        """Return equilibria, among them the equilibrium under the lowest external load that the bodies support.
 
-        States of decreasing contact load lead close to the minimum. Lower loads are then tried. If the bodies separate
-        under a load, an equilibrium is searched near the state that changed most slowly.
-
-        The search ends if extrapolated steps separate the bodies under a load that is lower than the minimum by
-        `MINIMUM_LOAD_TOLERANCE`. Extrapolated steps may pass an equilibrium. The minimum is therefore certain only if
-        plain steps from the start also separate the bodies, under a load that is lower by `EXCLUDED_LOAD_MARGIN`.
-        Otherwise `uncertainty_reason` contains the reason.
+        If the bodies are hard, equilibria at decreasing contact loads lead past the minimum of the external load. If
+        this minimum is not certain, loads are tried by energy minimization, until the bodies separate under a load that
+        is lower by `MINIMUM_LOAD_TOLERANCE`. On large grids, the first of these loads is the minimum load on a grid of
+        twice the spacing. If an iteration does not converge, `uncertainty_reason` contains the reason.
         """
         self.uncertainty_reason = ""
         opening_state = self.find_opening_state(start)
         states = [start] if opening_state is None else [start, opening_state]
-        extrapolated_start = plain_start = states[-1]
+        first_states = states
         states = self.refine_minimum_load(self.extend_unloading_states(states))
-        decrement = FIRST_LOAD_DECREMENT if states[-1] is state_of_lowest_load(states) else MINIMUM_LOAD_TOLERANCE
-        unsupported_load = -math.inf
-        for _ in range(MAX_TRIAL_LOADS):
-            least_load = state_of_lowest_load(states).load
-            # Between equilibria i and i + 1, the contact load is at least that of equilibrium i + 1,
-            # and the attraction is at most that of equilibrium i.
-            load_bound = min(
-                [b.contact_load - a.mean_attraction for a, b in itertools.pairwise(states)]
-                + [-states[-1].mean_attraction]
-            )
-            if load_bound >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
-                return states
-            uses_plain_steps = unsupported_load >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load
-            load = (least_load + max(load_bound, unsupported_load)) / 2
-            if least_load < 0:
-                if not -math.inf < unsupported_load < (1 + BISECTED_LOAD_MARGIN) * least_load:
-                    load = max(load, (1 + decrement) * least_load)
-                if load > (1 + 2 * MINIMUM_LOAD_TOLERANCE) * least_load:
-                    load = (1 + MINIMUM_LOAD_TOLERANCE) * least_load
-            if uses_plain_steps:
-                load = (1 + EXCLUDED_LOAD_MARGIN) * least_load
-            try:
-                trial_state, is_balanced = (
-                    self.find_equilibrium_at_pressure(plain_start, load, longest=1.0)
-                    if uses_plain_steps
-                    else self.find_equilibrium_at_pressure(extrapolated_start, load)
-                )
-            except EquilibriumNotFoundError:
-                force = self.mean_pressure_to_force(load)
-                self.uncertainty_reason = (
-                    f"at a load of {force:.4g} mN, the computation of the attraction did not converge"
-                )
-                return states
-            if is_balanced:
-                extrapolated_start, decrement = trial_state, 2 * decrement
-                if uses_plain_steps:
-                    plain_start = trial_state
-                if load <= unsupported_load:
-                    unsupported_load = -math.inf
-            elif uses_plain_steps:
-                return states
-            else:
-                unsupported_load = load
-                if trial_state.load > load:
-                    # no step of the separation was slower than the step before, so no equilibrium is near
-                    continue
-                try:
-                    trial_state = self.find_equilibrium_near(trial_state, earlier_state=start)
-                except EquilibriumNotFoundError:
-                    continue
-                if trial_state.load >= least_load:
-                    continue
-                decrement = MINIMUM_LOAD_TOLERANCE
-            states = sorted([*states, trial_state], key=lambda state: -state.contact_load)
+        if self._is_minimum_certain(states, first_states[-1]):
+            return states
+        # Equilibria at given contact loads may be unstable. The energy is minimized from stable equilibria.
+        states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
+        # The contact load is positive, and the attraction is at most the attraction of an earlier state.
+        unsupported_load, is_certain = -first_states[-1].mean_attraction, True
+        try:
+            first_load = self._find_pull_off_load_on_coarser_grid(start)
+            step, approach_step = math.inf if first_load == 0 else 2 * MINIMUM_LOAD_TOLERANCE, 0.5
+            for number in range(MAX_TRIAL_LOADS):
+                near, least_load = state_of_lowest_load(stable_states), state_of_lowest_load(states).load
+                load = (least_load + unsupported_load) / 2
+                if least_load < 0:
+                    next_load = (1 + MINIMUM_LOAD_TOLERANCE) * least_load
+                    if unsupported_load >= next_load and is_certain:
+                        return states
+                    if unsupported_load > (1 + MAX_LOAD_STEP) * least_load:
+                        load = -math.sqrt(least_load * unsupported_load)
+                    load = min(max(load, (1 + step) * least_load), next_load)
+                    step *= 2
+                    if unsupported_load >= next_load:
+                        # The bodies separated from a distant state, and may have passed an equilibrium.
+                        is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
+                        load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
+                if number == 0 and unsupported_load < first_load < least_load:
+                    load, step = first_load, 2 * MINIMUM_LOAD_TOLERANCE
+                state = self.minimize_energy(near, load)
+                if state is not None:
+                    states = sorted([*states, state], key=lambda state: -state.load)
+                    stable_states.append(state)
+                    if load <= unsupported_load:
+                        unsupported_load, is_certain = -first_states[-1].mean_attraction, True
+                elif load > least_load:
+                    approach_step /= 2
+                else:
+                    unsupported_load, is_certain = load, near.load < (1 - MAX_LOAD_STEP) * load
+                    step = math.inf
+        except EquilibriumNotFoundError as error:
+            self.uncertainty_reason = str(error)
+            return states
         self.uncertainty_reason = f"{MAX_TRIAL_LOADS} trial loads were too few to find the minimum"
         return states
+
+    def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
+        """Return True if the bodies separate under a load slightly below the minimum load of the equilibria.
+
+        Iterations from the equilibrium `start` decide. Extrapolated steps may pass an equilibrium, plain steps cannot.
+        """
+        least_load = state_of_lowest_load(states).load
+        # Between two equilibria, the contact load is at least the contact load of the later equilibrium,
+        # and the attraction is at most the attraction of the earlier equilibrium.
+        load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
+        if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
+            return True
+        ends_before_minimum = states[-1].load == least_load and states[-1].contact_load > self.min_contact
+        if least_load >= 0 or ends_before_minimum:
+            return False
+        try:
+            return not any(
+                self.find_equilibrium_at_pressure(start, (1 + margin) * least_load, longest=longest)[1]
+                for margin, longest in ((MINIMUM_LOAD_TOLERANCE, MAX_EXTRAPOLATION_FACTOR), (EXCLUDED_LOAD_MARGIN, 1.0))
+            )
+        except EquilibriumNotFoundError:
+            return False
+
+    def minimize_energy(self, near: AdhesionState, load: float) -> AdhesionState | None:
+        """Return the equilibrium at an external pressure (GPa), or None if the bodies separate.
+
+        The energy is minimized from a nearby state. The result is iterated until it has the accuracy of
+        `find_equilibrium_at_pressure`. `EquilibriumNotFoundError` is raised if the minimization does not converge.
+        """
+
+        def solve() -> StepResult:
+            state = self._minimizer.minimize(near, load)
+            return {"is_balanced": False} if state is None else vars(state) | {"is_balanced": True}
+
+        result = self.record.run_step(solve, EquilibriumNotFoundError)
+        if not result["is_balanced"]:
+            return None
+        state, is_balanced = self.find_equilibrium_at_pressure(_to_adhesion_state(result), load)
+        return state if is_balanced else None
+
+    @cached_property
+    def _minimizer(self) -> EnergyMinimizer:
+        return EnergyMinimizer(self)
+
+    def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
+        """Return the lowest load (GPa) on a grid of twice the spacing, or 0 if the grid is small or none is found."""
+        if min(self.problem.gap.shape) < MIN_COARSENED_POINTS:
+            return 0.0
+        solver = AdhesionSolver(
+            coarsen_problem(self.problem), tolerance=self.solver_tolerance, report=None, record=self.record
+        )
+        try:
+            return min(state_of_lowest_load(solver.trace_separation(solver.at(start.load, None))).load, 0.0)
+        except EquilibriumNotFoundError:
+            return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
         """Continue a series of equilibria to smaller contact loads, until the external load rises or no more exist."""
@@ -538,6 +535,254 @@ class AdhesionSolver:
     def mean_pressure_to_force(self, mean: float) -> float:
         """Convert a mean pressure (GPa) to a force (mN)."""
         return mean * self.problem.cell_area * self.problem.gap.size
+
+
+@dataclass
+class _MinimizationState:
+    """State between two steps of an energy minimization, from which the minimization can be resumed."""
+
+    gap: Floats
+    # Displacement and net pressure (pressure minus attraction). On free grids, both extend beyond the grid.
+    displacement: Floats
+    net_pressure: Floats
+    approach: float
+    direction: Floats | None = None
+    residual: Floats | None = None
+    approach_direction: float = 0.0
+    approach_residual: float = 0.0
+    slope: float = 0.0  # product of the residual and the preconditioned residual
+    num_failed_descents: int = 0
+    number: int = 0
+    recomputation_number: int = 0  # step number of the last computation of the net pressure in double precision
+
+
+class EnergyMinimizer:
+    """Energy of a contact under a constant load, minimized by preconditioned conjugate gradients.
+
+    The variables are the gap and, on free grids, the approach and the displacements around the grid, where the net
+    pressure must vanish. The energy is the sum of the elastic energy, the energy of the attraction and the work of the
+    load. Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness. The
+    displacement due to the residual pressures preconditions the steps. Each step ends at the first minimum of the
+    energy along its direction.
+    """
+
+    def __init__(self, solver: AdhesionSolver) -> None:
+        import scipy.fft
+
+        self.solver, problem = solver, solver.problem
+        self.hardness, self.record = float(solver.bound[0]), solver.record
+        shape = problem.gap.shape
+        impulse = np.zeros(shape)
+        impulse.flat[0] = 1.0
+        displacement = problem.grids.displacement(impulse)
+        self.window = tuple(slice(0, count) for count in shape)
+        self.shape = shape
+        if not problem.periodic:
+            # Displacements repeat periodically on an extended grid, on which the distances within the grid are unique.
+            self.shape = tuple(scipy.fft.next_fast_len(2 * count, real=True) for count in shape)
+            for axis, (count, length) in enumerate(zip(shape, self.shape, strict=True)):
+                distances = np.minimum(np.arange(length), length - np.arange(length))
+                displacement = np.take(displacement, np.minimum(distances, count - 1), axis=axis)
+        compliance = scipy.fft.rfftn(displacement).real
+        if not problem.periodic:
+            # The mean displacement is arbitrary, because the approach compensates it.
+            compliance.flat[0] = compliance.flat[0] if compliance.flat[0] > 0 else np.abs(compliance).max()
+            compliance = np.maximum(compliance, MIN_COMPLIANCE_RATIO * displacement.flat[0])
+        self.compliance = compliance
+        self.stiffness = np.zeros_like(compliance)
+        np.divide(1.0, compliance, out=self.stiffness, where=compliance > 0)
+        if problem.periodic:
+            self.stiffness.flat[0] = 0.0
+        self.single_stiffness = self.stiffness.astype(np.float32)
+        self.preconditioner = compliance.astype(np.float32)
+        self.preconditioner.flat[0] = max(self.preconditioner.flat[0], self.preconditioner.max())
+        self.window_stiffness = 0.0
+        if not problem.periodic:
+            uniform = np.zeros(self.shape)
+            uniform[self.window] = 1.0
+            self.window_stiffness = float(self._filter(uniform, self.stiffness)[self.window].sum())
+
+    def _filter(self, values: Any, factors: Any) -> Any:
+        """Multiply each Fourier component of the values by a factor."""
+        import scipy.fft
+
+        threads = solver_thread_count()
+        coefficients = scipy.fft.rfftn(values, workers=threads)
+        coefficients *= factors
+        return scipy.fft.irfftn(coefficients, s=self.shape, workers=threads, overwrite_x=True)
+
+    def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
+        """Minimize the energy at an external pressure (GPa) from a nearby state. Return None if the bodies separate."""
+        solver = self.solver
+        stored_state = self.record.read_state()
+        if stored_state is None:
+            state = self._start(near, load)
+        else:
+            state = _MinimizationState(**{
+                field.name: _to_array_or_number(stored_state[field.name])
+                for field in fields(_MinimizationState)
+                if field.name in stored_state
+            })  # fmt: skip
+        max_residual = MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO * solver.max_residual
+        num_points, periodic = state.gap.size, solver.problem.periodic
+        for number in range(state.number, MAX_MINIMIZATION_STEPS):
+            state.number = number
+            self.record.offer_state(lambda: {name: value for name, value in vars(state).items() if value is not None})
+            attraction = solver.attraction_at_gap(state.gap)
+            mean_attraction = float(attraction.mean())
+            if load + mean_attraction < solver.min_contact:
+                return None
+            # At free points the residual is the net pressure that the gap does not balance. It vanishes in contact.
+            residual = state.net_pressure.copy()
+            grid_residual = residual[self.window]
+            grid_residual += attraction
+            pressure = np.where(state.gap > 0, 0.0, np.clip(grid_residual, 0.0, self.hardness))
+            if math.isfinite(self.hardness):
+                pressure[state.gap < 0] = self.hardness
+            grid_residual -= pressure
+            approach_residual = 0.0 if periodic else float(state.net_pressure[self.window].sum()) - load * num_points
+            relative_residual = (float(np.abs(residual).sum()) + abs(approach_residual)) / (
+                float(pressure.sum()) + mean_attraction * num_points
+            )
+            if relative_residual <= max_residual or state.num_failed_descents > MAX_FAILED_DESCENTS:
+                if state.recomputation_number != number:
+                    self._recompute_net_pressure(state, load)
+                    continue
+                if relative_residual > solver.max_residual * MAX_RESIDUAL_TO_TOLERANCE_RATIO:
+                    break
+                contact_load = load + mean_attraction
+                return AdhesionState(pressure.ravel(), attraction, contact_load, load, state.approach)
+            slope = self._update_direction(state, residual, approach_residual)
+            if slope >= 0:
+                self._recompute_net_pressure(state, load)
+                state.direction, state.num_failed_descents = None, state.num_failed_descents + 1
+                continue
+            state.num_failed_descents = 0
+            self._take_step(state, slope, load)
+            self.record.counter.add(ITERATIONS_PER_MINIMIZATION_STEP)
+        force = solver.mean_pressure_to_force(load)
+        raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
+
+    def _start(self, near: AdhesionState, load: float) -> _MinimizationState:
+        problem = self.solver.problem
+        pressure = near.pressure.reshape(problem.gap.shape)
+        net_pressure = np.zeros(self.shape)
+        net_pressure[self.window] = pressure - near.attraction
+        displacement = self._filter(net_pressure, self.compliance)
+        gap = problem.gap + displacement[self.window]
+        elastic = (pressure > 0) & (pressure < self.hardness)
+        touching = elastic if elastic.any() else pressure > 0
+        approach = float(gap[touching].mean() if touching.any() else gap.min())
+        gap -= approach
+        gap = np.where(pressure > 0, np.where(pressure < self.hardness, 0.0, np.minimum(gap, 0.0)), np.maximum(gap, 0))
+        state = _MinimizationState(gap, displacement, net_pressure, approach)
+        self._recompute_net_pressure(state, load)
+        return state
+
+    def _recompute_net_pressure(self, state: _MinimizationState, load: float) -> None:
+        problem = self.solver.problem
+        state.displacement[self.window] = state.gap - problem.gap + state.approach
+        state.net_pressure = self._filter(state.displacement, self.stiffness)
+        if problem.periodic:
+            state.net_pressure += load
+        state.recomputation_number = state.number + 1
+
+    def _update_direction(self, state: _MinimizationState, residual: Floats, approach_residual: float) -> float:
+        """Set the next direction, conjugate to the last one. Return the slope of the energy along it."""
+        gap, grid_residual = state.gap, residual[self.window]
+        in_contact = (gap == 0) & (grid_residual == 0)
+        descent = self._filter((-residual).astype(np.float32), self.preconditioner).astype(float)
+        descent[self.window][in_contact] = 0.0
+        approach_descent = -approach_residual / self.window_stiffness if self.window_stiffness else 0.0
+        slope = _sum_of_products(descent, residual) + approach_descent * approach_residual
+        direction, approach_direction = descent, approach_descent
+        if state.direction is not None and state.residual is not None and state.slope:
+            change = slope - _sum_of_products(descent, state.residual) - approach_descent * state.approach_residual
+            factor = max(change / state.slope, 0.0)
+            direction = descent + factor * state.direction
+            approach_direction += factor * state.approach_direction
+            direction[self.window][in_contact] = 0.0
+            if _sum_of_products(direction, residual) + approach_direction * approach_residual >= 0:
+                direction, approach_direction = descent, approach_descent
+        # points at the edge of the contact whose gap would change against their residual
+        direction[self.window][(gap == 0) & (direction[self.window] * grid_residual > 0)] = 0.0
+        state.direction, state.approach_direction = direction, approach_direction
+        state.residual, state.approach_residual, state.slope = residual, approach_residual, slope
+        return _sum_of_products(direction, residual) + approach_direction * approach_residual
+
+    def _take_step(self, state: _MinimizationState, slope: float, load: float) -> None:
+        """Change the state along its direction to the first minimum of the energy."""
+        solver, periodic = self.solver, self.solver.problem.periodic
+        assert state.direction is not None
+        gap, gap_direction = state.gap, state.direction[self.window]
+        displacement_direction = state.direction
+        if not periodic:
+            displacement_direction = state.direction.copy()
+            displacement_direction[self.window] += state.approach_direction
+        net_pressure_direction = self._filter(displacement_direction.astype(np.float32), self.single_stiffness)
+        total_load = 0.0 if periodic else load * gap.size
+        elastic_slope = (
+            _sum_of_products(displacement_direction, state.net_pressure) - total_load * state.approach_direction
+        )
+        curvature = _sum_of_products(displacement_direction, net_pressure_direction)
+        is_attracted = (gap < NEGLIGIBLE_ATTRACTION_GAP * solver.range) & (gap_direction != 0)
+        gaps, changes = gap[is_attracted], gap_direction[is_attracted]
+
+        def energy_slope(step: float) -> float:
+            new_gaps = gaps + step * changes
+            stress = solver.attraction_at_gap(new_gaps)
+            if math.isfinite(self.hardness):
+                stress[(new_gaps < 0) & (gaps <= 0)] -= self.hardness
+                stress[gaps * new_gaps < 0] = 0.0  # the step ends at a gap of 0
+            return elastic_slope + step * curvature + _sum_of_products(stress, changes)
+
+        max_change = float(np.abs(changes[np.abs(gaps) < SMALL_GAP * solver.range]).max(initial=0.0))
+        max_step = min(MAX_GAP_CHANGE * solver.range / max_change if max_change > 0 else math.inf, MAX_STEP_LENGTH)
+        step = _find_first_root(energy_slope, slope, max_step)
+        new_gap = gap + step * gap_direction
+        crosses = gap * new_gap < 0 if math.isfinite(self.hardness) else new_gap < 0
+        state.gap = np.where(crosses, 0.0, new_gap)
+        state.approach += step * state.approach_direction
+        displacement_direction *= step
+        state.displacement += displacement_direction
+        net_pressure_direction *= np.float32(step)
+        state.net_pressure += net_pressure_direction
+        if (state.number + 1) % NUM_STEPS_PER_RECOMPUTATION == 0:
+            self._recompute_net_pressure(state, load)
+        elif crosses.any():
+            # The step ends at a gap of 0.
+            correction = np.zeros(self.shape, np.float32)
+            correction[self.window] = state.gap - new_gap
+            state.displacement += correction
+            state.net_pressure += self._filter(correction, self.single_stiffness)
+
+
+def _sum_of_products(left: Floats, right: Floats) -> float:
+    """Return the sum of the products of two arrays, without the threads of a linear algebra library."""
+    return float(np.einsum("i,i->", left.ravel(), right.ravel()))
+
+
+def _find_first_root(function: Callable[[float], float], value_at_zero: float, max_argument: float) -> float:
+    """Return the first root above 0 of a function that is negative at 0, or `max_argument` if it has no root."""
+    left, left_value = 0.0, value_at_zero
+    right = INITIAL_STEP_FRACTION * min(1.0, max_argument)
+    while (right_value := function(right)) <= 0:
+        if right >= max_argument:
+            return max_argument
+        left, left_value, right = right, right_value, min(2 * right, max_argument)
+    root = right
+    for _ in range(MAX_LINE_SEARCH_STEPS):
+        width = right - left
+        root = right - right_value * width / (right_value - left_value)
+        root = min(max(root, left + 0.02 * width), right - 0.02 * width)
+        value = function(root)
+        if abs(value) <= MAX_SLOPE_RATIO * abs(value_at_zero):
+            break
+        if value > 0:
+            right, right_value = root, value
+        else:
+            left, left_value = root, value
+    return root
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:

@@ -25,9 +25,11 @@ from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.mechanics.adhesion import solve_separation, solve_with_adhesion
 from stiction.mechanics.friction import FrictionCurve
 from stiction.mechanics.half_space_problem import (
+    MIN_PROCESS_ZONE_POINTS,
     ContactSolver,
     from_step_result,
     make_problem,
+    min_resolved_adhesion_range,
     parse_loads_or_approaches,
     to_contact_solution,
     to_step_result,
@@ -61,15 +63,6 @@ TiltMode = Literal["fixed", "free"]
 
 DEFAULT_ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
-
-# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
-# With fewer points, the adhesive contact solution depends on the grid.
-MIN_PROCESS_ZONE_POINTS = 2.0
-
-
-def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the shortest range (µm) of an attraction that a grid resolves, given work of adhesion (mN/µm) and E*."""
-    return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -203,9 +196,8 @@ class HalfSpaceCurve(FrictionCurve):
     def pull_off(self) -> float:
         """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
 
-        The force is computed on first use. No equilibrium was found at a tension that is 1 % larger, and none exists
-        at a tension that is 5 % larger. If this is not certain, a warning contains "at least", and
-        `pull_off_is_bound` is True.
+        The force is computed on first use. At a tension that is at most 1 % larger, the bodies separated. If the
+        computation did not converge, a warning contains "at least", and `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:

@@ -322,6 +322,34 @@ def make_problem(
     )
 
 
+# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
+# With fewer points, the adhesive contact solution depends on the grid.
+MIN_PROCESS_ZONE_POINTS = 2.0
+
+
+def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: float) -> float:
+    """Return the shortest range (µm) of an attraction that a grid resolves, given work of adhesion (mN/µm) and E*."""
+    return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
+
+
+def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
+    """Return the problem on every second grid point. A range of attraction too short for the grid is increased."""
+    spacing = tuple(2 * step for step in problem.spacing)
+    every_second = (slice(None, None, 2),) * problem.gap.ndim
+    upper, lower, gap = (
+        np.ascontiguousarray(values[every_second]) for values in (problem.upper, problem.lower, problem.gap)
+    )
+    _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
+    # `get_half_space_grids` would replace the cached grids of the problem.
+    grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
+    _key_of_grids[grids] = gap.shape, spacing, effective_modulus, periodic
+    min_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
+    adhesion_range = max(problem.adhesion_range, min_range)
+    return replace(
+        problem, upper=upper, lower=lower, gap=gap, spacing=spacing, grids=grids, adhesion_range=adhesion_range
+    )
+
+
 StepKind = Literal["loads", "approaches"]
 
 

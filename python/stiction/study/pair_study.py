@@ -24,7 +24,8 @@ from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import MAX_WORD_LENGTH
 from stiction._units import Quantity, core_quantity, exact_quantity_text, short_repr
-from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
+from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH

@@ -29,7 +29,8 @@ from stiction.evaluate.point import (
     mean_over_directions,
 )
 from stiction.mechanics import friction
-from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE, min_resolved_adhesion_range
+from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
+from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput, parse_input_value
