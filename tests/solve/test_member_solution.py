@@ -158,7 +158,7 @@ def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_complian
         for modulus in ("1 kPa", "1 GPa", "1 TPa")
     ]  # fmt: skip
     assert estimated_times[0] > estimated_times[1] > estimated_times[2] > 0
-    assert estimated_times[0] > 50 * estimated_times[2]
+    assert estimated_times[0] > 40 * estimated_times[2]
 
 
 def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
@@ -187,12 +187,10 @@ def test_estimated_solution_time_is_doubled_for_large_free_maps(tmp_path, monkey
     assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
 
 
-def test_estimated_iterations_of_soft_adhesive_maps_double_with_the_side_above_256_points(tmp_path, monkeypatch):
+def test_estimated_iterations_of_soft_adhesive_maps_are_independent_of_the_number_of_points(tmp_path, monkeypatch):
     soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
     iterations = [
         estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))
         for side in (128, 256, 512, 1024)
     ]
-    assert iterations[0] == pytest.approx(iterations[1], rel=0.01)
-    assert iterations[2] == pytest.approx(2 * iterations[1], rel=0.02)
-    assert iterations[3] == pytest.approx(2 * iterations[2], rel=0.02)
+    assert iterations == pytest.approx(iterations[:1] * 4, rel=0.01)

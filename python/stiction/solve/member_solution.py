@@ -379,14 +379,14 @@ The keys are False for lines and True for areas.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_PULL_OFF_ITERATIONS = 10_700  # maximum number of iterations for the pull-off force of maps with up to 256² points
-# maximum number of iterations for the pull-off force of larger maps, per point along a side
-MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT = 42
+# maximum number of iterations for the pull-off force of lines and of maps
+# Each step of an energy minimization counts as 2 iterations.
+MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 8000}
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
 
 The number is inversely proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need
-the most iterations: 7000 with 256² points, and 21 000 with 512² points. The maximum covers both.
+the most iterations: 4800 with 256² points, and 8700 with 512² points.
 """
 
 _reusable_arrays = threading.local()
@@ -459,10 +459,7 @@ def estimate_member_iterations(study: Study) -> float:
 
 
 def _estimate_pull_off_iterations(study: Study) -> float:
-    factor, max_iterations = PULL_OFF_ITERATION_FACTORS[study.is_areal], float(MAX_PULL_OFF_ITERATIONS)
-    if study.is_areal:
-        side_points = math.sqrt(count_grid_points(study))
-        max_iterations = max(max_iterations, MAX_PULL_OFF_ITERATIONS_PER_SIDE_POINT * side_points)
+    factor, max_iterations = PULL_OFF_ITERATION_FACTORS[study.is_areal], MAX_PULL_OFF_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / max_iterations)
 
 
