@@ -170,7 +170,7 @@ def shear_test(
     Notes
     -----
     Each displacement is a half-space contact with friction at all contacts. The asperities deform elastically, and
-    flow at the hardness. Breakage, gouge and wear are not included: each step starts from the scanned faces. On a
+    yield at the hardness. Breakage, gouge and wear are not included: each step starts from the scanned faces. On a
     sawtooth of angle i the coefficient is :math:`\tan(\phi + i)` with :math:`\tan \phi = μ_0`; without friction, the
     work of the tangential load is the work of dilation plus the elastic energy. The dilation is the change of the mean
     gap, without the bending of the bodies. The dilation angle at the peak is the arctangent of dilation over

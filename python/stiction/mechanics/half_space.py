@@ -134,7 +134,7 @@ class HalfSpaceCurve(FrictionCurve):
         Decrease of the mean gap since first contact: the approach minus the mean displacement, without the bending of
         free bodies. Joint tests measure the closure. For periodic surfaces it equals the approach.
     error : (k,) ndarray
-        Largest gap at a point under pressure, or largest overlap (except at points at the hardness), divided by the rms
+        Largest gap at a point under pressure, or largest overlap (except at yielded points), divided by the rms
         deviation of the gap or, if larger, of the displacements under a uniform pressure.
     iterations : (k,) ndarray of int
         Number of iterations on the finest grid.
@@ -151,7 +151,7 @@ class HalfSpaceCurve(FrictionCurve):
     normal_adhesive, tangential_adhesive : (k,) or (d, k) ndarray, mN per GPa of tau0
         Σ A t_z and -Σ A s·t over opposing patches, or over all patches.
     load_share_at_hardness, area_share_at_hardness : (k,) ndarray
-        Fractions of the load, and of the points under pressure, that are at points at the hardness.
+        Fraction of the load on yielded points, and fraction of the points under pressure that have yielded.
     contact_load : (k,) ndarray, mN
         Sum of the pressures: the load plus the attraction of adhering surfaces.
     effective_modulus : float, GPa

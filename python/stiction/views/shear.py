@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 MAX_PRINTED_DISPLACEMENTS = 13
 MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
 MAX_EDGE_LOAD_FRACTION = 0.2  # fraction of the load at the edges of the faces above which the result has a caveat
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # fraction of the load at the hardness above which the result has a caveat
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # fraction of the load on yielded points above which the result has a caveat
 # initial contact area, as a fraction of the overlap, above which the result has a caveat
 MAX_INITIAL_AREA_FRACTION = 0.5
 # largest friction coefficient at the peak that Barton and Choubey (1977) recommend to use
