@@ -146,3 +146,11 @@ def no_reports():
     """Replace the reports that commands write by empty pages during a test, for faster tests of other output."""
     with disable_reports():
         yield
+
+
+@pytest.fixture(scope="module")
+def few_fitted_lines():
+    """Fit the Hurst exponent of at most 12 lines of a map along each axis, for faster tests of text and figures."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stiction.surfaces.lines.MAX_FITTED_LINES", 12)
+        yield

@@ -25,6 +25,8 @@ from stiction import (
 from stiction.views.characterisation import characterisation_text
 from support.command import assert_rejected, call_stiction, check_stiction
 
+pytestmark = pytest.mark.usefixtures("few_fitted_lines")
+
 
 @pytest.fixture(scope="module")
 def profile():

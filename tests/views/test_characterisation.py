@@ -37,6 +37,8 @@ from support.rough_surfaces import periodic_body
 
 PROFILE_WITHOUT_BAND = Profile(np.sin(np.arange(700) / 20), spacing=5.0)
 
+pytestmark = pytest.mark.usefixtures("few_fitted_lines")
+
 
 @pytest.fixture(scope="module")
 def profile():
