@@ -66,7 +66,9 @@ def quotable_sentence(point: PointSummary) -> str:
     if point.assessment == "Do not quote":
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
-    coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules)
+    # The coefficient for the other sliding rule does not apply to the interface.
+    rules = point.rules[:1] if _has_values_of_interface(point) else point.rules
+    coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", point_note_text(point)]
     sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
     sentence_parts += filter(
@@ -134,7 +136,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
         items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
     items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
     items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
-    if study.friction.interface is not None and all(_is_central_value(point, name) for name in ("mu0", "tau0")):
+    if _has_values_of_interface(point):
         items.append(_interface_text(study))
     if materials := material_names_text(study):
         items.append(materials)
@@ -195,6 +197,12 @@ def _input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets if a point is at the central value, or else ""."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
+
+
+def _has_values_of_interface(point: PointSummary) -> bool:
+    """Return True if mu0 and tau0 of a point are the medians of an interface."""
+    has_interface = point.study.friction.interface is not None
+    return has_interface and all(_is_central_value(point, name) for name in ("mu0", "tau0"))
 
 
 def _is_central_value(point: PointSummary, name: str) -> bool:
