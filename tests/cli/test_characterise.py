@@ -366,7 +366,8 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
             call_stiction("characterise", "a.csv", "b.csv", "--repeated", *options, cwd=tmp_path), expected_words
         )
     completed = call_stiction("characterise", "a.csv", "b.csv", "--repeated", "--json", cwd=tmp_path)
-    assert json.loads(completed.stdout)["limit_um"] == comparison.limit
+    record = json.loads(completed.stdout)
+    assert (record["limit_um"], record["noise_slope_fraction"]) == (comparison.limit, comparison.slope_fraction)
 
 
 def test_characterise_command_ignores_spikes_in_several_scans_and_names_the_scan_that_has_them(tmp_path):

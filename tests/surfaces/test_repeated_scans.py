@@ -1,8 +1,17 @@
 import numpy as np
 import pytest
 from scipy.ndimage import grey_dilation
-from stiction import Profile, Surface, compare_repeated_scans, self_affine, self_affine_surface, tip_reconstructed
+from stiction import (
+    Profile,
+    Surface,
+    compare_repeated_scans,
+    instrument_limit,
+    self_affine,
+    self_affine_surface,
+    tip_reconstructed,
+)
 from stiction.surfaces.scale import mean_square_height_spectrum
+from stiction.views.scans import describe_mean_scan_noise
 
 # Relative error of the noise per octave at wavelengths above four points.
 # The noise scatters by 3 % in the shortest octave and by 1 % on maps.
@@ -70,6 +79,24 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
         noise_slope[0] ** 2 * np.exp(-2 * np.log(2) * (noise_slope[0] * result.limit / (2 * np.pi)) ** 2)
     )
     assert noise_slope / (scan_spectrum @ filtered_slope_weights) == pytest.approx(0.1, rel=0.15)
+
+
+def test_comparison_of_repeated_scans_reports_noise_above_a_tenth_that_a_cutoff_of_two_points_removes():
+    options = {"longest_wavelength": 60.0, "shortest_wavelength": 2.0, "hurst_exponent": 0.8, "rms": 0.25}
+    clean = self_affine(97, points=8000, spacing=0.25, **options)
+    rng = np.random.default_rng(1)
+    scans = [Profile(clean.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
+    result = compare_repeated_scans(*scans)
+    assert result.slope_fraction == pytest.approx(instrument_limit(result.scan).slope_fraction, rel=0.1)
+    assert result.slope_fraction > 0.15
+    assert "17 % of the mean square slope" in describe_mean_scan_noise(result)
+    assert "--cutoff '500 nm'" in describe_mean_scan_noise(result)
+    less_noisy = compare_repeated_scans(
+        *(Profile((3 * clean.heights + scan.heights) / 4, spacing=0.25) for scan in scans)
+    )
+    assert less_noisy.slope_fraction < 0.1
+    assert less_noisy.limit == 0.5
+    assert "All wavelengths of the mean scan can be used" in describe_mean_scan_noise(less_noisy)
 
 
 def test_comparison_of_repeated_scans_rejects_unrelated_scans():

@@ -18,14 +18,12 @@ from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.missing_data import with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
-from stiction.surfaces.scale import mean_square_height_spectrum, round_up_wavelength
+from stiction.surfaces.scale import MAX_UNATTRIBUTED_FRACTION, mean_square_height_spectrum, round_up_wavelength
 from stiction.surfaces.surface import Surface, as_body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Largest fraction of the mean square slope that may be noise, so that h' is wrong by at most 5 %.
-MAX_NOISE_FRACTION = 0.1
 MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm), below which powers of heights would underflow
 MIN_CORRELATION = 0.5  # minimum correlation of two scans of the same area
 # Widths (points) of the Gaussian filters with which two scans are aligned, in this order.
@@ -58,8 +56,11 @@ class RepeatedScans(PlotReprMixin):
     noise_rms : float, µm
         Root-mean-square noise of one scan over all wavelengths.
     limit : float, µm
-        Shortest cutoff that reduces noise to less than a tenth of the mean square slope of `scan`. Two points
-        if the scan needs no filter; NaN if no cutoff up to a third of the shortest side suffices.
+        Shortest cutoff, from two points upwards, that reduces noise to a tenth of the mean square slope of `scan`. Two
+        points also if `slope_fraction` is at most a tenth and the scan needs no filter; NaN if no cutoff up to a third
+        of the shortest side suffices.
+    slope_fraction : float
+        Fraction of the mean square slope of `scan`, without a filter, that is noise.
 
     Examples
     --------
@@ -80,6 +81,7 @@ class RepeatedScans(PlotReprMixin):
     common: Floats = field(metadata={"unit": "µm"})
     noise_rms: float = field(metadata={"unit": "µm"})
     limit: float = field(metadata={"unit": "µm"})
+    slope_fraction: float
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the noise of both scans, and the roughness that they share, against the wavelength.
@@ -199,10 +201,14 @@ def compare_repeated_scans(
         float(np.std(first_heights - second_heights) / math.sqrt(2)),
         float(np.min(scan.extent)) / 3,
     )
-    limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
+    slope_fraction = float(half_difference_spectrum @ q**2 / (mean_scan_spectrum @ q**2))
+    limit = shortest_wavelength
+    if slope_fraction > MAX_UNATTRIBUTED_FRACTION:
+        limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
-        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit
-    )
+        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit,
+        slope_fraction,
+    )  # fmt: skip
 
 
 def _check_scans(first: Any, second: Any) -> None:
@@ -252,13 +258,11 @@ def _are_identical(
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) after which noise is at most `MAX_NOISE_FRACTION` of the mean square slope."""
-    if noise @ q**2 <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ q**2):
-        return shortest
+    """Return the shortest cutoff (µm) that limits noise to `MAX_UNATTRIBUTED_FRACTION` of the mean square slope."""
     cutoff: float
     for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
         slope_weight = np.square(q * gaussian_transmission(q, cutoff))
-        if noise @ slope_weight <= MAX_NOISE_FRACTION * (mean_scan_spectrum @ slope_weight):
+        if noise @ slope_weight <= MAX_UNATTRIBUTED_FRACTION * (mean_scan_spectrum @ slope_weight):
             return round_up_wavelength(cutoff)
     return math.nan
 

@@ -17,6 +17,7 @@ from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import MAX_SPECTRA_RATIO, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
+from stiction.surfaces.scale import MAX_UNATTRIBUTED_FRACTION
 from stiction.views.json_record import caveat_record
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -196,7 +197,7 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
-    """Return the noise of two scans in each octave, their shift, usable wavelengths and caveats as text."""
+    """Return the noise of two scans in each octave, their shift, the cutoff against noise, and caveats as text."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -218,20 +219,19 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
         f"The second scan starts at {shift_text} of the first scan. The correlation is {comparison.correlation:.4g}, "
         f"the noise of a single scan {format_with_unit(comparison.noise_rms, 'um')}."
     )
-    paragraphs = f"{wrap_text(text)}\n{wrap_text(usable_wavelength_text(comparison))}\n{_caveat_lines(caveats)}"
+    paragraphs = f"{wrap_text(text)}\n{wrap_text(describe_mean_scan_noise(comparison))}\n{_caveat_lines(caveats)}"
     return f"{format_table(rows)}\n\n{paragraphs}"
 
 
-def usable_wavelength_text(comparison: RepeatedScans) -> str:
-    """Return a sentence about the shortest usable wavelength of the mean of two scans."""
+def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
+    """Return a sentence about the noise of the mean of two scans, and about the cutoff that it needs."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
-    if comparison.limit <= comparison.wavelength[0]:
+    if comparison.slope_fraction <= MAX_UNATTRIBUTED_FRACTION:
         return "All wavelengths of the mean scan can be used: less than a tenth of its mean square slope is noise."
-    wavelength = format_with_unit(comparison.limit, "um")
     return (
-        f"Wavelengths of the mean scan above {wavelength} can be used: --cutoff '{wavelength}' limits noise to a "
-        "tenth of the mean square slope."
+        f"{format_percent(comparison.slope_fraction)} of the mean square slope of the mean scan is noise: "
+        f"--cutoff '{format_with_unit(comparison.limit, 'um')}' limits noise to a tenth."
     )
 
 
@@ -241,13 +241,14 @@ def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] =
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
         "limit_um": None if math.isnan(comparison.limit) else comparison.limit,
+        "noise_slope_fraction": comparison.slope_fraction,
         "octaves": {name: item.tolist() for name, item in octaves.items()},
         "caveats": list(map(caveat_record, caveats)),
     }  # fmt: skip
 
 
 def octave_noise_csv(comparison: RepeatedScans) -> str:
-    """Return the noise of two scans in each octave as CSV, with the shortest usable wavelength."""
+    """Return the noise of two scans in each octave as CSV, with the cutoff that limits noise in their mean."""
     import pandas
 
     columns = {
@@ -255,7 +256,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
         "noise (um)": comparison.noise,
         "common (um)": comparison.common,
     }
-    return f"# {usable_wavelength_text(comparison)}\n{frame_to_csv(pandas.DataFrame(columns), float_format='%.6g')}"
+    return f"# {describe_mean_scan_noise(comparison)}\n{frame_to_csv(pandas.DataFrame(columns), float_format='%.6g')}"
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
