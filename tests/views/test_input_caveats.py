@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, flipped, instrument_limit, interface, levelled, pair, self_affine
+from stiction import Profile, Surface, cut_off, flipped, instrument_limit, interface, levelled, pair, self_affine
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study_description import get_pair_name
 from stiction.summary.input_caveats import (
@@ -13,6 +13,7 @@ from stiction.summary.input_caveats import (
     MAX_PLAUSIBLE_MU0,
     MAX_PRESSURE_OVER_MODULUS,
     MIN_SPIKE_SHARPNESS_RATIO,
+    find_alternatives,
     find_input_caveats,
     find_scan_caveats,
 )
@@ -218,6 +219,41 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     ] == ["caution", "fault"]
     with pytest.raises(ValueError, match="tip"):
         pair_study(scan, scan, tip="20", **options)
+
+
+@pytest.mark.parametrize("options", [{"cutoff": "200 nm"}, {}])
+def test_fraction_that_the_tip_does_not_resolve_is_counted_on_the_filtered_scans(options):
+    noise = np.random.default_rng(1).normal(size=(2, 3000))
+    clean = self_affine(
+        3, points=3000, spacing=0.01, hurst_exponent=0.8, rms=0.005, longest_wavelength=5.0, shortest_wavelength=0.1
+    )
+    scans = [Profile(clean.heights + 3e-4 * each, spacing=0.01) for each in noise]
+    study = pair_study(*scans, tip="2 um", load="10 MPa", mu0=0.2, effective_modulus="80 GPa", **options)
+    cutoff = study.surfaces.reported_cut_off()
+    own_cutoffs = [
+        min(cutoff, float(each.max_cut_off or cutoff)) for each in (study.surfaces.upper, study.surfaces.lower)
+    ]
+    filtered_scans = [cut_off(scan, own_cutoff) for scan, own_cutoff in zip(scans, own_cutoffs, strict=True)]
+    expected_percentages = [
+        f"{100 * instrument_limit(scan, tip_radius=2.0).slope_fraction:.0f}" for scan in filtered_scans
+    ]
+    unfiltered_percentages = [f"{100 * instrument_limit(scan, tip_radius=2.0).slope_fraction:.0f}" for scan in scans]
+    assert expected_percentages != unfiltered_percentages
+    texts = [caveat.text for caveat in find_input_caveats(*scans, study) if "does not resolve" in caveat.text]
+    assert " ".join(texts).count("%") == len(texts)
+    assert all(any(percentage in text for text in texts) for percentage in expected_percentages)
+
+
+def test_tip_caveat_and_tip_estimate_are_left_out_if_the_filter_removes_what_the_tip_does_not_resolve():
+    scan = self_affine(
+        3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
+    )
+    options = {"tip": "500 nm", "load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    for cutoff, expected_alternatives in (("5 nm", ["tip"]), ("1 um", [])):
+        study = pair_study(scan, scan, cutoff=cutoff, **options)
+        texts = [caveat.text for caveat in find_input_caveats(scan, scan, study)]
+        assert [name for name in find_alternatives(study) if name == "tip"] == expected_alternatives
+        assert any("does not resolve" in text for text in texts) == bool(expected_alternatives)
 
 
 class TestNoiseHiddenByRoughness:

@@ -85,8 +85,10 @@ def find_input_caveats(
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
     # A gap between two faces has no caveat about form error, and neither have scans whose form is subtracted.
-    is_form_subtracted = study.surfaces.level == "quadratic"
-    is_vouched = bool(study.surfaces.vouched)
+    surfaces: Any = study.surfaces
+    is_form_subtracted = surfaces.level == "quadratic"
+    is_vouched = bool(surfaces.vouched)
+    quoted_cutoff = surfaces.reported_cut_off()
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
         """Return the caveats about the scans of a body. Caveats of one kind are merged, with the longest cutoff."""
@@ -103,6 +105,7 @@ def find_input_caveats(
                     instrument=not is_vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study), alternatives=alternatives,
+                    cut_off=scan_entry.limit_cut_off(quoted_cutoff),
                 )  # fmt: skip
             for caveat in scan_caveats:
                 caveats_by_kind[_get_caveat_kind(caveat)] = max(
@@ -274,16 +277,20 @@ def find_scan_caveats(
     elastic: bool = False,
     alternatives: Collection[str] = (),
     periodic: bool = False,
+    cut_off: float = 0.0,
 ) -> list[Caveat]:
     """Return caveats about a scan: heights, form, steps, spikes, and wavelengths not due to the surface.
 
     If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
     humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
     no hardness. `alternatives` contains the names of the alternative preparations that the interval includes.
-    `power_spectrum` explains `periodic`.
+    `power_spectrum` explains `periodic`. The roughness that a tip does not reach is a fraction of the roughness after a
+    low-pass filter at `cut_off` (µm, 0 for no filter).
     """
     defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
-    instrument_caveats = _find_instrument_caveats(defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives)
+    instrument_caveats = _find_instrument_caveats(
+        defects, has_second_cutoff, elastic, TIP_ALTERNATIVE in alternatives, cut_off
+    )
     return [
         *_find_form_caveats(defects, form=form, step=step, has_masked_result=SPIKES_ALTERNATIVE in alternatives),
         *(instrument_caveats if instrument else ()),
@@ -312,6 +319,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     interval of their true area does not include finer roughness. Raises a `ValueError` if a file cannot be read.
     """
     surfaces: Any = study.surfaces
+    quoted_cutoff = surfaces.reported_cut_off()
     scans = [
         (settings, find_scan_defects(body, settings.tip, textured=settings.texture is not None))
         for side in SIDES
@@ -322,7 +330,8 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     if any(settings.outliers == "keep" and defects.num_spikes for settings, defects in scans):
         names.append(SPIKES_ALTERNATIVE)
     if not (study.is_gap or surfaces.vouched) and any(
-        not defects.body.is_flat and defects.tip_limit is not None for _, defects in scans
+        not defects.body.is_flat and defects.find_tip_limit(settings.limit_cut_off(quoted_cutoff)) is not None
+        for settings, defects in scans
     ):
         names.append(TIP_ALTERNATIVE)
     return names
@@ -354,11 +363,11 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 
 
 def _find_instrument_caveats(
-    defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool
+    defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool, cut_off: float
 ) -> Iterator[Caveat]:
     """Yield caveats about wavelengths that the instrument adds or the tip does not resolve."""
     try:
-        limit, tip_limit = defects.instrument_limit, defects.tip_limit
+        limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
     except ValueError:  # a flat body raises a ValueError
         return
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
@@ -389,7 +398,9 @@ def _find_instrument_caveats(
         # Without a hardness, finer scans have ever steeper slopes and an ever smaller true area.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        yield Caveat(text, remedy, peak_severity, tip_limit.cut_off, interval_note=note)
+        # One Gaussian filter at this cutoff equals filters at both cutoffs.
+        combined_cutoff = math.hypot(cut_off, tip_limit.cut_off)
+        yield Caveat(text, remedy, peak_severity, combined_cutoff, interval_note=note)
     body = defects.body_without_outliers
     if not isinstance(body, Profile):
         return

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats
+from stiction.surfaces.filters import gaussian_low_pass
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.preparation import levelled
@@ -87,6 +88,7 @@ class ScanDefects:
         self, body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
     ) -> None:
         self.body, self.tip_radius, self.textured, self.periodic = body, tip_radius, textured, periodic
+        self._limits_with_tip: dict[float, InstrumentLimit] = {}
 
     @cached_property
     def outliers(self) -> NDArray[np.bool_]:
@@ -135,30 +137,38 @@ class ScanDefects:
             return None
         return find_hidden_noise(self.body_without_outliers, periodic=self.periodic)
 
-    @cached_property
+    @property
     def limit_with_tip(self) -> InstrumentLimit | None:
         """Shortest reliable wavelength of the scan, limited by pixels, noise and tip, or None without a tip radius.
 
         Raises a `ValueError` if the body is flat.
         """
-        return None if self.tip_radius is None else self._find_instrument_limit(self.tip_radius)
+        return self._find_limit_with_tip(0.0)
 
-    @property
-    def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength of the scan if the tip limits it, or None if the tip does not matter.
+    def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
+        """Return the shortest reliable wavelength of the filtered scan if the tip limits it.
 
-        None if no tip radius is given, if pixels or noise set the limit, or if shorter wavelengths contribute at most
-        1 % of the mean square slope. Raises a `ValueError` if the body is flat.
+        The scan is low-pass filtered at a cutoff (µm, 0 for no filter). Returns None if no tip radius is given, if
+        pixels or noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises
+        a `ValueError` if the body is flat.
         """
-        limit = self.limit_with_tip
+        limit = self._find_limit_with_tip(cut_off)
         if limit is None or limit.reason != "tip":
             return None
         return limit if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
 
-    def _find_instrument_limit(self, tip_radius: float | None) -> InstrumentLimit:
-        return instrument_limit(
-            self.body_without_outliers, tip_radius=tip_radius, periodic=self.periodic, texture=self.textured
-        )
+    def _find_limit_with_tip(self, cut_off: float) -> InstrumentLimit | None:
+        if self.tip_radius is None:
+            return None
+        if cut_off not in self._limits_with_tip:
+            self._limits_with_tip[cut_off] = self._find_instrument_limit(self.tip_radius, cut_off)
+        return self._limits_with_tip[cut_off]
+
+    def _find_instrument_limit(self, tip_radius: float | None, cut_off: float = 0.0) -> InstrumentLimit:
+        body = self.body_without_outliers
+        if cut_off > 0:
+            body = body.changed(gaussian_low_pass(body, cut_off, periodic=self.periodic), "low-pass filtered")
+        return instrument_limit(body, tip_radius=tip_radius, periodic=self.periodic, texture=self.textured)
 
 
 def compute_mean_square_slope(body: Profile | Surface) -> float:
