@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from stiction import Profile, Surface, flipped, half_space, interface, self_affine_surface, shear_test
+from stiction.evaluate.shear_intervals import add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.views.shear import headline_estimates
 
@@ -356,6 +357,30 @@ def test_scatter_between_strips_equals_scatter_between_separate_shear_tests():
         for end, sign in (("lower", -1), ("upper", 1)):
             limit = result.attrs[name] + sign * 3.182 * error  # Student's t with three degrees of freedom
             assert result.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
+
+
+def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a_solution():
+    face, options = (
+        create_rough_map(128),
+        {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa", "strips": 0},
+    )
+    whole = shear(face, **options)
+    strips = [
+        shear(Surface(face.heights[first : first + 32], spacing=face.spacing), **options) for first in range(0, 128, 32)
+    ]
+    unsolved = strips[0].copy(deep=True)
+    for name in ("shear_stress", "dilation", "normal_load"):
+        unsolved[name][-1] = np.nan
+    expected, result = (add_shear_intervals(whole, [], [], each) for each in (strips, [unsolved, *strips[1:]]))
+    for name in ("friction_coefficient_interval", "shear_stress_interval", "dilation_interval"):
+        np.testing.assert_allclose(result[name][:, :-1], expected[name][:, :-1], rtol=1e-9)
+    assert whole["friction_coefficient"].values.argmax() < 3
+    assert result.attrs["peak_upper"] == pytest.approx(expected.attrs["peak_upper"], rel=1e-9)
+    coefficients = [float(each["friction_coefficient"][-1]) for each in strips[1:]]
+    width = 2 * 4.303 * np.std(coefficients, ddof=1) / np.sqrt(3)  # Student's t with two degrees of freedom
+    assert np.ptp(result["friction_coefficient_interval"].values[:, -1]) == pytest.approx(width, rel=0.02)
+    only_one = add_shear_intervals(whole, [], [], [unsolved, unsolved, unsolved, strips[3]])
+    assert np.isnan(only_one["friction_coefficient_interval"][:, -1]).all()
 
 
 def test_strips_of_a_shear_test_lie_along_the_motion():

@@ -172,29 +172,53 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
     if is_ok[-1]:
         values["end"] = coefficient[:, -1]
     if test.attrs["peak_status"] == STATUS_OK:
-        rows, peaks = np.arange(len(coefficient)), np.where(is_ok, coefficient, -np.inf).argmax(axis=1)
+        rows = np.arange(len(coefficient))
+        peaks = np.where(is_ok & ~np.isnan(coefficient), coefficient, -np.inf).argmax(axis=1)
         values["peak"], values["peak_displacement_um"] = coefficient[rows, peaks], displacement[peaks]
         values["peak_dilation_angle_deg"] = compute_dilation_angles(displacement, dilation)[rows, peaks]
-        values["peak_shear_stress_GPa"] = np.where(is_ok, stress, -np.inf).max(axis=1)
+        values["peak_shear_stress_GPa"] = np.where(is_ok & ~np.isnan(stress), stress, -np.inf).max(axis=1)
     return values
 
 
-def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _Samples:
-    """Return the standard errors of means over strips of the faces.
+@dataclass(frozen=True)
+class _StripErrors:
+    """Standard errors of means over strips, and the numbers of strips with a solution, each an array per quantity."""
 
-    The errors are NaN, or the name is missing, if a strip has no solution.
+    errors: _Samples
+    counts: _Samples
+
+    def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
+        """Return a deviation from the mean for each probability (first axis), by Student's t distribution.
+
+        The deviations are NaN if fewer than two strips have a solution.
+        """
+        from scipy.special import stdtrit
+
+        error, count = (np.broadcast_to(each.get(name, np.nan), shape) for each in (self.errors, self.counts))
+        probabilities = probabilities.reshape(-1, *[1] * len(shape))
+        return np.asarray(stdtrit(np.maximum(np.nan_to_num(count) - 1, 1), probabilities) * error)
+
+
+def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripErrors:
+    """Return the errors of means over the strips that have a solution.
+
+    Peaks of a strip are found among the displacements at which the strip has a solution.
     """
-    if not strips:
-        return {}
     coefficient = np.stack(
         [_divide(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
     )
+    coefficient = np.where(np.isfinite(coefficient), coefficient, np.nan)
     stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))
-    values = _summarize_samples(test, coefficient, stress, dilation)
-    if not np.isfinite(coefficient[:, test["status"].values == STATUS_OK]).all():
-        # Drop quantities of the whole curve: the peak of a strip may be at a displacement without a coefficient.
-        values = {name: each for name, each in values.items() if name in CURVE_NAMES}
-    return {name: np.asarray(each.std(axis=0, ddof=1)) / math.sqrt(len(strips)) for name, each in values.items()}
+    errors, counts = {}, {}
+    for name, values in _summarize_samples(test, coefficient, stress, dilation).items():
+        is_known = np.isfinite(values)
+        counts[name] = is_known.sum(axis=0)
+        has_scatter = counts[name] > 1
+        mean = np.where(is_known, values, 0.0).sum(axis=0) / np.maximum(counts[name], 1)
+        squares = np.where(is_known, (values - mean) ** 2, 0.0).sum(axis=0)
+        freedom = np.where(has_scatter, counts[name] * (counts[name] - 1), 1)
+        errors[name] = np.where(has_scatter, np.sqrt(squares / freedom), np.nan)
+    return _StripErrors(errors, counts)
 
 
 def add_shear_intervals(
@@ -204,15 +228,16 @@ def add_shear_intervals(
     """Add 95 % intervals to the results of a shear test.
 
     `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
-    of the mean over the strips counts as the error of the test, with Student's t distribution. An interval contains the
-    value. The interval of the displacement at the peak also contains the displacements before and after the peak. The
-    dilation angle has no interval if it is the same for all samples.
+    of the mean over the strips counts as the error of the test, with Student's t distribution. There is no interval
+    where fewer than two strips have a solution. An interval contains the value. The interval of the displacement at the
+    peak also contains the displacements before and after the peak. The dilation angle has no interval if it is the same
+    for all samples.
     """
-    errors = _estimate_strip_errors(test, strips)
+    strip_errors = _estimate_strip_errors(test, strips) if strips else None
     if samples:
         sampled_tests = [_sample_test(test, each, variations) for each in samples]
         probabilities = samples[0].probabilities
-    elif errors:
+    elif strips:
         curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVE_NAMES)
         sampled_tests, probabilities = (
             [_summarize_samples(test, *curves)],
@@ -220,23 +245,12 @@ def add_shear_intervals(
         )
     else:
         return test
-    scores = _student_scores(probabilities, len(strips))
     limits = {}
     for name in sampled_tests[0]:
         value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
-        error = np.broadcast_to(errors.get(name, np.nan), value.shape)
-        if samples:
-            error = np.nan_to_num(error)  # an unknown scatter between strips counts as 0
-        shift = np.multiply.outer(scores, error)
+        shift = 0.0 if strip_errors is None else strip_errors.shift(name, value.shape, probabilities)
         limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled_tests])
     return _store_limits(test, limits)
-
-
-def _student_scores(probabilities: Floats, num_strips: int) -> Floats:
-    """Return quantiles of Student's t distribution for a mean over strips, or zeros without strips."""
-    from scipy.special import stdtrit
-
-    return np.asarray(stdtrit(num_strips - 1, probabilities)) if num_strips else np.zeros_like(probabilities)
 
 
 def _compute_limits(values: Floats) -> Floats:
