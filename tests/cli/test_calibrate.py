@@ -157,6 +157,14 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
         ("load (mN),coefficient,wait (mN)", (1, 0.2, 3), "the unit of wait must be one of s"),
         ("load (mN),coefficient,mu", (1, 0.2, 3), "has the unknown column 'mu'"),
         ("load (mN),force (mN),friction force (mN)", (1, 0.2, 3), "has two columns for force"),
+        ("load (N),coefficient,load (mN)", (1, 0.2, 3), "has two columns for load in units of force"),
+        ("load (MPa),coefficient,normal load (kPa)", (1, 0.2, 3), "has two columns for load in units of pressure"),
+        ("load (MPa),load (N),force (N)", ("", 1, 20), "needs the column coefficient instead of force"),
+        ("load (N),load (MPa),coefficient", (1, 2, 0.2), "line 3: load must be in one of the columns load (N) or"),
+        ("load (N),load (MPa),coefficient", (1, 2, 0.2), "or load (MPa), got both"),
+        ("load (kPa),normal force (uN),coefficient", ("", "", 0.2), "load (uN) or load (kPa), got neither"),
+        ("load (N),load (MPa),coefficient", ("", 2, 0.2), "line 3: load has the unit 'MPa'"),
+        ("load (N),load (MPa),coefficient", ("", "2 MPa", 0.2), "line 3: load must be a number, got '2 MPa'"),
         ("load (mN);coefficient", ("1,250;2,250",), "decimal"),
         ("load (mN),coefficient", ("0,5", "0,25"), "semicolons"),
     ],
@@ -259,6 +267,17 @@ def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
     for name in ("a.csv", "b.csv"):
         (test,) = parse_friction_tests(tmp_path / name, {"ball": Ball("5 mm", "3 GPa")})
         assert (test.load, test.coefficient, test.uncertainty) == (2000, 0.5, pytest.approx(0.01))
+
+
+@pytest.mark.parametrize("title", ["load (N)", "normal force (N)"])
+def test_table_of_friction_tests_may_have_forces_on_a_ball_and_pressures_on_a_pair(two_finishes_directory, title):
+    path = two_finishes_directory / "ball_and_pair.csv"
+    path.write_text(f"pair;{title};load (MPa);coefficient\nball;0,5;;0,2\nground;;80;0,3\nground;0,000002;;0,25\n")
+    pair = Result(open_stored_result(two_finishes_directory / "ground"))
+    ball_test, *pair_tests = parse_friction_tests(path, {"ball": Ball("5 mm", "3 GPa"), "ground": pair})
+    assert (ball_test.load, ball_test.coefficient) == (500, 0.2)
+    assert [test.load for test in pair_tests] == [pytest.approx(0.08 * pair.nominal_area), 0.002]
+    assert [test.coefficient for test in pair_tests] == [0.3, 0.25]
 
 
 @pytest.mark.usefixtures("all_input_samples")

@@ -28,11 +28,12 @@ _COLUMN_ALIASES = {
 """Standard name of the column for each alternative name."""
 
 _COLUMN_UNITS = {
-    "load": (*unit_names("force"), *unit_names("pressure")), "force": unit_names("force"),
+    "load": (*unit_names("force"), *unit_names("pressure")), "pressure": unit_names("pressure"),
+    "force": unit_names("force"),
     "coefficient": ("", "1", "%"),
     "uncertainty": ("", "1", "%", *unit_names("force")), "wait": unit_names("time"),
 }  # fmt: skip
-"""Accepted units by column. Other columns have no unit."""
+"""Accepted units by column. Other columns have no unit. `pressure` is the column of loads in units of pressure."""
 
 _COLUMN_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
 MAX_FRICTION_TEST_FILE_BYTES = 10_000_000
@@ -46,9 +47,10 @@ _SLID_BY_CELL_TEXT = {"": True, "1": True, "yes": True, "true": True, "0": False
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
     """Parse a table of friction tests with the columns `load`, and `force` or `coefficient`.
 
-    `FRICTION_TEST_COLUMNS` lists all columns. Columns are separated by tabs, semicolons or commas. With tabs or
-    semicolons, decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are results
-    or balls. Raises a `ValueError` with the number of an invalid line.
+    `FRICTION_TEST_COLUMNS` lists all columns. There may be a column of loads in units of force and another in units of
+    pressure; each row then has its load in one of them. Columns are separated by tabs, semicolons or commas. With tabs
+    or semicolons, decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are
+    results or balls. Raises a `ValueError` with the number of an invalid line.
     """
     try:
         text = decode_text(read_file_bytes(Path(path), MAX_FRICTION_TEST_FILE_BYTES)).data.decode()
@@ -85,7 +87,10 @@ def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column, with standard column names as keys."""
+    """Return the index and the unit of each column, with standard column names as keys.
+
+    The key of a column of loads in units of pressure is `pressure`.
+    """
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(title_row):
         match = _COLUMN_TITLE_PATTERN.fullmatch(cell)
@@ -95,8 +100,11 @@ def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
             raise ValueError(
                 f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(FRICTION_TEST_COLUMNS)}"
             )
+        if name == "load" and unit in unit_names("pressure"):
+            name = "pressure"
         if name in columns:
-            raise ValueError(f"has two columns for {name}; the second is {_quote_cell(cell)}")
+            title = {"load": "load in units of force", "pressure": "load in units of pressure"}.get(name, name)
+            raise ValueError(f"has two columns for {title}; the second is {_quote_cell(cell)}")
         if unit not in (allowed := _COLUMN_UNITS.get(name, ("",))):
             raise ValueError(
                 _describe_unit_error(
@@ -104,9 +112,9 @@ def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
                 )
             )
         columns[name] = index, "" if unit == "1" else unit
-    if "load" not in columns or len({"force", "coefficient"} & set(columns)) != 1:
+    if not {"load", "pressure"} & set(columns) or len({"force", "coefficient"} & set(columns)) != 1:
         raise ValueError("needs the columns load and either force or coefficient")
-    if "force" in columns and columns["load"][1] in unit_names("pressure"):
+    if {"force", "pressure"} <= set(columns):
         raise ValueError(
             "needs the column coefficient instead of force if the load is a pressure, because the area of the specimen "
             "is unknown; coefficient = force / (pressure * area of the specimen)"
@@ -191,11 +199,22 @@ class _FrictionTestTable:
         if "coefficient" in cells:
             value = _parse_decimal_number("coefficient", cells["coefficient"])
             arguments["coefficient"] = value / 100 if self.titles["coefficient"][1] == "%" else value
-        return FrictionTest(bodies[name], self._parse_quantity("load", cells["load"]), **arguments)
+        return FrictionTest(bodies[name], self._parse_load(cells), **arguments)
+
+    def _parse_load(self, cells: Mapping[str, str]) -> float | str:
+        load_columns = [name for name in ("load", "pressure") if name in cells]
+        filled_columns = [name for name in load_columns if cells[name]]
+        if len(load_columns) == 2 and len(filled_columns) != 1:
+            titles = " or ".join(f"load ({self.titles[name][1]})" for name in load_columns)
+            raise ValueError(
+                f"load must be in one of the columns {titles}, got {'both' if filled_columns else 'neither'}"
+            )
+        (name,) = filled_columns or load_columns
+        return self._parse_quantity(name, cells[name])
 
     def _parse_quantity(self, name: str, cell: str) -> float | str:
         unit = self.titles[name][1]
-        value = _parse_decimal_number(name, cell)
+        value = _parse_decimal_number("load" if name == "pressure" else name, cell)
         return f"{cell.replace(',', '.')} {unit}" if unit else value
 
 

@@ -12,8 +12,8 @@ from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
 
 _TESTS_HELP = (
-    'Friction tests, one per row. Columns: "load (mN)", "force (mN)" or coefficient; optional uncertainty, pair, run, '
-    "slid and wait."
+    'Friction tests, one per row. Columns: "load (mN)" and, for pairs, "load (MPa)"; "force (mN)" or coefficient; '
+    "optional uncertainty, pair, run, slid and wait."
 )
 TestsFileArgument = Annotated[Path | None, typer.Argument(metavar="FORCES.csv", help=_TESTS_HELP, show_default=False)]
 PairsOption = Annotated[
