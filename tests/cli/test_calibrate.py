@@ -15,6 +15,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
+from stiction._number_format import format_with_unit
 from stiction.calibration.tests_file import parse_friction_tests
 from stiction.solve.store import open_stored_result
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -111,6 +112,31 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)
     assert "may exceed the yield limit" in completed.stderr
+
+
+def test_caveat_about_a_yielding_ball_contains_load_yield_limit_and_elastic_loads(tmp_path):
+    materials = {"upper_material": "PMMA", "lower_material": "glass"}
+    ball = Ball("1 mm", **materials)
+    yield_limit = 0.39 * ball.elasticity.hardness
+    # By Hertz, the mean pressure is proportional to the cube root of the load.
+    yield_load = (yield_limit * ball.area_per_load(1.0)) ** 3
+    loads = [factor * yield_load for factor in (0.3, 0.9, 1.1, 4, 8)]
+    write_table(tmp_path / "forces.csv", [(repr(load), 0.3, 3) for load in loads])
+    options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass")
+    message = " ".join(check_stiction("calibrate", "forces.csv", *options, cwd=tmp_path).stderr.split())
+    assert f"{format_with_unit(2 * yield_limit, 'GPa')} in the test at {format_with_unit(loads[-1], 'mN')}" in message
+    assert f"may exceed the yield limit, {format_with_unit(yield_limit, 'GPa')} (0.39 times the hardness)" in message
+    assert f"leave out the 3 tests of the ball above {format_with_unit(yield_load, 'mN')}" in message
+    assert "larger ball" in message
+    write_table(tmp_path / "forces.csv", [(repr(load), 0.3, 3) for load in loads[:2]])
+    assert check_stiction("calibrate", "forces.csv", *options, cwd=tmp_path).stderr == ""
+
+
+def test_calibrate_command_accepts_a_ball_without_tests(two_finishes_directory):
+    ball = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass")
+    arguments = ("forces.csv", "--pair", "ground", "--pair", "lapped", *ball, "--sliding", "all")
+    completed = check_stiction("calibrate", *arguments, cwd=two_finishes_directory, without_figures=True)
+    assert "yield limit" not in completed.stderr
 
 
 def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path):

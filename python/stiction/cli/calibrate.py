@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from stiction.cli.application import command, print_message, print_output
 from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from stiction.calibration.friction_tests import Ball
 
 _TESTS_HELP = (
     'Friction tests, one per row. Columns: "load (mN)" and, for pairs, "load (MPa)"; "force (mN)" or coefficient; '
@@ -122,15 +127,10 @@ def calibrate(
     print_output(
         calibration_json(interface, pair_caveats, lays) if as_json else calibration_text(interface, pair_caveats + lays)
     )
-    if ball is not None and (elasticity := bodies["ball"].elasticity).hardness is not None:
-        min_area_per_load = min(
-            bodies["ball"].area_per_load(test.load) for test in tests if test.result is bodies["ball"]
-        )
-        if 1 / min_area_per_load > BALL_YIELD_PRESSURE_RATIO * elasticity.hardness:
-            print_message(
-                f"the mean pressure under the ball, {1e3 / min_area_per_load:.3g} MPa, may exceed the yield limit; "
-                "A/F is computed for elastic contact"
-            )
+    if ball is not None:
+        loads = [float(test.load) for test in tests if test.result is bodies["ball"]]
+        if caveat := _describe_yielding_ball(bodies["ball"], loads):
+            print_message(caveat)
     if output is not None:
         print_written, figure_path = choose_message_printer(as_json), Path(f"{output}.png")
         description = {"tests": "one" if forces is None else forces.name, "surfaces": ", ".join(bodies)}
@@ -141,6 +141,30 @@ def calibrate(
 
 BALL_YIELD_PRESSURE_RATIO = 0.39
 """Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
+
+
+def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
+    """Return a caveat about the loads (mN) at which a ball or its flat may yield, or an empty string if there are none.
+
+    The hardness is known only if the materials are given by name.
+    """
+    from stiction._number_format import format_with_unit
+
+    if (hardness := ball.elasticity.hardness) is None or not loads:
+        return ""
+    max_load, yield_limit = max(loads), BALL_YIELD_PRESSURE_RATIO * hardness
+    max_pressure = 1 / ball.area_per_load(max_load)
+    if max_pressure <= yield_limit:
+        return ""
+    yield_load = max_load * (yield_limit / max_pressure) ** 3  # by Hertz, the mean pressure is proportional to F^(1/3)
+    num_tests = sum(load > yield_load for load in loads)
+    tests = "the test" if num_tests == 1 else f"the {num_tests} tests"
+    return (
+        f"the mean pressure under the ball, {format_with_unit(max_pressure, 'GPa')} in the test at "
+        f"{format_with_unit(max_load, 'mN')}, may exceed the yield limit, {format_with_unit(yield_limit, 'GPa')} "
+        f"({BALL_YIELD_PRESSURE_RATIO:g} times the hardness); A/F is computed for elastic contact; leave out {tests} "
+        f"of the ball above {format_with_unit(yield_load, 'mN')}, or test smaller loads or a larger ball"
+    )
 
 
 InterfacePathArgument = Annotated[
