@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from stiction import (
     Ball,
+    FrictionTest,
     Profile,
     Result,
     interface,
@@ -304,6 +305,15 @@ def test_table_of_friction_tests_may_have_forces_on_a_ball_and_pressures_on_a_pa
     assert (ball_test.load, ball_test.coefficient) == (500, 0.2)
     assert [test.load for test in pair_tests] == [pytest.approx(0.08 * pair.nominal_area), 0.002]
     assert [test.coefficient for test in pair_tests] == [0.3, 0.25]
+
+
+def test_friction_test_at_a_pressure_rejects_an_uncertainty_of_the_force(two_finishes_directory):
+    pair = Result(open_stored_result(two_finishes_directory / "ground"))
+    with pytest.raises(ValueError, match="uncertainty must be a number or a percentage if the load is a pressure"):
+        FrictionTest(pair, "80 MPa", coefficient=0.3, uncertainty="5 mN")
+    assert FrictionTest(pair, "80 MPa", coefficient=0.3, uncertainty="10 %").uncertainty == pytest.approx(0.03)
+    at_force = FrictionTest(pair, "0.002 mN", coefficient=0.3, uncertainty="0.00002 mN")
+    assert at_force.uncertainty == pytest.approx(0.01)
 
 
 @pytest.mark.usefixtures("all_input_samples")

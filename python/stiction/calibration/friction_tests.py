@@ -254,9 +254,9 @@ class FrictionTest:
     force : float or str, mN, optional
         Tangential force at the onset of sliding (the first peak), instead of the coefficient.
     uncertainty : float or str, optional
-        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A string is an uncertainty
-        of the force, as in "20 mN", or a relative uncertainty, as in "3 %". By default the uncertainty is estimated
-        from the scatter of the tests.
+        Standard uncertainty of the coefficient, or of the force (mN) if the force is given. A string is a relative
+        uncertainty, as in "3 %", or an uncertainty of the force, as in "20 mN", if the load is a force. By default the
+        uncertainty is estimated from the scatter of the tests.
     slid : bool
         True if the pair slid; otherwise the coefficient is a lower bound.
     run : str or int, optional
@@ -307,7 +307,6 @@ class FrictionTest:
         if not coefficient >= 0:
             raise ValueError(f"the measured coefficient must not be negative, got {coefficient:g}")
         object.__setattr__(self, "coefficient", coefficient)
-        object.__setattr__(self, "load", load)
         if self.uncertainty is not None:
             uncertainty = self._compute_coefficient_uncertainty(load)
             if not uncertainty >= MIN_COEFFICIENT_UNCERTAINTY:
@@ -316,6 +315,7 @@ class FrictionTest:
                     f"{MIN_COEFFICIENT_UNCERTAINTY:g}, got {uncertainty:g}"
                 )
             object.__setattr__(self, "uncertainty", uncertainty)
+        object.__setattr__(self, "load", load)
 
     def _compute_coefficient_uncertainty(self, load: float) -> float:
         """Convert the given uncertainty to a standard uncertainty of the coefficient at a load (mN)."""
@@ -329,6 +329,11 @@ class FrictionTest:
                 ) from None
             return validate_number("uncertainty", 0.01 * percent_value * float(self.coefficient or 0.0), above=0)
         if isinstance(uncertainty, str):
+            if is_pressure(self.load):
+                raise ValueError(
+                    "uncertainty must be a number or a percentage if the load is a pressure, because the area of the "
+                    f"specimen is unknown, got load {short_repr(self.load)} and uncertainty {short_repr(uncertainty)}"
+                )
             uncertainty, is_force = to_core_units("uncertainty", uncertainty, "force"), True
         return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
