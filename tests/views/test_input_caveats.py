@@ -5,7 +5,19 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, cut_off, flipped, instrument_limit, interface, levelled, pair, self_affine
+from stiction import (
+    Profile,
+    Surface,
+    compare_repeated_scans,
+    cut_off,
+    flipped,
+    instrument_limit,
+    interface,
+    levelled,
+    pair,
+    scale_dependent_roughness,
+    self_affine,
+)
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study_description import get_pair_name
 from stiction.summary.input_caveats import (
@@ -242,6 +254,30 @@ def test_fraction_that_the_tip_does_not_resolve_is_counted_on_the_filtered_scans
     texts = [caveat.text for caveat in find_input_caveats(*scans, study) if "does not resolve" in caveat.text]
     assert " ".join(texts).count("%") == len(texts)
     assert all(any(percentage in text for text in texts) for percentage in expected_percentages)
+
+
+def test_noise_caveat_contains_the_fraction_that_a_given_cutoff_leaves():
+    clean = self_affine(
+        97, points=8000, spacing=0.25, longest_wavelength=60.0, shortest_wavelength=2.0, hurst_exponent=0.8, rms=0.25
+    )
+    rng = np.random.default_rng(1)
+    scans = [Profile(clean.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
+    repeated = compare_repeated_scans(*scans)
+    options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
+    for scan, cutoff, expected_severity in (
+        (scans[0], "130 nm", "fault"), (scans[0], "500 nm", "fault"),
+        (repeated.scan, f"{repeated.limit} um", "caution"),
+    ):  # fmt: skip
+        assert instrument_limit(scan).matters
+        study = pair_study(scan, scan, cutoff=cutoff, **options)
+        (caveat,) = (each for each in find_input_caveats(scan, scan, study) if "spectrum is flat" in each.text)
+        assert caveat.severity == expected_severity
+        noise = Profile(scan.heights - clean.heights[: scan.heights.size], spacing=0.25)
+        filter_length = study.surfaces.reported_cut_off()
+        if scan is scans[0]:
+            gradients = [scale_dependent_roughness(cut_off(each, filter_length)).gradient[-1] for each in (noise, scan)]
+            percentage = float(re.search(r"(\d+) %", caveat.text)[1])
+            assert percentage == pytest.approx(100 * (gradients[0] / gradients[1]) ** 2, abs=2)
 
 
 def test_tip_caveat_and_tip_estimate_are_left_out_if_the_filter_removes_what_the_tip_does_not_resolve():

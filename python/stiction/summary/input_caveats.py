@@ -284,8 +284,8 @@ def find_scan_caveats(
     If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
     humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
     no hardness. `alternatives` contains the names of the alternative preparations that the interval includes.
-    `power_spectrum` explains `periodic`. The roughness that a tip does not reach is a fraction of the roughness after a
-    low-pass filter at `cut_off` (µm, 0 for no filter).
+    `power_spectrum` explains `periodic`. Noise, and the roughness that a tip does not reach, are fractions of the
+    roughness after a low-pass filter at `cut_off` (µm, 0 for no filter).
     """
     defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
     instrument_caveats = _find_instrument_caveats(
@@ -370,6 +370,9 @@ def _find_instrument_caveats(
         limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
     except ValueError:  # a flat body raises a ValueError
         return
+    if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
+        # At longer cutoffs, the caveat does not apply.
+        limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
         is_known = limit.origin == "instrument"

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from stiction._caching import cached_property
 from stiction._checks import Floats
-from stiction.surfaces.filters import gaussian_low_pass
+from stiction.surfaces.filters import gaussian_low_pass, gaussian_transmission
 from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
-from stiction.surfaces.scale import InstrumentLimit, instrument_limit
+from stiction.surfaces.scale import InstrumentLimit, instrument_limit, scale_dependent_roughness
 from stiction.surfaces.surface import Surface
 
 MIN_SPIKE_SHARPNESS_RATIO = 12.0
@@ -144,6 +144,23 @@ class ScanDefects:
         Raises a `ValueError` if the body is flat.
         """
         return self._find_limit_with_tip(0.0)
+
+    def find_noise_slope_fraction(self, cut_off: float) -> float:
+        """Return the fraction of the mean square slope that noise contributes after a low-pass filter.
+
+        The filter has a cutoff `cut_off` (µm). The noise is assumed to have the same spectrum below the limit of
+        `instrument_limit` as the scan. Raises a `ValueError` if the body is flat.
+        """
+        limit = self.instrument_limit
+        roughness = scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
+        contributions = np.diff(np.square(roughness.gradient), prepend=0.0)
+        transmissions = np.square(gaussian_transmission(2 * math.pi / roughness.wavelength, cut_off))
+        is_noise = roughness.wavelength < limit.wavelength
+        noise_transmission, transmission = (
+            float(contributions[selected] @ transmissions[selected] / contributions[selected].sum())
+            for selected in (is_noise, np.ones_like(is_noise))
+        )
+        return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
         """Return the shortest reliable wavelength of the filtered scan if the tip limits it.
