@@ -56,7 +56,7 @@ class Result(Evaluation):
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the table of CSV files: one row per load, mu0, tau0, sliding rule and direction."""
-        return summary_table(self.summary())
+        return summary_table(self.complete_summary())
 
     def figures(self) -> list[str]:
         """Return the names of the figures that the method `figure` can draw."""

@@ -6,7 +6,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
+from stiction import Study, run
 from stiction._estimate import Interval
 from stiction.summary.assessment import Caveat
 from stiction.summary.summary import UncertaintyBudgetEntry, summarize
@@ -118,6 +120,16 @@ DATASETS_AND_STUDIES = {
     "generated": (generated_result(), generated_study()),
     "one point": (generated_result().isel(fractal_dimension=[0], load=[0], tau0=[0]), generated_study()),
 }
+
+
+def test_exported_csv_table_contains_all_fractal_dimensions_of_a_range(tmp_path):
+    dimensions = {"start": 1.2, "stop": 1.8, "count": 7}
+    changes = {"surfaces.points": 2000, "ensemble.repetitions": 2, "surfaces.fractal_dimension": dimensions}
+    result = run(Study.named("quick").with_changes(changes))
+    assert result.summary().at.sizes["fractal_dimension"] < 7
+    result.export(tmp_path / "table.csv")
+    for table in (pandas.read_csv(tmp_path / "table.csv"), result.to_dataframe()):
+        np.testing.assert_allclose(table["fractal dimension"].unique(), np.linspace(1.2, 1.8, 7))
 
 
 @pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)

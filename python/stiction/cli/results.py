@@ -136,9 +136,9 @@ def export(
 ) -> None:
     """Write the stored result, a table of its values, or the joint for a finite-element model.
 
-    A netCDF file contains the whole result, and a table the values at the loads shown by `info`. The joint is a table
-    of contact properties against pressure (--joint), or a card that contains them. Between the computed loads, its
-    values are interpolated unless --compute is given.
+    A netCDF file contains the whole result, and a .csv file the values at the loads shown by `info`, for all fractal
+    dimensions. The joint is a table of contact properties against pressure (--joint), or a card that contains them.
+    Between the computed loads, its values are interpolated unless --compute is given.
     """
     from stiction.cli.result_output import open_result_with_warning
     from stiction.summary.joint_table import DEFAULT_JOINT_UNITS

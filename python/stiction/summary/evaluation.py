@@ -170,8 +170,16 @@ class Evaluation(MemberSums):
         """
         return self.compute_once(Evaluation._evaluate_at_study_loads)
 
+    @property
+    def _at_all_dimensions(self) -> xarray.Dataset:
+        """Values at the loads, mu0 and tau0 of the study for all fractal dimensions."""
+        return self.compute_once(Evaluation._evaluate_at_all_dimensions)
+
+    def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
+        return self.at(budget=True)
+
     def _evaluate_at_study_loads(self) -> xarray.Dataset:
-        values = self.at(budget=True)
+        values = self._at_all_dimensions
         if self.study.is_measured:
             return values
         surfaces: Any = self.study.surfaces
@@ -421,6 +429,15 @@ class Evaluation(MemberSums):
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
+
+    def complete_summary(self) -> Summary:
+        """Summarize the result at the loads, mu0 and tau0 of the study for all fractal dimensions.
+
+        `summary` leaves out most fractal dimensions of a range. Raises a `ValueError` as `summary` does.
+        """
+        summary = self.summary()
+        has_all_cells = all(summary.at.sizes[name] == size for name, size in self._at_all_dimensions.sizes.items())
+        return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
         """Summarize a dataset of `at` with `budget=True`, or a selection from it."""

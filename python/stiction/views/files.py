@@ -48,7 +48,7 @@ def write_new_text_file(path: Path, text: str) -> None:
 
 def result_csv(result: Evaluation) -> str:
     """Return a result at the loads of its study as CSV."""
-    return frame_to_csv(summary_table(result.summary()))
+    return frame_to_csv(summary_table(result.complete_summary()))
 
 
 EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
