@@ -161,7 +161,7 @@ def find_area_ratios(result):
 def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     assert growth > 1.1
-    # The adhesive contribution to the normal load is -0.1 of the load before contacts grow.
+    # Before contacts grow, adhesion contributes -10 % of the normal load.
     ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])
     values = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(per_member=True)
     load = float(values["load"].squeeze())

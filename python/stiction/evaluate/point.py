@@ -164,7 +164,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """Return a quantity at a point, averaged over all directions, or NaN if it is missing."""
     if name not in point.variables:
         return math.nan
-    # Select from the arrays of variables, which is much faster than from an `xarray.DataArray`.
+    # Indexing the NumPy array is much faster than selecting from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:

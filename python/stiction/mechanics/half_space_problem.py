@@ -290,7 +290,7 @@ class ContactSolution:
         return 1 / closure if closure > 0 else np.inf
 
 
-# Largest ratio of the gap to the length of the surfaces; the model's small slopes are far exceeded.
+# Largest accepted ratio of gap to length. Such slopes are already far too steep for the model.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 

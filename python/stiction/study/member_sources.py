@@ -109,7 +109,7 @@ class LineMemberSource:
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of relative positions of each pair of lines; 1 if each pair has one position.
+    # Number of relative positions of each pair of lines.
     offsets: int = 1
     # Relative positions (µm) of each pair of lines, or None for a quasi-random sequence.
     positions: tuple[float, ...] | None = None

@@ -398,7 +398,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # Without a hardness, finer scans have ever steeper slopes and an ever smaller true area.
+        # Finer scans have ever steeper slopes. Without a hardness, the true area therefore shrinks without limit.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         # One Gaussian filter at this cutoff equals filters at both cutoffs.

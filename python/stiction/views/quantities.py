@@ -36,7 +36,7 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    # number of printed digits of a number without interval; None if the intervals are printed
+    # digits of numbers that are printed without their intervals; None to print the intervals
     num_digits: int | None = None
     statuses: Sequence[str] = ()  # statuses other than "ok", each printed instead of its number
 
