@@ -79,7 +79,7 @@ def datasets_by_title(no_contact_pictures):
 
 @pytest.fixture(scope="module")
 def results_at_loads(datasets_by_title):
-    """Return results at loads for studies of all kinds."""
+    """Evaluate each result at one or two loads within its range."""
     return {name: at_load(result, choose_loads(result)) for name, result in datasets_by_title.items()}
 
 

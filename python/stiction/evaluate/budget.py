@@ -182,7 +182,7 @@ def _evaluate_uncertainty(
     tests: bool,
     strength: InterfaceStrength | None,
 ) -> tuple[_Tables, dict[str, Any]]:
-    """Compute the variables of `add_uncertainty` with their coordinates.
+    """Compute the combined intervals and uncertainty budgets that `add_uncertainty` adds to a dataset.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """

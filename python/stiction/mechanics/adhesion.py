@@ -464,7 +464,10 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Continue a series of equilibria to smaller contact loads, until the external load rises or no more exist."""
+        """Continue a series of equilibria to smaller contact loads.
+
+        The series ends when the external load rises, or when no further equilibrium is found.
+        """
         states = list(states)
         while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
             try:

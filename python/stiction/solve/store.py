@@ -559,7 +559,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if a study cannot resume with the existing blocks."""
+    """Raise a `StoreError` if the stored blocks do not fit the study, so that the run cannot be resumed."""
     if not stored_result.blocks:
         return
     path, content, num_members = (

@@ -319,7 +319,7 @@ def count_grid_points(study: Study) -> int:
 
 
 def get_first_pair(study: Study) -> Any:
-    """Return both bodies of the first member, at the first cutoff or in the first cell.
+    """Return both bodies of the first member: measured bodies at the first cutoff, generated bodies in the first cell.
 
     Raises a `ValueError` if files are missing.
     """

@@ -289,7 +289,7 @@ def presses_areas(pair: PairProperties) -> bool:
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether height maps, measured or surrogates, are pressed as maps, and not line by line."""
+    """Return whether scans or surrogates are pressed whole instead of line by line."""
     return pair.press_mode != "lines"
 
 

@@ -156,8 +156,9 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads, or return None without an onset.
+    """Evaluate the onset of sliding of generated surfaces at a few loads.
 
+    Returns None if the study computes no onset.
     mu0 and tau0 are taken from the entry `onset` of the study. Raises a `ValueError` if no pair is in contact.
     """
     study = result.study

@@ -267,7 +267,10 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset (points) of the upper face nearest to a position, or None if not within `GRID_TOLERANCE`."""
+    """Round a position to whole grid points, and return this offset of the upper face.
+
+    Returns None if the position is farther than `GRID_TOLERANCE` from a grid point.
+    """
     steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)

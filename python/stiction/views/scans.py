@@ -224,7 +224,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
-    """Return a sentence about the noise of the mean of two scans, and about the cutoff that it needs."""
+    """Return a sentence about the noise in the mean of two scans, and the cutoff that limits this noise to a tenth."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.slope_fraction <= MAX_UNATTRIBUTED_FRACTION:

@@ -157,7 +157,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return a note above tables on which intervals include the uncertain inputs."""
+    """Return the note above the tables, which names the intervals that include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -296,7 +296,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the points of the first cell, mu0 and tau0 at given loads."""
+    """Return the points at given loads that have the cell, mu0 and tau0 of the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (

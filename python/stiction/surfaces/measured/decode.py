@@ -98,7 +98,7 @@ class DecodedText:
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
-        """Lines at the start of the text that are not empty."""
+        """First non-empty lines of the text."""
         lines = (
             self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
             for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()

@@ -108,9 +108,9 @@ def _find_step_and_node_indices(
 
 
 def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Return the step of a grid without missing nodes from positions that were rounded for printing.
+    """Estimate the step of a grid from positions that were rounded for printing. Every node must occur.
 
-    Returns None if there is no such grid.
+    Returns None if the positions do not fit such a grid.
     """
     distinct_positions = np.unique(positions)
     if digits is None or distinct_positions.size < 3:

@@ -243,7 +243,10 @@ def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
 
 
 def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = False) -> RawHeights:
-    """Return the heights of a column, or positions and heights of the rows in which both are numbers."""
+    """Read heights from one column, or positions and heights from two columns.
+
+    Rows in which the position or the height is not a number are left out.
+    """
     heights, declared = table.values[:, places[-1]], table.declared
     if declared.slope_line and not (table.names and _HEIGHT_COLUMN_PATTERN.match(table.names[places[-1]])):
         raise FormatError(

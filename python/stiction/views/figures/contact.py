@@ -309,8 +309,9 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw the contacts of two maps or profiles, in colours for opposing contacts and contacts cut by an edge.
+    """Draw the contacts of two maps or profiles.
 
+    Three colours mark contacts that oppose the motion, contacts that assist it, and contacts cut by an edge.
     `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
     80 mm wide.
     """
