@@ -40,7 +40,7 @@ EDGE_CORRECTION = (math.pi - 1 + math.log(2)) / 24
 """Area of a grid point by which points in contact overestimate the area, for each side between contact and gap."""
 MIN_NUM_POINTS = 60
 """Smallest number of points in contact of a ball whose area is compared."""
-AREA_FRACTIONS = (0.02, 0.4)
+AREA_FRACTION_RANGE = (0.02, 0.4)
 """Smallest and largest A/A0 of areas to which exponents are fitted."""
 MIN_NUM_LOADS = 3
 """Smallest number of loads to which an exponent is fitted."""
@@ -227,7 +227,7 @@ def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]
 def find_finite_element_areas(case: yielding_area.Case, result: dict[str, list[float]]) -> Areas:
     """Return areas at all loads of a case of yielding_area.py that yield and have a moderate area."""
     loads, true = (np.array(result[key]) for key in ("load", "area_edges"))
-    low, high = AREA_FRACTIONS
+    low, high = AREA_FRACTION_RANGE
     if isinstance(case, yielding_area.PressedBall):
         high = math.inf
     fractions = true / case.nominal_area

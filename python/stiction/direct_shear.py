@@ -241,7 +241,7 @@ def _create_directory(directory: Path) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _TestSetup:
+class _ShearTestSetup:
     """Shear test to compute, with the further tests that its intervals need."""
 
     box: ShearBox
@@ -254,13 +254,13 @@ class _TestSetup:
     strips: list[ShearBox]
 
 
-def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _TestSetup:
+def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _ShearTestSetup:
     inputs, strength = contact.half_space_inputs, contact.given_interface
     samples = draw_shear_samples(inputs, strength, len(offsets))
     strip_boxes = _cut_strips(box, offsets, strips)
     interface = contact.options.interface
     name = "" if interface is None else Path(interface).name if isinstance(interface, (str, Path)) else "joint samples"
-    return _TestSetup(box, offsets, inputs, strength, name, samples, list_variations(samples), strip_boxes)
+    return _ShearTestSetup(box, offsets, inputs, strength, name, samples, list_variations(samples), strip_boxes)
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
@@ -287,7 +287,9 @@ def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[
     return boxes
 
 
-def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int, int], object] | None) -> xr.Dataset:
+def _compute(
+    setup: _ShearTestSetup, record: SolutionRecord, progress: Callable[[int, int], object] | None
+) -> xr.Dataset:
     box, offsets, inputs = setup.box, setup.offsets, setup.inputs
     boxes = [box, *(variation.apply(box) for variation in setup.variations), *setup.strips]
     num_steps = len(offsets)
@@ -325,7 +327,7 @@ def _compute(setup: _TestSetup, record: SolutionRecord, progress: Callable[[int,
     )  # fmt: skip
 
 
-def _describe_uncertain_inputs(setup: _TestSetup) -> str:
+def _describe_uncertain_inputs(setup: _ShearTestSetup) -> str:
     """Return the labels of the uncertain inputs as text, separated by commas."""
     labels = [entry.label for entry in setup.inputs.uncertain.values()]
     return ", ".join(labels + ["the interface"] * bool(setup.strength and setup.samples))
@@ -349,7 +351,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _describe_inputs(setup: _TestSetup) -> str:
+def _describe_inputs(setup: _ShearTestSetup) -> str:
     """Return a text that differs between shear tests with different inputs."""
     box = setup.box
     checksums = [

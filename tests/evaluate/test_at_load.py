@@ -155,7 +155,7 @@ GENERATED_STUDIES = {
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
 MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # both follow from the mean load and the coefficient
-RATIOS_OF_THE_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
+QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
 def run_generated_study(name):
@@ -192,7 +192,7 @@ def test_results_of_measured_and_generated_surfaces_contain_every_ratio_of_quant
     generated = {str(each) for name in GENERATED_STUDIES for each in run_generated_study(name).at().data_vars}
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
     assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping contacts
-    assert shown_ratios - generated == RATIOS_OF_THE_NOMINAL_AREA
+    assert shown_ratios - generated == QUANTITIES_PER_NOMINAL_AREA
 
 
 def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():

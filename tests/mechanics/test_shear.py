@@ -36,7 +36,7 @@ def create_mate(face):
     return face.changed(flipped(face).heights, "mate")
 
 
-def shear(face, **options):
+def run_shear_test(face, **options):
     return shear_test(create_mate(face), face, level="none", **FULL_FIT | options)
 
 
@@ -54,7 +54,7 @@ def integrate_work(result):
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("mu0", [0.0, 0.5])
 def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
-    result = shear(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
+    result = run_shear_test(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
     exact = math.tan(math.atan(mu0) + ANGLE)
     assert result.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
     np.testing.assert_allclose(result.friction_coefficient[1:], exact, rtol=0.01)
@@ -63,14 +63,14 @@ def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angl
 
 
 def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
-    result = shear(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
+    result = run_shear_test(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
     assert result.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
-    smooth = shear(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
+    smooth = run_shear_test(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert smooth.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
 
 
 def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
-    result = shear(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
+    result = run_shear_test(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
     assert result.status.values[-1] == "downhill"
     assert np.isnan(result.friction_coefficient[-1])
     assert np.isnan(result.attrs["end"])
@@ -81,7 +81,7 @@ def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
     steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth of 45 degrees
-    result = shear(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
+    result = run_shear_test(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
     assert list(result.status.values) == ["ok", "self-locked", "self-locked"]
     assert result.attrs["peak_status"] == "self-locked"
     assert np.isnan(result.attrs["peak"])
@@ -92,7 +92,7 @@ def test_sawtooth_faces_with_steep_teeth_lock():
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
-    result = shear(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
+    result = run_shear_test(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
     work, dilation_work, energy = integrate_work(result)
     assert work > 0
     assert work == pytest.approx(dilation_work + energy, rel=0.01)
@@ -100,7 +100,7 @@ def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(
 
 @pytest.mark.parametrize("angle", [0, 90, 225])
 def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
-    result = shear(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
+    result = run_shear_test(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
     work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(
         dilation_work + energy, abs=0.01 * float(result.normal_load[0] * result.dilation.max())
@@ -110,7 +110,7 @@ def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angl
 def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
     x = np.linspace(-1, 1, 401)
     bowl = Profile(4 * x**2, spacing=0.25)  # the ends of the upper face touch first
-    result = shear(bowl, path="30 um", steps=60, mu0=0)
+    result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
     assert result.load_fraction_at_edges[-1] > 0.3
     work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(dilation_work + energy, rel=0.03)
@@ -120,7 +120,7 @@ def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
 
 
 def test_faces_that_fit_perfectly_start_in_complete_contact():
-    result = shear(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
+    result = run_shear_test(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
     assert result.contact_area_fraction[0] == pytest.approx(1.0)
     # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
     assert result.friction_coefficient[0] == pytest.approx(0.6 + 1.0, rel=0.01)
@@ -132,10 +132,12 @@ def test_mirrored_faces_have_the_same_shear_curve_in_the_opposite_direction():
     face = create_rough_map()
     mirrored = Surface(face.heights[:, ::-1], spacing=face.spacing)
     options = {"path": "150 um", "steps": 5, "mu0": 0.6, "hardness": "200 MPa"}
-    forward, backward = shear(face, direction=0, **options), shear(mirrored, direction=180, **options)
+    forward, backward = run_shear_test(face, direction=0, **options), run_shear_test(mirrored, direction=180, **options)
     for name in ("friction_coefficient", "dilation", "contact_area_fraction", "overlap_area"):
         np.testing.assert_allclose(forward[name], backward[name], rtol=1e-4, atol=1e-6)
-    assert not np.allclose(forward.friction_coefficient, shear(face, direction=180, **options).friction_coefficient)
+    assert not np.allclose(
+        forward.friction_coefficient, run_shear_test(face, direction=180, **options).friction_coefficient
+    )
 
 
 def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
@@ -145,7 +147,9 @@ def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
     surface = Surface(np.tile(coarse.heights, (16, 1)), spacing=coarse.spacing)
     options = {"path": "20 um", "steps": 5, "mu0": 0.4, "boundary": "periodic"}
     np.testing.assert_allclose(
-        shear(surface, **options).friction_coefficient, shear(coarse, **options).friction_coefficient, rtol=1e-3
+        run_shear_test(surface, **options).friction_coefficient,
+        run_shear_test(coarse, **options).friction_coefficient,
+        rtol=1e-3,
     )
 
 
@@ -153,7 +157,7 @@ def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
 
 
 def test_normal_load_of_a_shear_test_is_constant_although_friction_has_a_vertical_part():
-    result = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
+    result = run_shear_test(create_rough_map(), path="200 um", steps=4, mu0=0.6, tau0="2 MPa", hardness="200 MPa")
     np.testing.assert_allclose(result.normal_load, 1000.0, rtol=1.1e-4)
     np.testing.assert_allclose(
         result.friction_coefficient, result.shear_stress * result.overlap_area / result.normal_load, rtol=1e-12
@@ -161,7 +165,7 @@ def test_normal_load_of_a_shear_test_is_constant_although_friction_has_a_vertica
 
 
 def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation():
-    result = shear(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
+    result = run_shear_test(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
     area = float(result.overlap_area[0])
     np.testing.assert_allclose(result.normal_load, 1000.0 + 5e-5 * area * result.dilation, rtol=1e-4)
     assert result.normal_load[-1] > 1.2 * result.normal_load[0]
@@ -192,19 +196,19 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
 
 
 def test_faces_that_fit_perfectly_start_without_force_if_friction_is_zero():
-    result = shear(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
+    result = run_shear_test(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert result.friction_coefficient[0] == 0
     assert result.status[0] == "ok"
 
 
 def test_shear_test_has_at_most_one_step_per_grid_point():
-    result = shear(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
+    result = run_shear_test(create_wavy_profile(), path="0.2 um", steps=10**11, mu0=0.3)
     np.testing.assert_allclose(np.diff(result.displacement), 100 / 2048)
 
 
 def test_hardness_limits_the_peak_and_the_dilation_of_a_sawtooth():
     options = {"path": "100 um", "steps": 5, "mu0": 0.6, "boundary": "periodic"}
-    soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
+    soft, hard = (run_shear_test(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
     assert soft.attrs["peak"] < hard.attrs["peak"]
     assert soft.dilation[-1] < hard.dilation[-1]
     assert soft.load_fraction_at_hardness[-1] > 0.5
@@ -213,7 +217,7 @@ def test_hardness_limits_the_peak_and_the_dilation_of_a_sawtooth():
 def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
     x = np.linspace(-1, 1, 401)
     wedge = Profile(20 * np.maximum(x, 0), spacing=0.25)
-    fixed, free = (shear(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free"))
+    fixed, free = (run_shear_test(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free"))
     assert (free.status == "ok").all()
     assert not np.allclose(fixed.dilation, free.dilation)
 
@@ -223,8 +227,10 @@ def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
 
 def test_shear_interval_lies_between_curves_at_the_limits_of_mu0_and_tau0():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
-    result = shear(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
-    ends = [shear(create_rough_map(), mu0=mu0, tau0=tau0, **options) for mu0, tau0 in ((0.5, 0), (0.7, "1 MPa"))]
+    result = run_shear_test(create_rough_map(), mu0="0.5..0.7", tau0="0..1 MPa", **options)
+    ends = [
+        run_shear_test(create_rough_map(), mu0=mu0, tau0=tau0, **options) for mu0, tau0 in ((0.5, 0), (0.7, "1 MPa"))
+    ]
     lower, upper = result.friction_coefficient_interval.values
     assert (lower < result.friction_coefficient).all()
     assert (upper > result.friction_coefficient).all()
@@ -238,7 +244,9 @@ def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_sample
     # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
     x = np.arange(400) / 200
     teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
-    result = shear(teeth, path="20 um", steps=2, mu0="uniform 0.2..1.3", boundary="periodic", effective_modulus=1e4)
+    result = run_shear_test(
+        teeth, path="20 um", steps=2, mu0="uniform 0.2..1.3", boundary="periodic", effective_modulus=1e4
+    )
     lower, upper = result.friction_coefficient_interval.values[:, 1]
     assert 1 < lower < 2
     assert upper == np.inf
@@ -247,8 +255,8 @@ def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_sample
 
 def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
-    result = shear(create_rough_map(), hardness="50..400 MPa", **options)
-    soft, hard = (shear(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
+    result = run_shear_test(create_rough_map(), hardness="50..400 MPa", **options)
+    soft, hard = (run_shear_test(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
     for name in ("peak", "end", "peak_shear_stress_GPa"):
         assert result.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
         assert result.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
@@ -261,9 +269,9 @@ def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_ha
 
 def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
-    result = shear(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
+    result = run_shear_test(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
     low, high = (
-        float(shear(create_rough_map(), young=young, boundary="periodic", **options).friction_coefficient[1])
+        float(run_shear_test(create_rough_map(), young=young, boundary="periodic", **options).friction_coefficient[1])
         for young in ("10 GPa", "40 GPa")
     )
     lower, upper = result.friction_coefficient_interval.values[:, 1]
@@ -275,7 +283,7 @@ def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements(
     wavy = create_wavy_profile()
     face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
     options = {"path": "80 um", "mu0": "0.5..0.7", "load": "10 MPa", "hardness": "2 GPa", "boundary": "periodic"}
-    fine_result, coarse_result = (shear(face, steps=steps, **options) for steps in (200, 4))
+    fine_result, coarse_result = (run_shear_test(face, steps=steps, **options) for steps in (200, 4))
     assert fine_result.sizes["displacement"] > 128
     limits = fine_result.friction_coefficient_interval.sel(
         displacement=coarse_result.displacement, method="nearest"
@@ -286,7 +294,7 @@ def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements(
 def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
     options = {"path": "100 um", "steps": 2, "boundary": "periodic"}
     widths = [
-        shear(create_rough_map(), mu0=mu0, hardness=hardness, **options).attrs
+        run_shear_test(create_rough_map(), mu0=mu0, hardness=hardness, **options).attrs
         for mu0, hardness in ((0.6, "100..300 MPa"), ("0.5..0.7", "173 MPa"), ("0.5..0.7", "100..300 MPa"))
     ]
     first, second, both = (each["peak_upper"] - each["peak_lower"] for each in widths)
@@ -297,8 +305,8 @@ def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_h
     face = create_rough_map()
     steep = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}
-    assert shear(steep, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
-    result = shear(steep, hardness="10..1000 MPa", **options)
+    assert run_shear_test(steep, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
+    result = run_shear_test(steep, hardness="10..1000 MPa", **options)
     assert result.attrs["peak_upper"] == np.inf
     assert result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
 
@@ -322,7 +330,7 @@ def test_shear_test_accepts_materials_and_interfaces_like_pair():
 
 
 def test_interval_of_the_peak_displacement_includes_neighbouring_displacements():
-    result = shear(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
+    result = run_shear_test(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
     peak = int(np.argmax(result.friction_coefficient.values))
     lower, upper = (result.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
     assert lower <= float(result.displacement[peak - 1])
@@ -331,11 +339,11 @@ def test_interval_of_the_peak_displacement_includes_neighbouring_displacements()
 
 def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
     options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
-    result = shear(create_rough_map(), hardness="200 MPa", **options)
+    result = run_shear_test(create_rough_map(), hardness="200 MPa", **options)
     assert result.attrs["peak_lower"] < result.attrs["peak_upper"]
     assert "peak_dilation_angle_deg_lower" not in result.attrs
     assert headline_estimates(result)["dilation_angle_at_peak"].kind == ""
-    by_hardness = shear(create_rough_map(), hardness="100..400 MPa", **options)
+    by_hardness = run_shear_test(create_rough_map(), hardness="100..400 MPa", **options)
     assert by_hardness.attrs["peak_dilation_angle_deg_lower"] < by_hardness.attrs["peak_dilation_angle_deg_upper"]
 
 
@@ -345,9 +353,9 @@ def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
 @pytest.mark.usefixtures("all_input_samples")
 def test_scatter_between_strips_equals_scatter_between_separate_shear_tests():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
-    result = shear(face, **options)
+    result = run_shear_test(face, **options)
     strips = [
-        shear(Surface(face.heights[first : first + 32], spacing=face.spacing), strips=0, **options)
+        run_shear_test(Surface(face.heights[first : first + 32], spacing=face.spacing), strips=0, **options)
         for first in range(0, 128, 32)
     ]
     assert result.attrs["strips"] == 4
@@ -364,9 +372,10 @@ def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a
         create_rough_map(128),
         {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa", "strips": 0},
     )
-    whole = shear(face, **options)
+    whole = run_shear_test(face, **options)
     strips = [
-        shear(Surface(face.heights[first : first + 32], spacing=face.spacing), **options) for first in range(0, 128, 32)
+        run_shear_test(Surface(face.heights[first : first + 32], spacing=face.spacing), **options)
+        for first in range(0, 128, 32)
     ]
     unsolved = strips[0].copy(deep=True)
     for name in ("shear_stress", "dilation", "normal_load"):
@@ -387,16 +396,16 @@ def test_strips_of_a_shear_test_lie_along_the_motion():
     x = 2 * np.pi * np.arange(128) / 128
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
-    along = shear(ridges, **options)
+    along = run_shear_test(ridges, **options)
     # All strips are equal, so there is no scatter.
     assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
-    turned = shear(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
+    turned = run_shear_test(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
     assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
 
 
 def test_shear_test_of_small_maps_and_profiles_has_no_strips():
-    assert shear(create_rough_map(), path="50 um", steps=1, mu0=0.6).attrs["strips"] == 0
-    assert shear(create_wavy_profile(), path="5 um", steps=1, mu0=0.6).attrs["strips"] == 0
+    assert run_shear_test(create_rough_map(), path="50 um", steps=1, mu0=0.6).attrs["strips"] == 0
+    assert run_shear_test(create_wavy_profile(), path="5 um", steps=1, mu0=0.6).attrs["strips"] == 0
 
 
 def test_strips_without_measured_points_are_omitted_from_a_shear_test():
@@ -422,7 +431,7 @@ def test_shear_test_rejects_strips_if_only_one_has_measured_points():
 
 
 def test_shear_test_with_exact_inputs_has_no_interval():
-    assert "friction_coefficient_interval" not in shear(create_rough_map(), path="100 um", steps=2, mu0=0.6)
+    assert "friction_coefficient_interval" not in run_shear_test(create_rough_map(), path="100 um", steps=2, mu0=0.6)
 
 
 # ---- Arguments -------------------------------------------------------------------------------------------------------
@@ -507,12 +516,12 @@ def test_shear_test_of_registered_faces_starts_where_they_fit():
 def test_shear_test_does_not_register_flat_faces():
     flat = Surface(np.zeros((40, 40)), spacing=10.0)
     with pytest.raises(ValueError, match="register must be False if a face is flat, got True"):
-        shear(flat, path="50 um", mu0=0.6, register=True)
+        run_shear_test(flat, path="50 um", mu0=0.6, register=True)
 
 
 def test_shear_test_does_not_register_periodic_faces():
     with pytest.raises(ValueError, match="register must be False if the faces are periodic, got True"):
-        shear(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)
+        run_shear_test(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)
 
 
 # ---- Closure ---------------------------------------------------------------------------------------------------------

@@ -664,7 +664,7 @@ class InlineExecutor:
         return future
 def run_until(step):
     left = step
-    def counted(name):
+    def count_calls(name):
         method = getattr(Path, name)
         def change(self, *args, **kwargs):
             nonlocal left
@@ -676,7 +676,7 @@ def run_until(step):
             return method(self, *args, **kwargs)
         setattr(Path, name, change)
     for name in ("write_bytes", "replace", "mkdir", "unlink", "touch"):
-        counted(name)
+        count_calls(name)
     run(Study.from_toml("s.toml"), store="r", executor=InlineExecutor())
 import xarray  # before the children, which need not import it again
 for step in range(1, 1000):

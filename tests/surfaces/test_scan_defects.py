@@ -57,11 +57,11 @@ def test_search_for_defects_of_each_scan_runs_only_once(scan_directory, monkeypa
     def count_calls(name):
         function = getattr(scan_defects, name)
 
-        def counted(*arguments, **options):
+        def count_call(*arguments, **options):
             num_calls[name] += 1
             return function(*arguments, **options)
 
-        monkeypatch.setattr(scan_defects, name, counted)
+        monkeypatch.setattr(scan_defects, name, count_call)
 
     for name in ("instrument_limit", "find_hidden_noise", "find_outliers"):
         count_calls(name)

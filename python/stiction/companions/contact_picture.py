@@ -201,12 +201,12 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
     upper, lower, pressure = solution.upper, solution.lower, None
     if isinstance(solution.curve, HalfSpaceCurve):
         solution_at_load = solution.curve.at(0)
-        pressure, patch = (
+        pressure, patch_index = (
             solution_at_load.on_grid(solution_at_load.values),
             solution_at_load.on_grid(solution_at_load.patch),
         )
     else:
-        patch = _build_disc_map(lower, table)
+        patch_index = _build_disc_map(lower, table)
     (rows, columns), (dy, dx) = lower.heights.shape, lower.spacing
     stride = -(-max(rows, columns) // MAX_PICTURE_SIDE_POINTS)
     length_attributes = {"units": "um"}
@@ -214,7 +214,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
         f"{side}_height": (("height_y", "height_x"), body.heights[::stride, ::stride], length_attributes)
         for side, body in (("upper", upper), ("lower", lower))
     }
-    variables["patch"] = (("height_y", "height_x"), patch[::stride, ::stride].astype(np.int32), {"units": "1"})
+    variables["patch"] = (("height_y", "height_x"), patch_index[::stride, ::stride].astype(np.int32), {"units": "1"})
     coordinates: dict[str, Any] = {
         "height_y": ("height_y", np.arange(0, rows, stride) * dy, length_attributes),
         "height_x": ("height_x", np.arange(0, columns, stride) * dx, length_attributes),

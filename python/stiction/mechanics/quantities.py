@@ -123,8 +123,8 @@ _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "stored_bounds": _STORED_FRACTION_RANGE,
 }
 _DEFAULT_VIEWS: frozenset[OutputView] = frozenset({"table", "report", "csv"})
-_VERBOSE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
-_VERBOSE_TABLE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "csv"})
+_DETAIL_VIEWS: frozenset[OutputView] = frozenset({"verbose", "report", "csv"})
+_DETAIL_TABLE_VIEWS: frozenset[OutputView] = frozenset({"verbose", "csv"})
 _CSV_VIEW: frozenset[OutputView] = frozenset({"csv"})
 _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
@@ -169,7 +169,7 @@ def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
 
 
 def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
-    fields: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _VERBOSE_TABLE_VIEWS} | properties
+    fields: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _DETAIL_TABLE_VIEWS} | properties
     unit_fields = _FRACTION_QUANTITY_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **unit_fields | fields)
 
@@ -258,11 +258,11 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "contact_area": _sum_quantity("contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS),
     "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding",
-        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_VERBOSE_TABLE_VIEWS,
+        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_DETAIL_TABLE_VIEWS,
     ),
     "contact_hardness": ResultQuantity(
         unit="GPa", words="hardness of the contacts, with the indentation size effect",
-        brief="hardness of the contacts", kind="statistic", along=_STEP_AXIS, shown=_VERBOSE_TABLE_VIEWS,
+        brief="hardness of the contacts", kind="statistic", along=_STEP_AXIS, shown=_DETAIL_TABLE_VIEWS,
     ),
     "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
     "mean_pressure": ResultQuantity(
@@ -323,70 +323,70 @@ QUANTITIES: dict[str, ResultQuantity] = {
         shown=frozenset({"table", "csv"}),
     ),
     "approach": _coordinate_quantity(
-        "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS,
+        "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_DETAIL_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
-        numerator="normal_stiffness", shown=_VERBOSE_VIEWS,
+        numerator="normal_stiffness", shown=_DETAIL_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while unloading (ultrasonic)", kind="ratio",
-        along=_STEP_AXIS, numerator="unloading_stiffness", shown=_VERBOSE_VIEWS,
+        along=_STEP_AXIS, numerator="unloading_stiffness", shown=_DETAIL_VIEWS,
     ),
     "tangential_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="initial tangential stiffness per area", kind="statistic",
-        along=_STEP_AXIS, shown=_VERBOSE_VIEWS,
+        along=_STEP_AXIS, shown=_DETAIL_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
-        brief="load that opposes", kind="ratio", along=("direction", "step"), shown=_VERBOSE_TABLE_VIEWS,
+        brief="load that opposes", kind="ratio", along=("direction", "step"), shown=_DETAIL_TABLE_VIEWS,
     ),
     "share_on_largest": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on the contact with the largest load",
-        brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
+        brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     "share_at_edge": _validity_quantity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
-        brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
+        brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     "fraction_on_small": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts of at most four grid cells",
-        brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_VERBOSE_VIEWS,
+        brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     **{
         f"share_on_steepest_{side}": _statistic_quantity(
             **_FRACTION_QUANTITY_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
-            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_VERBOSE_TABLE_VIEWS,
+            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_DETAIL_TABLE_VIEWS,
         )
         for side in ("upper", "lower")
     },
     "load_share_at_hardness": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load at points at the hardness",
-        stored=frozenset({"half-space"}), shown=_VERBOSE_VIEWS, is_omitted_if_zero=True,
+        stored=frozenset({"half-space"}), shown=_DETAIL_VIEWS, is_omitted_if_zero=True,
     ),
     "area_share_at_hardness": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the points under pressure that are at the hardness",
-        stored=frozenset({"half-space"}), shown=_VERBOSE_TABLE_VIEWS,
+        stored=frozenset({"half-space"}), shown=_DETAIL_TABLE_VIEWS,
     ),
     "relative_overlap": _validity_quantity(
         "overlap_load", "normal_elastic", percent=False, words="load-weighted mean of overlap / radius",
-        shown=_VERBOSE_VIEWS,
+        shown=_DETAIL_VIEWS,
     ),
     "share_beyond_hertz": _validity_quantity(
         "load_beyond_hertz", "normal_elastic",
         words="fraction of the load on contacts with an overlap above a tenth of their radius",
-        shown=_VERBOSE_VIEWS | {"hatch"},
+        shown=_DETAIL_VIEWS | {"hatch"},
     ),
     "share_below_grid": _validity_quantity(
         "load_below_grid", "normal_elastic",
-        words="fraction of the load on contacts with a radius below the grid spacing", shown=_VERBOSE_VIEWS | {"hatch"},
+        words="fraction of the load on contacts with a radius below the grid spacing", shown=_DETAIL_VIEWS | {"hatch"},
     ),
     "share_crossed": _validity_quantity(
         "crossed_count", "crossed_count", "contact_count",
-        words="fraction of possible contacts rejected because their sphere centres had crossed", shown=_VERBOSE_VIEWS,
+        words="fraction of possible contacts rejected because their sphere centres had crossed", shown=_DETAIL_VIEWS,
     ),
     "share_overlapping": _validity_quantity(
-        "load_overlapping", "normal_elastic", shown=_VERBOSE_VIEWS,
+        "load_overlapping", "normal_elastic", shown=_DETAIL_VIEWS,
         words="fraction of the load on contacts whose ellipse overlaps another ellipse",
     ),
     "share_unanswered": _validity_quantity(
@@ -395,7 +395,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "error": _statistic_quantity(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
-        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_VERBOSE_TABLE_VIEWS,
+        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_DETAIL_TABLE_VIEWS,
     ),
     "elastic_area": _statistic_quantity(
         "um^2", "true contact area of elastic bodies at the same load, for the first members",

@@ -127,11 +127,11 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
 
 def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     """List the contacts of a half-space solution."""
-    problem, pressure, patch = solution.problem, solution.values, solution.patch - 1
-    pressure_sums = np.bincount(patch, weights=pressure)
+    problem, pressure, patch_index = solution.problem, solution.values, solution.patch - 1
+    pressure_sums = np.bincount(patch_index, weights=pressure)
 
     def average_in_each_patch(values: Floats) -> Floats:
-        return np.asarray(np.bincount(patch, weights=pressure * values) / pressure_sums, np.float64)
+        return np.asarray(np.bincount(patch_index, weights=pressure * values) / pressure_sums, np.float64)
 
     indices = np.unravel_index(solution.points, problem.gap.shape)
     positions = [(index * step).astype(np.float64) for index, step in zip(indices, problem.spacing, strict=True)]
@@ -143,11 +143,11 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
     return ContactList(
         x=average_in_each_patch(positions[-1]), y=average_in_each_patch(positions[0] if len(positions) == 2 else zeros),
         force=np.asarray(problem.cell_area * pressure_sums, np.float64),
-        area=np.asarray(problem.cell_area * np.bincount(patch, weights=solution.share), np.float64),
+        area=np.asarray(problem.cell_area * np.bincount(patch_index, weights=solution.share), np.float64),
         slope_x=average_in_each_patch(slope_components[-1]),
         slope_y=average_in_each_patch(slope_components[0] if len(slope_components) == 2 else zeros),
-        cells=np.bincount(patch).astype(np.float64),
-        at_edge=np.bincount(patch, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
+        cells=np.bincount(patch_index).astype(np.float64),
+        at_edge=np.bincount(patch_index, weights=is_at_edge) > 0, pressure=pressure, weight=np.ones(pressure.size),
     )  # fmt: skip
 
 

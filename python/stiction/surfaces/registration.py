@@ -22,7 +22,7 @@ MAX_ROTATION = 3.0  # largest rotation (degrees) at which the match of two faces
 ROTATION_STEP = 0.5  # step (degrees) of the rotation in the search on coarse maps
 GRID_TOLERANCE = 0.02  # positions within this distance (points) of a grid point are moved to it
 # largest correlation of two faces at any other shift, relative to the correlation at the best shift
-MAX_SECOND_FIT_RATIO = 0.7
+MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap of two faces along each axis, relative to the length of the shorter face
 # minimum number of points along each axis for a comparison of coarse profiles (1) or maps (2)
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
@@ -123,7 +123,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
     best_correlation = float(correlations[best_index])
     return (
         best_correlation
-        if np.nanmax(other_correlations, initial=0.0) < MAX_SECOND_FIT_RATIO * best_correlation
+        if np.nanmax(other_correlations, initial=0.0) < MAX_SECOND_CORRELATION_RATIO * best_correlation
         else 0.0
     )
 

@@ -260,7 +260,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
         stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
-    raw = replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[-1])))
+    raw = replace(raw, caveats=(*raw.caveats, *_find_calculated_column_caveat(table, places[-1])))
     if len(places) == 1:
         filled_rows = np.flatnonzero(~np.isnan(heights))
         end = int(filled_rows[-1]) + 1 if filled_rows.size and table.values.shape[1] > 1 else heights.size
@@ -370,7 +370,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
     return (FileCaveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
 
 
-def _find_calculation_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
+def _find_calculated_column_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if the name of a column of heights is a calculation, such as "z x 1000"."""
     name = table.names[place] if table.names else ""
     is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _column_units(table)[place] is None
@@ -747,7 +747,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
         position_unit=next(iter(lateral_units)) or table.declared.position_unit,
         history=(history_entry,), source=source,
     )  # fmt: skip
-    return replace(raw, caveats=(*raw.caveats, *_find_calculation_caveat(table, places[2])))
+    return replace(raw, caveats=(*raw.caveats, *_find_calculated_column_caveat(table, places[2])))
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
