@@ -45,7 +45,7 @@ class DominantStep(NamedTuple):
 
 
 def measure_parabola_fraction(body: Surface) -> float:
-    """Return the fraction of a map's mean square height that a parabola explains, or 0 with large higher terms.
+    """Return the fraction of a map's mean square height that a parabola explains, or 0 if higher terms are large.
 
     The heights are measured from the least-squares plane.
     """
@@ -66,7 +66,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the straight height step that explains most of the mean square height, or return None if none is sharp.
+    """Find the straight height step that explains most of the mean square height, or return None if no step is sharp.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """

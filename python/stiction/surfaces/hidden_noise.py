@@ -99,7 +99,7 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum in bins at wavelengths up to 16 points, or return None for too few bins."""
+    """Average a spectrum in bins at wavelengths up to 16 points, or return None if there are too few bins."""
     q, density, count, spacing = spectrum
     # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
     if not periodic:

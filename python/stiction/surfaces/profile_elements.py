@@ -47,7 +47,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and mean height of the profile elements, or NaN if there are none."""
+    """Return the mean spacing (points) and mean height of the profile elements, or NaN if there are no elements."""
     spacings, element_heights = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

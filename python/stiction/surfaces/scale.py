@@ -792,7 +792,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the bin with the lowest density before a strong rise at short wavelengths, or None without a rise."""
+    """Return the bin with the lowest density before a strong rise at short wavelengths, or None if no rise exists."""
     lowest_density, lowest_bin = math.inf, 0
     for bin_index in np.flatnonzero(chance < 1 / 4):
         if (

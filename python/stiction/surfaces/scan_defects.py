@@ -129,7 +129,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
-        """White noise that the spectrum of the scan may hide, or None.
+        """White noise that the spectrum of the scan may hide, or None if the spectrum cannot hide noise.
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
@@ -139,7 +139,7 @@ class ScanDefects:
 
     @property
     def limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength of the scan, limited by pixels, noise and tip, or None without a tip radius.
+        """Shortest reliable wavelength of the scan, limited by pixels, noise and tip; None if no tip radius is given.
 
         Raises a `ValueError` if the body is flat.
         """

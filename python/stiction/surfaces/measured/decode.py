@@ -86,7 +86,7 @@ class DecodedText:
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def nonempty_lines(self, first: int, end: int) -> list[str]:
-        """Return the lines of the text in a range that are not empty."""
+        """Return the non-empty lines of the text in a range."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
@@ -216,7 +216,10 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the byte order of UTF-16 text without a byte order mark, found from the zero bytes, or None."""
+    """Detect, from the zero bytes, the byte order of UTF-16 text that has no byte order mark.
+
+    Returns None for other text.
+    """
     half = len(start) // 2
     if half < 4:
         return None

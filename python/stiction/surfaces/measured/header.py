@@ -510,7 +510,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column of positions contains instead of a length, or None.
+    """Return the quantity, such as "time", that a column of positions contains, or None if it contains lengths.
 
     The result is also None if the column has a unit that is not a length, because such units are rejected elsewhere.
     """
@@ -710,7 +710,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit; "point" in "data point" is none."""
+    """Return whether the last word of a column name is a unit; "point" in "data point" is not a unit."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

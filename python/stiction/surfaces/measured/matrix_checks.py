@@ -96,7 +96,7 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return two columns that contain the coordinates of grid points, or None.
+    """Return two columns that contain the coordinates of grid points, or None if there are no such columns.
 
     The points are different and fill at least half of the grid. If they do not fill all of it, they are listed line by
     line. Other columns, such as point numbers or colours, may stand before, between and behind these columns.

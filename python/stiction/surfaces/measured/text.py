@@ -27,7 +27,7 @@ def parse_content(text: DecodedText) -> ReaderResult:
 
 
 def find_layout(text: DecodedText) -> TextLayout | None:
-    """Return the instrument layout that recognises a text, or None."""
+    """Return the instrument layout that recognises a text, or None if no layout does."""
     # A file written by stiction is not an instrument's file, even if its history looks like the header of one.
     if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None

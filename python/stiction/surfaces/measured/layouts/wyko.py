@@ -33,7 +33,7 @@ _FIRST_LINE_START = "Wyko ASCII Data File"
 
 
 def _find_block_name(text: DecodedText, index: int) -> str | None:
-    """Return the name of the block of heights that starts at a line, or None."""
+    """Return the name of the block of heights that starts at a line, or None if no block starts there."""
     line = text.line(index)
     return next((name for name in _HEIGHT_BLOCK_NAMES if re.match(rf"{name}(?:\t|\s{{2,}}|$)", line)), None)
 
