@@ -452,7 +452,10 @@ class AdhesionSolver:
         return EnergyMinimizer(self)
 
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
-        """Return the lowest load (GPa) on a grid of twice the spacing, or 0 if the grid is small or none is found."""
+        """Return the lowest load (GPa) on a grid of twice the spacing.
+
+        Returns 0 if the grid is small or no such load is found.
+        """
         if min(self.problem.gap.shape) < MIN_COARSENED_POINTS:
             return 0.0
         solver = AdhesionSolver(

@@ -90,16 +90,17 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return area fractions of elastic contacts with given rms gradients; `area_of_slope` is for gradient 1.
+    """Return area fractions of elastic contacts with given rms gradients.
 
-    The arrays have the dimensions wavelength, load and statistic.
+    `area_of_slope` is the area fraction at an rms gradient of 1. The arrays have the dimensions
+    wavelength, load and statistic.
     """
     spread_factors = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * spread_factors / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_area_ratio(gradient: Floats) -> Floats:
-    """Return the interface area of two surfaces with equal rms slopes h' per projected area, 1 + h'²/8."""
+    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal rms slopes h'."""
     return np.asarray(1 + np.square(gradient) / 8)
 
 

@@ -333,7 +333,7 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 
 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
-    """Return the problem on every second grid point. A range of attraction too short for the grid is increased."""
+    """Return the problem on every second grid point. An attraction range that the grid cannot resolve is increased."""
     spacing = tuple(2 * step for step in problem.spacing)
     every_second = (slice(None, None, 2),) * problem.gap.ndim
     upper, lower, gap = (

@@ -158,7 +158,7 @@ class ShearBox:
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
-        """Return the largest number of strips with overlaps at least `min_points` wide, or 0 if there are none.
+        """Return the largest number of strips whose overlaps are at least `min_points` wide, or 0 if no strip fits.
 
         Strips move sideways if the motion is oblique to the grid.
         """

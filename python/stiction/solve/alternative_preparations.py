@@ -73,7 +73,7 @@ def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSu
 
 
 def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
-    """Open the finished results of alternative preparations, or return None without such results."""
+    """Open the finished results of alternative preparations, or return None if no such results exist."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {

@@ -63,7 +63,7 @@ class MembersInProgress:
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Return the new record of a member that a run starts to compute."""
+        """Create or open the record of a member that a run starts to compute, and return the record."""
         record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record

@@ -165,7 +165,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that computed the first block, or the running version without blocks."""
+        """Version of stiction that computed the first block, or the running version if no block is stored."""
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property

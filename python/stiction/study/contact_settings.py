@@ -489,7 +489,7 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of the contact model for the direction of motion, by default none."""
+        """Return the arguments of the contact model for the direction of motion. The default is no arguments."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:

@@ -128,7 +128,10 @@ class Inputs:
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0, or None if there is no interface, or its file is missing or changed."""
+        """Joint distribution of mu0 and tau0.
+
+        None if the study has no interface, or if the interface file is missing or changed.
+        """
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
@@ -212,5 +215,5 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the interface of a study, or None if there is no interface, or its file is missing or changed."""
+    """Return the interface of a study, or None if the study has no interface, or if its file is missing or changed."""
     return Inputs.from_study(study).strength

@@ -170,7 +170,7 @@ class InterfaceStrength:
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
-        """Return the published strength with a given name, or read a strength from a file."""
+        """Return the published strength with a given name, or the strength in a file with a given path."""
         check_instance("interface", name_or_path, (str, Path), "a name or a path")
         published_entry = _published_interfaces().get(str(name_or_path))
         if published_entry is None:

@@ -74,7 +74,7 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
 
 
 def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Generate a profile with a given fractal dimension, but without a given amplitude."""
+    """Generate a profile with a given fractal dimension before its heights are scaled to the amplitude of the study."""
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profile_family(study, heights, np.array([dimension]), repetition, side)
@@ -104,7 +104,7 @@ def generate_profile_pairs(
 
 
 def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Generate a surface with a given fractal dimension, but without a given amplitude."""
+    """Generate a surface with a given fractal dimension before its heights are scaled to the amplitude of the study."""
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
         longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -351,5 +351,5 @@ def check_last_member(study: Study) -> None:
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes of a study's bodies in a result. Generated bodies have none."""
+    """Return the attributes with which a result describes a study's bodies. Generated bodies have no attributes."""
     return load_bodies(study).attributes if study.is_measured else BodyAttributes()

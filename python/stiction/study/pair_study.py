@@ -614,7 +614,7 @@ class MeasuredPair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface that the user lists, or None.
+        """Positions (µm) of the slider on the counterface that the user lists, or None if the user lists no positions.
 
         Positions on maps are pairs (x, y).
         """
@@ -728,7 +728,7 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth of the contacts, or None.
+        """Junction growth of the contacts, or None if the contacts do not grow.
 
         The default is the value for the interface or, without one, yield by slip lines.
         """
@@ -895,7 +895,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a study key such as "friction.mu0[0]", or None."""
+    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets the key."""
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
     return next(
