@@ -134,7 +134,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Return the computed loads between which given loads are interpolated, or None if all were computed.
+    """Return the computed loads between which given loads are interpolated, or None if all given loads were computed.
 
     Returns the computed loads, the indices of the computed loads below and above each given load, and the position of
     each given load between them.

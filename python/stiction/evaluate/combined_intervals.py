@@ -470,7 +470,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return cached areas before shear and yield pressures, or None with joint samples of mu0 and tau0.
+        """Return cached areas before shear and yield pressures, or None if mu0 and tau0 are sampled jointly.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
         depends on the depth of the contacts. An interface with joint samples may come with its own hardness.
@@ -534,7 +534,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return samples of Student's t distribution from the last coordinate of the Sobol points."""
+    """Convert the last coordinate of the Sobol points to samples of Student's t distribution."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))

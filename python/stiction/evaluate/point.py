@@ -80,7 +80,7 @@ MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
-    """Return name and number of the roughness exponent: H for self-affine surfaces, or else D."""
+    """Return name and number of the roughness exponent: H for self-affine surfaces, D for all others."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
@@ -251,13 +251,13 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def get_study_hardness(study: Study) -> float:
-    """Return the hardness (GPa) of a study, or NaN if it has none."""
+    """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
-    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has none.
+    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
 
     The hardness of the contacts differs from the hardness of the study if the depth of the indentation is known.
     """

@@ -96,7 +96,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Lower or upper limit of an input that changes the contacts, relative to its central value."""
+    """Lower or upper limit, relative to the central value, of an input that changes the contacts."""
 
     name: str
     ratio: float
@@ -182,7 +182,7 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripErrors:
-    """Standard errors of means over strips, and the numbers of strips with a solution, each an array per quantity."""
+    """Standard error of each quantity's mean over strips, and number of strips in which the quantity has a solution."""
 
     errors: _Samples
     counts: _Samples

@@ -102,7 +102,7 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from a few members; None without a stored cutoff study."""
+        """Friction at several cutoffs, from a few members; None if no cutoff study is stored."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
@@ -156,7 +156,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study, or a few loads in the range of the result if the study has none.
+        """Loads (mN) of the study, or a few loads in the range of the result if the study lists no loads.
 
         Raises a `ValueError` if there is no contact.
         """

@@ -466,7 +466,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height that a parabola explains, or 0 with large higher terms."""
+    """Return the fraction of the mean square height that a parabola explains, or 0 if higher terms are large."""
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights

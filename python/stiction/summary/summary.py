@@ -190,7 +190,7 @@ class PointSummary:
 
     @property
     def roughness_exponent(self) -> tuple[str, float]:
-        """Name and number of the roughness exponent: H for self-affine surfaces, or else D."""
+        """Name and number of the roughness exponent: H for self-affine surfaces, D for all others."""
         return get_roughness_exponent(self.study, self.at["fractal_dimension"])
 
     @property
@@ -234,7 +234,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference of the coefficients at equal normal and equal elastic load, or NaN if unknown."""
+        """Relative difference of the coefficients at equal normal and equal elastic load, or NaN if it is unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -650,7 +650,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes with friction at all contacts, or else None."""
+    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, or else None."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
