@@ -104,7 +104,10 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 @contextmanager
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file in the directory of `path`. Rename it to `path` after success, or else remove it."""
+    """Yield an empty file in the directory of `path`.
+
+    The file is renamed to `path` after success, and removed after an error.
+    """
     partial_path = path.parent / new_partial_file_name()
     try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
@@ -169,7 +172,7 @@ class DirectoryClaim:
 
 
 def remove_stale_partial_files(directory: Path) -> None:
-    """Remove partial files of processes that have died, as far as possible."""
+    """Remove partial files of processes that have died. Files that cannot be removed are left."""
     with suppress(OSError):
         for entry, is_stale in _scan_partial_files(directory):
             if is_stale:

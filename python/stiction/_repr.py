@@ -47,7 +47,7 @@ class PlotReprMixin(TextReprMixin):
 
 
 class TableReprMixin(TextReprMixin):
-    """Mixin for a table of numbers with units in a notebook."""
+    """Mixin that shows a table of numbers with units in a notebook."""
 
     def _repr_html_(self) -> str:
         units = field_units(type(self))

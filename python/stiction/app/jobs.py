@@ -345,7 +345,10 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory and kills the process with its parent; [] if not supported."""
+    """Return a command prefix that limits memory and kills the process with its parent.
+
+    The prefix is empty if the system lacks the commands `setpriv` or `prlimit`.
+    """
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
     import resource
@@ -419,7 +422,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return a message about a failed command, given its exit status, which is negative after a signal."""
+    """Return a message about a failed command with a given exit status. After a signal, the status is negative."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

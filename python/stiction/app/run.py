@@ -119,5 +119,5 @@ async def _serve(
 
 
 def is_abandoned(server: Server, now: float) -> bool:
-    """Return whether all windows have been closed for too long, or none was opened in time."""
+    """Return whether all windows have been closed for too long, or whether no window was opened in time."""
     return now - server.last_request_time > (SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT)

@@ -25,7 +25,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 
 
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """Return an executor with a number of threads, or one that uses the workers of a Dask scheduler."""
+    """Return an executor that uses a number of threads, or the workers of a Dask scheduler."""
     if scheduler is None:
         return thread_pool_executor(workers)
     if workers is not None:

@@ -93,7 +93,10 @@ def compute_onset(
 
 
 def _find_onset_members(study: Study, count: int | None) -> range:
-    """Return the members whose onset of sliding is computed; none for generated bodies or zero friction."""
+    """Return the members whose onset of sliding is computed.
+
+    The range is empty for generated bodies or zero friction.
+    """
     surfaces: Any = study.surfaces
     if not study.is_measured or float(study.friction.mu0[0]) == float(study.friction.tau0[0]) == 0:
         return range(0)

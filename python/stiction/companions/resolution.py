@@ -98,7 +98,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair, stored below `path`, or None if there is only one cutoff."""
+    """Return the cutoff study stored below the `path` of a measured pair, or None if there is only one cutoff."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
@@ -180,7 +180,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the roughness of the gap at resolved wavelengths, or None if bodies are generated or files missing."""
+    """Return the roughness of the gap at resolved wavelengths, or None if bodies are generated or files are missing."""
     if not study.is_measured:
         return None
     try:

@@ -34,7 +34,7 @@ def onset_text(onset: OnsetValues) -> str:
 
 
 def onset_rows(onset: OnsetValues) -> list[list[str]]:
-    """Return a table of the onset of sliding with means and intervals, headings first."""
+    """Return a table of the onset of sliding with means and intervals. The first row contains the headings."""
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     stiffness = onset.stiffness.in_prefixed_unit()
     unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()

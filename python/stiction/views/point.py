@@ -68,7 +68,7 @@ def nominal_area_text(area: float) -> str:
 
 
 def material_names_text(study: Study) -> str:
-    """Return the materials of a pair, as in "mild steel on brass", or "" if none are given."""
+    """Return the materials of a pair, as in "mild steel on brass", or "" if no material is given."""
     material_names = study.contact.materials
     return "" if material_names is None else " on ".join(material_names)
 

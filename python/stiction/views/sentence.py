@@ -42,7 +42,7 @@ DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a phrase about the coefficient that finer scans would give, or "" if unknown."""
+    """Return a phrase about the coefficient that finer scans would give, or "" if this coefficient is unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -221,7 +221,7 @@ def _interface_text(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness, or "" if it has none."""
+    """Return the range of the hardness in brackets, or "" if the hardness is exact or missing."""
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -417,7 +417,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return text about friction after dwell times, or "" if the study has none."""
+    """Return text about friction after dwell times, or "" if the study has no dwell times."""
     estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"

@@ -330,7 +330,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a sentence about adhesion without a load, or an empty list if the bodies do not adhere."""
+    """Return a sentence about adhesion at zero load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []

@@ -60,7 +60,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines about model and motion, if not as in the paper, and about an unfinished ensemble."""
+    """Return heading lines about a model or motion that differs from the paper, and about an unfinished ensemble."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -300,7 +300,7 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to grey of equal luminance, so that none looks like another coefficient."""
+    """Fade colours to grey of equal luminance, so that no faded colour looks like that of another coefficient."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
