@@ -161,7 +161,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim of another active run on this directory, or None.
+        """Return the claim of another active run on this directory, or None if there is no such run.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """

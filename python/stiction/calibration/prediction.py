@@ -187,7 +187,7 @@ def read_interface(path: str | Path) -> Interface:
 
 
 def interface(name_or_path: str | Path) -> Interface:
-    """Return a published interface, or read one from a file that `stiction calibrate` wrote.
+    """Return a published interface, or read an interface from a file that `stiction calibrate` wrote.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ def _redirect_closed_streams() -> None:
 
 
 def _address_space_limit() -> float:
-    """Return the limit of this process's address space in bytes, or infinity."""
+    """Return the limit of this process's address space in bytes, or infinity if there is no limit."""
     try:
         import resource
     except ImportError:  # Windows has no module `resource`

@@ -248,7 +248,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Return the computed fractal dimensions and amplitudes (µm) that are nearest to the requested ones.
+    """Return the computed fractal dimensions and amplitudes (µm) that are nearest to the requested numbers.
 
     The default is all dimensions and the first amplitude.
     """

@@ -30,7 +30,7 @@ VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all points and caveats of a stored result, without a new computation."""
+    """Return the command that prints all points and caveats of a stored result without computing anything."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -54,7 +54,7 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the friction of a measured pair, without cutoff study and onset of sliding."""
+    """Print the friction of a measured pair, but not its cutoff study or its onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 

@@ -108,7 +108,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first pair of measured profiles that touches at the first load of the study, or None."""
+    """Return the first pair of measured profiles that touches at the study's first load, or None if no pair does."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")
@@ -125,7 +125,10 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
 
 
 def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Generate the first touching pair of profiles at the middle fractal dimension, or return None."""
+    """Generate the first touching pair of profiles at the middle fractal dimension.
+
+    Returns None if no pair touches.
+    """
     study, cells = result.study, result.study.surfaces.cell_coordinates()
     counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values
     approaches: Floats = result.head["approach"].values[(counts > 0).any(axis=tuple(range(1, counts.ndim)))]

@@ -153,7 +153,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the computed height factors nearest to a given factor, one below and one above.
+    """Return the indices of the nearest computed height factors below and above a given factor.
 
     Both indices are equal if the factor itself was computed. Returns None if neighbouring factors are too far apart.
     """

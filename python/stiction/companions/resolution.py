@@ -255,7 +255,7 @@ class ResolutionEffect:
         Number of members of the cutoff study.
     plastic_limit : (float, float), optional
         Lower bounds for finer scans, at the first load, mu0 and tau0: coefficient with friction at all contacts, and
-        area fraction. None without a hardness.
+        area fraction. None if the study has no hardness.
     yielding : tuple of (dict, tuple of YieldWavelengthEstimate)
         Estimates for typical hardnesses at the load, mu0 and tau0 of each point; empty with a hardness.
     """

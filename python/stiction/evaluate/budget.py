@@ -72,15 +72,15 @@ def add_uncertainty(
 ) -> xarray.Dataset:
     """Add combined intervals, prediction intervals and the uncertainty budget to a dataset of `at_load`.
 
-    `friction_at_cutoff` contains the combined 95 % interval at each cutoff, or NaN without one. `friction_combined`
-    contains the interval to report: this interval or, without one, the interval of the mean. If scans are evaluated at
-    two cutoffs, the reported interval at the first cutoff covers the results at both. `friction_prediction` contains
-    the prediction interval of a test at one position in one direction, `friction_percentiles` the 5th, 50th and 95th
-    percentile of such tests, and `friction_after_dwell` the interval after each dwell time. With `budget`, which takes
-    most of the time, the dataset also has the dimension `input` (uncertain inputs of the study, positions and
-    unresolved roughness) and the variables `remaining_interval` and `remaining_width`: the interval that would remain
-    if the input were exact, and its width. Without `tests`, only `friction_combined` is added. Results of generated
-    bodies are returned unchanged.
+    `friction_at_cutoff` contains the combined 95 % interval at each cutoff, or NaN if the cutoff has none.
+    `friction_combined` contains the interval to report: this interval or, if it is missing, the interval of the mean.
+    If scans are evaluated at two cutoffs, the reported interval at the first cutoff covers the results at both.
+    `friction_prediction` contains the prediction interval of a test at one position in one direction,
+    `friction_percentiles` the 5th, 50th and 95th percentile of such tests, and `friction_after_dwell` the interval
+    after each dwell time. With `budget`, which takes most of the time, the dataset also has the dimension `input`
+    (uncertain inputs of the study, positions and unresolved roughness) and the variables `remaining_interval` and
+    `remaining_width`: the interval that would remain if the input were exact, and its width. Without `tests`, only
+    `friction_combined` is added. Results of generated bodies are returned unchanged.
 
     All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
     scans that are stored with the result. Each of these preparations is an `input` too.
@@ -159,7 +159,7 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add the variables of `add_uncertainty` without alternative preparations of the scans.
+    """Add the variables of `add_uncertainty` as if there were no alternative preparations of the scans.
 
     `strength` replaces the interface of the study.
     """

@@ -168,7 +168,7 @@ class InputSampler:
 
 
 def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
-    """Return a value of a cache, or compute and store it. A full cache loses its oldest value."""
+    """Return the cached value, or compute and store the value. A full cache loses its oldest value."""
     if key not in cache:
         if len(cache) == max_size:
             cache.pop(next(iter(cache)))
@@ -585,7 +585,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend low percentiles downwards and high ones upwards to the percentiles of other samples.
+    """Extend low percentiles downwards and high percentiles upwards to the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -164,7 +164,7 @@ class _SolvedAreas:
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored true areas over members: over pairs of scans or, without such pairs, over surrogates."""
+    """Average the stored true areas over pairs of scans, or over surrogates if the result has no pairs of scans."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index

@@ -32,7 +32,7 @@ def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) 
 
 
 def choose_default_loads(result: MemberSums) -> Floats:
-    """Return the loads (mN) of the study or, without such loads, a few in the range of the result.
+    """Return the loads (mN) of the study, or a few loads in the range of the result if the study lists no loads.
 
     Raises a `ValueError` if there is no contact.
     """

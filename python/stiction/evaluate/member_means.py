@@ -274,7 +274,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Set masked means and limits to NaN, and negative means, which are due to round-off, to 0.
+    """Set masked means and limits to NaN. Set negative means, which are due to round-off, to 0.
 
     The last axis contains mean, lower limit and upper limit.
     """

@@ -321,7 +321,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return loads and statuses of members whose contacts change under shear, or whose softer body shears.
+    """Return the loads and statuses of members after contacts change under shear, or after the softer body shears.
 
     `sums` are the contact sums that mu0 and tau0 multiply, at the loads. `growth` and `fraction` are the results of
     `compute_onset_factors`.
@@ -344,7 +344,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the load fraction on contacts that oppose the motion, or {} unless both sliding rules were computed."""
+    """Return the load fraction on contacts that oppose the motion, or {} if only one sliding rule was computed."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}

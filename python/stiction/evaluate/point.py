@@ -233,7 +233,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return two adhesion ranges (µm): of the study, and as computed, which is larger on a coarse grid."""
+    """Return the adhesion ranges (µm) of the study and of the computation. The latter is larger on a coarse grid."""
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
     grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -265,10 +265,10 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the friction coefficient of contacts that all yield, with friction at all contacts.
+    """Return the friction coefficient if all contacts yield and friction acts at all contacts.
 
     The coefficient is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or
-    None without a hardness.
+    None if the study has no hardness.
     """
     hardness = get_contact_hardness(point, study)
     if math.isnan(hardness) or not study.uses_half_space:

@@ -253,7 +253,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the state from which the iteration starts, or in which an earlier computation was interrupted."""
+        """Return the state at the start of the iteration, or the last state of an interrupted computation."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -506,7 +506,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return the equilibria, and further ones where interpolation predicts a lower external load."""
+        """Return the equilibria, and further equilibria where interpolation predicts a lower external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)

@@ -105,7 +105,7 @@ def interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s, with friction at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
 
     The factor is 1 + h'²/16 on areas and 1 on lines.
     """
@@ -128,7 +128,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the range of mu_s for finer scans of a yielding pair, with friction at all contacts.
+    """Return the range of mu_s for finer scans of a yielding pair if friction acts at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.

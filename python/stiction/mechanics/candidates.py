@@ -75,7 +75,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return one line with the number of contact candidates and how they were searched for."""
+        """Return one line with the number of contact candidates and the method of the search."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property

@@ -395,7 +395,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two surfaces: those for profiles, and three more.
+    """Validity indicators of the asperity model for two surfaces: the indicators for profiles, and three others.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -407,7 +407,7 @@ class SurfaceValidity(Validity):
         Load fraction on ellipses that the edge of the map cuts; only the part inside counts.
     share_unanswered : (k,) ndarray
         Fraction of the grid minima within the approach that have no minimum of the spline nearby, for example on
-        plateaus; NaN without grid minima.
+        plateaus; NaN if there are no grid minima.
 
     Examples
     --------

@@ -328,11 +328,11 @@ class HalfSpaceCurve(FrictionCurve):
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
-        """Return the curve for another sliding rule, without computing the contacts again."""
+        """Return the curve for another sliding rule without computing the contacts again."""
         return self._with_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the curve for other directions of motion, without computing the contacts again.
+        """Return the curve for other directions of motion without computing the contacts again.
 
         Parameters
         ----------

@@ -210,7 +210,7 @@ class ContactSolution:
     def stiffness(self) -> float:
         """Normal stiffness dF/dδ (mN/µm) if the contact points do not change.
 
-        The stiffness is infinite at full periodic contact, and NaN without an approach.
+        The stiffness is infinite at full periodic contact, and NaN if the solution has no approach.
         """
         return self._compute_stiffness(self.below_hardness)
 

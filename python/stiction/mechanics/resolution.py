@@ -93,7 +93,7 @@ def resolution(
     result : xarray.Dataset
         Over `cut_off` (µm), `normal_load` (mN) and `sliding` ("all", "opposing"): `rms_gradient` of the gap,
         `contact_area`, `contact_area_fraction`, `mean_pressure`, `contact_count`, `load_fraction_at_hardness`, the six
-        sums, and with mu0 `friction_coefficient`. NaN without a solution.
+        sums, and with mu0 `friction_coefficient`. NaN if no solution was found.
 
         Over `normal_load`: `elastic_kappa`, and with a hardness `plastic_area`, `plastic_area_fraction` and
         `plastic_friction_coefficient`, which limit all finer scans.
@@ -203,7 +203,7 @@ def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) ->
     -------
     coefficient : xarray.DataArray
         Friction coefficient over `cut_off` (µm), `normal_load` (mN) and `sliding` ("all", "opposing"): the ratio of the
-        tangential and the normal load, both averaged over the directions. NaN without a solution.
+        tangential and the normal load, both averaged over the directions. NaN if no solution was found.
 
     Raises
     ------
@@ -298,7 +298,7 @@ def _solve_at_loads(
 ) -> dict[str, Floats]:
     """Solve the contact of two bodies at all loads.
 
-    Returns numbers (load,) and sums (rule, load), averaged over directions, which are NaN without a solution.
+    Returns numbers (load,) and sums (rule, load), averaged over directions. They are NaN if no solution was found.
     """
     results = {name: np.full(loads.size, np.nan) for name in _DIRECTION_INDEPENDENT_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in LOAD_SUM_NAMES}

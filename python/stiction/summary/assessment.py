@@ -837,7 +837,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return true area divided by nominal area, or NaN for generated profiles without a nominal area."""
+    """Return true area divided by nominal area, or NaN if generated profiles have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

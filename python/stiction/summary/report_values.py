@@ -233,7 +233,7 @@ def is_shown_in_report(name: str, values: Floats) -> bool:
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the largest mean of a quantity for which the asperity model is valid, or infinity."""
+    """Return the largest valid mean of a validity indicator of the asperity model, or infinity for other quantities."""
     if QUANTITIES[name].kind != "validity":
         return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO

@@ -53,7 +53,7 @@ class LineRoughness(TextReprMixin):
         Exponents of the fitted lines in the common band; empty without a band. Flat lines have no exponent.
     misfit : float
         Rms factor between the mean spectrum, in ten bins per decade, and the power law with the mean exponent: 1 for an
-        exact power law, NaN without exponents.
+        exact power law; NaN if there are no exponents.
 
     Examples
     --------

@@ -395,7 +395,7 @@ def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
 def _resample_along_axis(
     heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
-    """Resample heights by natural cubic splines along an axis, or a mask of missing points.
+    """Resample heights, or a mask of missing points, along an axis by natural cubic splines.
 
     If the spacing does not change, the axis is only cropped.
     """

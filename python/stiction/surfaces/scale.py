@@ -329,7 +329,7 @@ class InstrumentLimit(TableReprMixin):
         Origin of the wavelengths below `wavelength`: "unknown" for a line, a roll-up or a hump, and for a noise floor
         below the harmonics of a texture.
     period : float, µm
-        Period of a texture with harmonics in the spectrum, along x or y for a surface; NaN without a texture.
+        Period of a texture with harmonics in the spectrum, along x or y for a surface; NaN if there is no texture.
     axis : {"", "x", "y"}
         Axis of a surface along which there is noise below `wavelength`; empty if there is noise along both axes.
 

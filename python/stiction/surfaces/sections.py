@@ -67,7 +67,7 @@ class SectionFilters:
     lc : float, µm
         Cutoff wavelength λc between waviness and roughness, and section length.
     ls : float, µm, optional
-        Cutoff wavelength λs of the S-filter; None without an S-filter.
+        Cutoff wavelength λs of the S-filter; None if no S-filter is applied.
     sections : int
         Number of section lengths in the evaluation length.
     robust : bool

@@ -55,7 +55,7 @@ def finer_scan_text(point: PointSummary) -> str:
 
 
 def quotable_sentence(point: PointSummary) -> str:
-    """Return the sentence to quote with all inputs, or why the result must not be quoted."""
+    """Return the sentence to quote with all inputs, or the reason why the result must not be quoted."""
     assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [

@@ -180,7 +180,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a caveat about faces that fit poorly, or whose gap is larger than noise explains."""
+    """Return a caveat if the faces fit poorly, or if their gap is larger than noise explains."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:

@@ -363,7 +363,7 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the header line which declares that the numbers are slopes, or an empty string.
+    """Return the header line which declares that the numbers are slopes, or an empty string if no line does.
 
     A line with the value of a slope, such as "Rms slope: 0.02", is no such declaration.
     """
@@ -715,7 +715,7 @@ def _is_unit_word(word: str) -> bool:
 
 
 def _find_scaled_unit(name: str) -> str | None:
-    """Return the unit of length with its factor at the end of a column name, as in "1e-6m", or None."""
+    """Return the scaled unit of length that ends a column name, such as "1e-6m", or None for any other ending."""
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
     if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
         return None

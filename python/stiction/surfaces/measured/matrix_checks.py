@@ -145,7 +145,10 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe outer rows or columns that contain statistics of the remaining matrix, or return None."""
+    """Describe outer rows or columns that contain statistics of the remaining matrix.
+
+    Returns None if the matrix contains no statistics.
+    """
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered in (("last", lines), ("first", lines[::-1])):

@@ -349,7 +349,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Find heights whose range is much larger than declared, or equals the declared range in another unit.
+    """Find heights whose range is much larger than declared, or would equal the declared range in another unit.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """
