@@ -18,7 +18,7 @@ MAX_SIGNIFICANT_DIGITS = 4
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper limit of an interval without upper limit
 # The upper limit is printed with one digit if it exceeds this multiple of the central number.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # code in place of the decimals of an upper limit, if no interval is printed
+NO_INTERVAL_CODE = -128  # code instead of the decimals of an upper limit, if no interval is printed
 # Code instead of the number of decimals of an upper limit with one digit and an exponent, as in "5e+09".
 EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
