@@ -1,7 +1,7 @@
 """Adhesive contacts of elastic half-spaces. The attraction between the surfaces decays with the gap.
 
-The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration solves the contact of the gap g0 - Kσ and evaluates σ at the new
-gap, until σ no longer changes.
+The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration reduces the undeformed gap g0 by the displacement Kσ due to the
+attraction, solves the contact, and evaluates σ at the new gap, until σ no longer changes.
 
 Under a constant external load each iteration lowers the energy, because the energy of the attraction is a concave
 function of the gap. A smaller load or attraction gives a larger gap at every point. Therefore, from a contact under a
@@ -72,7 +72,7 @@ MIN_LOAD_IMPROVEMENT = 0.003
 # two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6  # maximum number of contact solutions at interpolated loads
-# They must separate from an equilibrium whose load differs by at most this fraction.
+# The bodies must separate from an equilibrium whose load differs by at most this fraction.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
 MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
@@ -143,7 +143,7 @@ class _IterationState:
 
 
 def _to_array_or_number(value: Any) -> Any:
-    """Return a stored array unchanged, or a stored number as a Python number."""
+    """Return a stored array unchanged, and convert a stored number to a Python number."""
     return value if np.ndim(value) else np.asarray(value).item()
 
 
@@ -183,16 +183,16 @@ class AdhesionSolver:
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
     def attraction_at_gap(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as closed."""
+        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def solve_at_contact_pressure(
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
     ) -> AdhesionState:
-        """Iterate from a nearby state to the equilibrium at a mean contact pressure (GPa), and return its state.
+        """Return the equilibrium state at a mean contact pressure (GPa), iterated from the nearby state `near`.
 
-        No point may be closer than in `earlier_state`; the bodies then support the load when they are pulled apart.
-        Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
+        Nowhere may the attraction exceed the attraction in `earlier_state`: the bodies then support the load when they
+        are pulled apart. Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
         """
 
         def solve() -> StepResult:
@@ -218,13 +218,14 @@ class AdhesionSolver:
     def find_equilibrium_at_pressure(
         self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
     ) -> tuple[AdhesionState, bool]:
-        """Return a state at an external pressure (GPa), and whether it is in equilibrium.
+        """Return the contact state at an external pressure (GPa), and whether this state is in equilibrium.
 
-        The iteration starts from `near`, or without contact if `near` is None.
+        The iteration starts from the state `near`, or from bodies without attraction if `near` is None.
 
         If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
         certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
-        `EquilibriumNotFoundError` is raised if `MAX_SOLVES_PER_LOAD` solutions do not decide.
+        `EquilibriumNotFoundError` is raised if the iteration has neither converged nor lost contact after
+        `MAX_SOLVES_PER_LOAD` contact solutions.
         """
         min_contact = self.min_contact if near is None else -math.inf
 
@@ -263,7 +264,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], longest: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield successive contacts, each with the relative change of the attraction, until the bodies separate.
+        """Yield the contact after each iteration, and the relative change of the attraction, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
@@ -305,14 +306,20 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution: the smaller the residual, the smaller the tolerance."""
+        """Return the tolerance of the next contact solution.
+
+        It is proportional to the residual of the iteration, within limits.
+        """
         tolerance = state.tolerance_ratio * self.relative_range * state.residual
         return min(max(self.tolerance, tolerance), MAX_SOLUTION_TOLERANCE)
 
     def _solve_contact(
         self, state: _IterationState, contact_load: float, tolerance: float
     ) -> tuple[AdhesionState, Floats]:
-        """Solve the contact at a contact load (GPa) under the current attraction. Return the contact and its gap."""
+        """Solve the contact at a mean contact pressure (GPa) under the current attraction.
+
+        Return the contact and its gap (µm).
+        """
         if not contact_load < self.bound[0]:
             raise EquilibriumNotFoundError("the attraction raises the pressure to the hardness at all points")
         grids, threads = self.problem.grids, solver_thread_count()
@@ -336,7 +343,10 @@ class AdhesionSolver:
         return contact_state, attracted_gap + displacement - solution.approach
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
-        """Find the equilibrium at an external pressure (GPa), starting from `near` or from separate bodies."""
+        """Return the equilibrium at an external pressure (GPa).
+
+        The iteration starts from `near`, or without contact for None.
+        """
         if near is None and load < 0:
             near = self.find_equilibrium_at_pressure(None, 0.0)[0]
         state, is_balanced = self.find_equilibrium_at_pressure(near, load)
@@ -353,7 +363,7 @@ class AdhesionSolver:
         return state
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return equilibria, among them the equilibrium under the lowest external load that the bodies support.
+        """Return the equilibria during separation, including the equilibrium under the lowest external load.
 
         If the bodies are hard, equilibria at decreasing contact loads lead past the minimum of the external load. If
         this minimum is not certain, loads are tried by energy minimization, until the bodies separate under a load that
@@ -409,9 +419,10 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return True if the bodies separate under a load slightly below the minimum load of the equilibria.
+        """Return True if the bodies certainly separate under a load slightly below the lowest load of the equilibria.
 
-        Iterations from the equilibrium `start` decide. Extrapolated steps may pass an equilibrium, plain steps cannot.
+        If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
+        equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
         # Between two equilibria, the contact load is at least the contact load of the later equilibrium,
@@ -431,9 +442,9 @@ class AdhesionSolver:
             return False
 
     def minimize_energy(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Return the equilibrium at an external pressure (GPa), or None if the bodies separate.
+        """Return the equilibrium at an external pressure (GPa) by energy minimization, or None if the bodies separate.
 
-        The energy is minimized from a nearby state. The result is iterated until it has the accuracy of
+        The minimization starts from the nearby state `near`. Its result is iterated until it has the accuracy of
         `find_equilibrium_at_pressure`. `EquilibriumNotFoundError` is raised if the minimization does not converge.
         """
 
@@ -452,7 +463,7 @@ class AdhesionSolver:
         return EnergyMinimizer(self)
 
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
-        """Return the lowest load (GPa) on a grid of twice the spacing.
+        """Return the lowest external load (GPa) that the bodies support on a grid of twice the spacing.
 
         Returns 0 if the grid is small or no such load is found.
         """
@@ -486,7 +497,7 @@ class AdhesionSolver:
     def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
         """Return the equilibrium at which complete contact begins to open, or None if contact is not complete.
 
-        Until then, all points move together, and the attraction is as in full contact.
+        Before the contact opens, all points move together, and the attraction is the attraction in full contact.
         """
         if not (state.pressure.all() and (state.pressure < self.bound[0]).all()):
             return None
@@ -506,7 +517,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return the equilibria, and further equilibria where interpolation predicts a lower external load."""
+        """Add equilibria to a series, where interpolation predicts a lower external load, and return the series."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -609,7 +620,7 @@ class EnergyMinimizer:
             self.window_stiffness = float(self._filter(uniform, self.stiffness)[self.window].sum())
 
     def _filter(self, values: Any, factors: Any) -> Any:
-        """Multiply each Fourier component of the values by a factor."""
+        """Multiply each Fourier component of a field on the extended grid by a factor."""
         import scipy.fft
 
         threads = solver_thread_count()
@@ -694,7 +705,7 @@ class EnergyMinimizer:
         state.recomputation_number = state.number + 1
 
     def _update_direction(self, state: _MinimizationState, residual: Floats, approach_residual: float) -> float:
-        """Set the next direction, conjugate to the last one. Return the slope of the energy along it."""
+        """Set the next search direction by conjugate gradients, and return the slope of the energy along it."""
         gap, grid_residual = state.gap, residual[self.window]
         in_contact = (gap == 0) & (grid_residual == 0)
         descent = self._filter((-residual).astype(np.float32), self.preconditioner).astype(float)
@@ -717,7 +728,7 @@ class EnergyMinimizer:
         return _sum_of_products(direction, residual) + approach_direction * approach_residual
 
     def _take_step(self, state: _MinimizationState, slope: float, load: float) -> None:
-        """Change the state along its direction to the first minimum of the energy."""
+        """Move the state along the search direction to the first minimum of the energy."""
         solver, periodic = self.solver, self.solver.problem.periodic
         assert state.direction is not None
         gap, gap_direction = state.gap, state.direction[self.window]
@@ -792,7 +803,10 @@ def _find_first_root(function: Callable[[float], float], value_at_zero: float, m
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:
-    """Return the sum of the geometric series that starts with two successive residuals, at most `longest`."""
+    """Return the length of an extrapolated step as a multiple of the plain step, at most `longest`.
+
+    It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
+    """
     ratio = residual / previous_residual if previous_residual else 0.0
     return 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
 
@@ -805,7 +819,7 @@ def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Return the lowest external load between equilibria by interpolation, and its contact pressure.
+    """Interpolate between equilibria, and return the lowest external load and the contact load at this minimum (GPa).
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -844,7 +858,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contacts during separation, and why the pull-off load is uncertain ("" if it is certain)."""
+    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,

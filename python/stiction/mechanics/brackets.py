@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap, from the slopes that the half-space model uses."""
+    """Return the rms gradient of a gap from its slopes on the grid, as the half-space model computes them."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -53,9 +53,10 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength at which the rms gradient of a gap reaches a given number, with an interval.
+    """Return the wavelength (µm) at which the rms gradient of a gap reaches `gradient`, and the limits of its interval.
 
-    The interval is computed from the factor `spread` of the gradient. NaN is returned if there is no such wavelength.
+    The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
+    `spread`. NaN is returned if there is no such wavelength.
     """
     if math.isnan(gradient):
         return math.nan, math.nan, math.nan
@@ -72,9 +73,11 @@ def plastic_wavelength(
 def extrapolated_gradients(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
 ) -> Floats:
-    """Extrapolate the rms gradient of a scan to shorter wavelengths, with an interval at each wavelength.
+    """Extrapolate the rms gradient of a scan to shorter wavelengths.
 
-    NaN is returned if there is no Hurst exponent.
+    Return an estimate and two limits for each wavelength.
+
+    All are NaN if the Hurst exponent is unknown.
     """
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
@@ -90,10 +93,9 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return area fractions of elastic contacts with given rms gradients.
+    """Return the area fractions of elastic contacts for given rms gradients, as arrays (wavelength, load, statistic).
 
-    `area_of_slope` is the area fraction at an rms gradient of 1. The arrays have the dimensions
-    wavelength, load and statistic.
+    `area_of_slope` is the area fraction at an rms gradient of 1, and `spread` the factor of its uncertainty.
     """
     spread_factors = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * spread_factors / gradients[:, np.newaxis, [0, 2, 1]]
@@ -105,9 +107,9 @@ def interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s, for friction at all contacts.
 
-    The factor is 1 + h'²/16 on areas and 1 on lines.
+    The factor is 1 + h'²/16 for height maps with the rms gradient h', and 1 for profiles.
     """
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
@@ -128,7 +130,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the range of mu_s for finer scans of a yielding pair if friction acts at all contacts.
+    """Return the lowest and highest mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -142,7 +144,7 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the largest mu_s for finer scans of a yielding pair, from numbers or samples."""
+    """Return the highest mu_s that finer scans of a yielding pair can give, for numbers or for samples of mu_s."""
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
@@ -152,7 +154,7 @@ def max_friction_for_finer_scans(
 
 
 def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limit and the bounds for finer scans to a `resolution` dataset."""
+    """Add the plastic limits of area and friction, and the bounds for finer scans, to a dataset of `resolution`."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

@@ -1,6 +1,6 @@
 """Contact candidates: places where two surfaces may touch.
 
-The candidates are found once and used at many approaches.
+One search serves many approaches.
 """
 
 from __future__ import annotations

@@ -770,7 +770,7 @@ def hardness_under_shear(
     hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike | Literal["slip-line"], *,
     ratio: ArrayLike = CENTRAL_SHEAR_RATIO,
 ) -> Floats:  # fmt: skip
-    """Compute the largest pressure H' of a sliding plastic contact after junction growth.
+    """Compute the pressure H' at which a sliding contact yields, after junction growth.
 
     Parameters
     ----------
@@ -1158,7 +1158,7 @@ def westergaard_gap(
 def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return terms of Westergaard's solution: sine and cosine of πx/λ, two pressures and the amplitude."""
+    """Check the arguments, and return sin and cos of πx/λ, mean pressure p̄, full-contact pressure p* and amplitude."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

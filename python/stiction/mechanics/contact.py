@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextReprMixin):
-    """Contacts of two surfaces at one approach, one per row. All arrays are read-only.
+    """Contacts of two surfaces at one approach, one contact per row of each array. All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 

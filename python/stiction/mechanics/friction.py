@@ -113,16 +113,16 @@ class FrictionLaw:
     area_loss: Any = 0.0
 
     def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
-        """Return the friction forces (mN) of contacts due to mu0 and due to tau0."""
+        """Return the friction forces (mN) due to mu0 and due to tau0, from normal forces (mN) and true areas (µm²)."""
         return self.mu0 * force, self.tau0 * area
 
     def force(self, force: Any, area: Any) -> Any:
-        """Return the friction forces (mN) of contacts with given normal forces (mN) and true areas (µm²)."""
+        """Return the friction forces (mN) of contacts from their normal forces (mN) and true areas (µm²)."""
         frictional, adhesive = self.contributions(force, area)
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return a load (mN) from contact sums: "normal", "tangential", "lateral" or "unloaded".
+        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -132,7 +132,10 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient from contact sums, with the arguments of `load`."""
+        """Return the friction coefficient, tangential load by normal load, from contact sums.
+
+        Arguments are as for `load`.
+        """
         tangential, normal = (self.load(name, sums, area, fraction) for name in ("tangential", "normal"))
         return np.asarray(tangential / normal)
 
@@ -149,28 +152,32 @@ class FrictionLaw:
     def plastic_coefficient(self, hardness: Any) -> Any:
         """Return the friction coefficient of contacts that all yield, or NaN if they seize.
 
-        With slip lines, it is at most the coefficient 2/R of contacts in which the softer body shears.
+        With slip lines, it is at most 2/R, the coefficient of contacts whose softer body shears. R is the ratio of
+        hardness to shear strength.
         """
         coefficient = self.mu0 + self.tau0 / self.yield_pressure(hardness)
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the change of the friction coefficient of yielding contacts due to slip-line theory.
+        """Return the relative change of the friction coefficient of yielding contacts if they grow by slip-line theory.
 
-        The change is relative to contacts that do not grow, and negative if the softer body shears.
+        The change is negative if the softer body shears.
         """
         without = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
         slip_lines = FrictionLaw(self.mu0, self.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
         return float(slip_lines.plastic_coefficient(hardness)) / without - 1 if without > 0 else 0.0
 
     def is_stronger_than_body(self, hardness: Any) -> Any:
-        """Return whether the interface of yielding contacts is stronger than a softer body of given hardness (GPa)."""
+        """Return whether the interface of yielding contacts is stronger than a body with a given hardness (GPa)."""
         if not self.uses_slip_lines:
             return self.bulk_strength_ratio(hardness) >= 1
         return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
 
     def bulk_strength_ratio(self, hardness: Any) -> Any:
-        """Return tau0 divided by the shear strength, k or H/√α, of a body with the hardness H (GPa)."""
+        """Return tau0 divided by the shear strength of a body with the hardness H (GPa).
+
+        The shear strength is k for slip lines, and H/√α otherwise.
+        """
         ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
         return self.tau0 * ratio / hardness
 
@@ -210,7 +217,7 @@ class FrictionLaw:
         return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
 
     def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains if the shear strength limits each traction.
+        """Return the fraction of the friction force that remains if the softer body's strength limits each traction.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -432,7 +439,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Return a validity indicator from contact sums, or NaN if numerator and denominator are zero.
+    """Return the validity indicator `name` from contact sums, or NaN if numerator and denominator are zero.
 
     The sums are given as a mapping or as attributes.
     """
@@ -442,9 +449,10 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Return all ratios of contact sums at a normal load (mN), with names of quantities as keys.
+    """Compute the quantities of a result that are ratios of contact sums, at a normal load (mN).
 
-    The sums are the sums of a member or means over an ensemble. Ratios to the nominal area (µm²) require that area.
+    The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
+    require the nominal area (µm²). The keys of the returned mapping are names of quantities.
     """
     ratios: dict[str, Floats] = {}
     if nominal_area is not None:
@@ -467,7 +475,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Divide the six contact sums of a load by the elastic load."""
+    """Return the sums that determine normal and tangential load, each divided by the elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -513,7 +521,7 @@ class FrictionCurve(PlotReprMixin):
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
         """Draw the true contact area or, if mu0 is given, the friction coefficient against the load.
 
-        mu0 and tau0 (GPa) are as for `normal_load`. Draws into given axes or new ones, and returns them.
+        mu0 and tau0 (GPa) are as for `normal_load`. Draws into the given axes or into new axes, and returns the axes.
         """
         if mu0 is None:
             return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
@@ -535,10 +543,10 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Return the status of each curve, ensemble or member. Boolean arrays, which are broadcast, select it.
+    """Choose the status of each load curve, such as "ok" or "no-contact", from boolean arrays that are broadcast.
 
-    `locked` refers to the last loading step. `below` means that the first loading step already supports more than the
-    load.
+    `touched`: there is a contact. `reached`: the curve reaches the load. `locked`: the contacts are self-locked at the
+    last loading step. `below`: the first loading step already supports more than the load.
     """
     conditions_by_priority: list[tuple[ArrayLike, Status]] = [
         (np.logical_not(touched), STATUS_NO_CONTACT), (reached, STATUS_OK), (below, STATUS_BELOW_RANGE),
@@ -553,7 +561,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return "ok", "self-locked" or "no-contact" for each approach, from the number of contacts and the normal load."""
+    """Return "ok", "self-locked" or "no-contact" for each approach, from contact counts and normal loads (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -561,7 +569,7 @@ MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0, and largest accepted tau0
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Check that mu0 or tau0 is between 0 and `MAX_FRICTION_PARAMETER`, and return it as an array."""
+    """Check that all numbers of mu0 or tau0 are between 0 and `MAX_FRICTION_PARAMETER`, and return them as an array."""
     array = float_array(name, values)
     if not (array <= MAX_FRICTION_PARAMETER).all():
         raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")
@@ -583,7 +591,7 @@ def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
 
 
 def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
-    """Check one mu0 and one tau0 (GPa), and return them."""
+    """Check a single mu0 and a single tau0 (GPa), and return both as floats. Warn if tau0 is large compared with E*."""
     values = [
         float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))

@@ -110,7 +110,7 @@ class HalfSpaceContact(PlotReprMixin):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the contact pressure and the heights of the lower surface, as a map or along x.
 
-        Draws into given axes or new ones, and returns them.
+        Draws into the given axes or into new axes, and returns the axes.
         """
         return draw_contact_pressure(axes_or_new_axes(ax), self.pressure, self.heights, self.spacing)
 
@@ -196,8 +196,8 @@ class HalfSpaceCurve(FrictionCurve):
     def pull_off(self) -> float:
         """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
 
-        The force is computed on first use. At a tension that is at most 1 % larger, the bodies separated. If the
-        computation did not converge, a warning contains "at least", and `pull_off_is_bound` is True.
+        The force is computed on first use. The bodies separate at a tension at most 1 % larger. If the computation did
+        not converge, a warning contains "at least", and `pull_off_is_bound` is True.
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
@@ -220,9 +220,9 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Contacts during separation, from the smallest load to the pull-off force.
+        """Contact solutions during separation, from the smallest load to the pull-off force.
 
-        Raises a `ValueError` without adhesion.
+        Raises a `ValueError` if the surfaces do not adhere.
         """
         if self.work_of_adhesion == 0:
             raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
@@ -230,7 +230,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contacts during separation, and why the largest tension is uncertain ("" if it is certain)."""
+        """Contact solutions during separation, and why the largest tension is uncertain ("" if it is certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -249,7 +249,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Normal stiffness dF/dδ (mN/µm) at each load for fixed contact points; infinite for a closed periodic gap.
+        """Normal stiffness dF/dδ (mN/µm) at each load for unchanged contact points; infinite for a closed periodic gap.
 
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. The
         stiffness is computed on first use.
@@ -295,11 +295,11 @@ class HalfSpaceCurve(FrictionCurve):
         return make_read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
-        """Return the contact at `load[index]`: points under pressure, with pressures and patches."""
+        """Return the contact solution at `load[index]`: the contact points, with pressures (GPa) and patch numbers."""
         return self._contact_solutions[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Return the contact at `load[index]` on the grid: pressure, gap and patches."""
+        """Return the contact at `load[index]` as arrays on the grid: pressure (GPa), gap (µm) and patch numbers."""
         load_index = resolve_index(index, self.load.size, "loads")
         solution, sums = self._contact_solutions[load_index], self._sums[load_index]
         problem = solution.problem
@@ -390,7 +390,7 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute the sums that depend on the motion, as arrays (sliding rules, directions, loads) by name."""
+        """Compute the sums that depend on the motion. Each sum has the shape (sliding rules, directions, loads)."""
         unit_vectors = replace(self._model, direction=tuple(directions)).directions()
         sums: Sequence[PatchSums] = self._sums
         if not np.array_equal(unit_vectors, self._model.directions()):
@@ -593,7 +593,10 @@ def _solve_contacts(
 def _add_adhesion(
     problem: HalfSpaceProblem, work: float, adhesion_range: float, effective_modulus: float
 ) -> HalfSpaceProblem:
-    """Add an attraction to a problem, given work of adhesion (mN/µm) and range (µm), which may be increased."""
+    """Add an attraction with given work of adhesion (mN/µm) and range (µm) to a problem.
+
+    Increase a range below the grid.
+    """
     min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if min_range > adhesion_range:
         warnings.warn(
@@ -636,7 +639,7 @@ def _sum_patches(
 
 
 def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Stack the results at k loads as arrays of shape (k,), or (d, k) for d directions."""
+    """Stack the results at k loads into arrays of shape (k,), or (d, k) for d directions, by name."""
     columns = {}
     for name in rows[0]:
         column = np.array([row[name] for row in rows])
@@ -651,7 +654,7 @@ def solve_together_or_separately(
 ) -> list[tuple[NDArray[np.intp], HalfSpaceCurve]]:
     """Solve the contacts at all loads together or, if that fails, at each load separately.
 
-    Returns the curves and the indices of the solved loads.
+    Returns pairs of indices and curve: each curve with the indices of its loads. Loads without a solution are left out.
     """
     try:
         return [(np.arange(loads.size), solve(loads))]

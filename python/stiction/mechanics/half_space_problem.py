@@ -50,7 +50,7 @@ _uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] 
 def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
 ) -> _core.HalfSpaceGrids:
-    """Return grids with their elastic kernels. Calls with equal arguments share the same grids."""
+    """Return the grids of a half-space problem with their elastic kernels. Equal arguments share the same grids."""
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
@@ -118,7 +118,7 @@ class HalfSpaceProblem:
 
     @property
     def measured_point_mask(self) -> Floats:
-        """Array that is 1 at points that were measured on both surfaces, and 0 elsewhere."""
+        """Array on the grid: 1 at points that were measured on both surfaces, 0 at all others."""
         return np.ones_like(self.gap) if self.missing is None else np.where(self.missing, 0.0, 1.0)
 
     @cached_property
@@ -173,7 +173,7 @@ class ContactSolution:
         return self.approach - displacement * cell_area / self.problem.area
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return numbers at the points in contact as an array on the grid, with 0 elsewhere."""
+        """Place numbers of the contact points on the grid, and return the array with 0 at all other points."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
@@ -187,7 +187,7 @@ class ContactSolution:
         )
 
     def curve_row(self) -> dict[str, Any]:
-        """Return the results that do not depend on friction, as one row of a load curve."""
+        """Return load, approach and other results that do not depend on friction, as a row of `HalfSpaceCurve`."""
         is_at_hardness = self.values == self.problem.hardness
         return {
             "load": self.load,
@@ -203,7 +203,7 @@ class ContactSolution:
 
     @cached_property
     def below_hardness(self) -> NDArray[np.bool_]:
-        """Mask of the points whose pressure is below the hardness."""
+        """Mask of the contact points whose pressure is below the hardness."""
         return self.values < (np.inf if self.problem.hardness is None else self.problem.hardness)
 
     @cached_property
@@ -258,11 +258,14 @@ class ContactSolution:
         return self._linear_response if self.below_hardness.all() else self._unloading_response
 
     def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the elastic response of the contact points in a mask: all, or those below the hardness."""
+        """Return the cached linear response of the contact points.
+
+        If the mask is `below_hardness`, only the points below the hardness respond.
+        """
         return self._linear_response if free_mask is self.below_hardness else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) that displace all points in a mask equally, and this displacement (µm)."""
+        """Return pressures (sum: 1 GPa) that displace all points of a mask equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -333,7 +336,7 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 
 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
-    """Return the problem on every second grid point. An attraction range that the grid cannot resolve is increased."""
+    """Return the problem on every second grid point. An attraction range that this grid cannot resolve is increased."""
     spacing = tuple(2 * step for step in problem.spacing)
     every_second = (slice(None, None, 2),) * problem.gap.ndim
     upper, lower, gap = (
@@ -356,7 +359,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Check the given loads or approaches. Return "loads" or "approaches", and their numbers."""
+    """Return "loads" or "approaches", whichever was given, and the checked loads (mN) or approaches (µm)."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):

@@ -17,7 +17,7 @@ from stiction._units import short_repr
 
 
 def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a parameter of a contact law, with its unit ("µm", "GPa" or "") and limits.
+    """Return a dataclass field for a parameter of a contact law: unit ("µm", "GPa" or ""), default and limits.
 
     Parameters without limits must be above 0.
     """

@@ -41,11 +41,11 @@ class LoadCurveInputs:
     model: ContactModel
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without contact candidates, which belong to the C++ core."""
+        """Return the state for pickling, without the contact candidates, which are objects of the C++ core."""
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at one approach. They do not depend on the direction of motion."""
+        """Return all contacts at one approach (µm). The contacts do not depend on the direction of motion."""
         if not self.bodies:
             raise ValueError(
                 "the curve comes from another process and does not contain its contact candidates, which are required "
@@ -199,9 +199,9 @@ class SurfaceLoadCurve(LoadCurve):
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the lateral force (mN) that keeps the upper surface on its path. A force to the left is positive.
+        """Return the lateral force (mN) that keeps the upper surface on its path; a force to the left is positive.
 
-        Shape and arguments are the same as for `normal_load`. Negative values point to the right.
+        Shape and arguments are as for `normal_load`.
         """
         return self._broadcast_law(mu0, tau0).load("lateral", self)
 

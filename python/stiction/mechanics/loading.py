@@ -1,4 +1,4 @@
-"""Contact at a given load: the approach at which two surfaces support it."""
+"""Search for the approach at which two surfaces support a given load."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ class SurfacePair:
         self._cached_candidates: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
-        """Return the sums of the function `press`, with gap minima from earlier calls if possible."""
+        """Compute the contact sums at each approach (µm), with gap minima from earlier calls if possible."""
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -134,7 +134,7 @@ class SurfacePair:
         tau0: float,
         model: ContactModel,
     ) -> Floats:
-        """Find the approach that supports each load, given smaller approaches that do not support the load."""
+        """Find the approach (µm) that supports each load (mN), between a smaller and a larger approach."""
         arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
         return np.asarray(
             self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)
@@ -165,7 +165,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach that supports each load, and "ok" or the reason why the approach is NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and its status: "ok", or why it is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

@@ -59,9 +59,9 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² over each elliptic contact, the `transverse_fraction` of `compliance_ratio`.
+    """Return the mean of sin² for each elliptic contact: the `transverse_fraction` of `compliance_ratio`.
 
-    The angles (rad) are between the motion and the larger axis.
+    `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
     from scipy.special import ellipkm1, elliprd
 
@@ -109,7 +109,7 @@ class AsperityTangentialProblem:
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state in which all contacts together support a tangential load."""
+        """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
         del near  # no iteration is needed, so the initial guess is not used
@@ -134,7 +134,11 @@ class AsperityTangentialProblem:
         )  # fmt: skip
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that slip dissipates: Σ Q (δ - 2 Q/k) for springs of strength Q and stiffness k."""
+        """Return the energy (mN µm) that slip dissipates in first loading from rest up to a slip state.
+
+        The energy is Σ Q (δ - 2 Q/k) over the springs that slip at the displacement δ. Q is the strength of a spring,
+        and 2 Q/k its displacement when it begins to slip, with the stiffness k of the contact.
+        """
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
         # Substitute t = cos φ, and integrate over φ from the edge of the contact (φ = 0) to the end of the slip zone.
@@ -164,7 +168,7 @@ class AsperityTangentialProblem:
         return np.asarray(np.where(displacement >= self.sliding_displacement, 1.0, np.minimum(depth, 1.0)))
 
     def _tangential_loads(self, depth: Floats) -> Floats:
-        """Return the tangential load (mN) on each contact."""
+        """Return the tangential load (mN) on each contact for given relative depths of the slip zones."""
         squared_stick_radius = 1 - depth**2
         is_sliding = depth >= 1
         frictional_fraction = np.where(
@@ -229,7 +233,7 @@ class HalfSpaceTangentialProblem:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state of minimum energy whose tractions support a tangential load."""
+        """Return the slip state of minimum energy whose tractions support a tangential load (mN)."""
         if load >= self.sliding_load:
             displacements = self._compute_displacements(self.bound)
             return self._make_slip_state(self.sliding_load, self.bound, float(displacements.max()), displacements)
@@ -253,9 +257,9 @@ class HalfSpaceTangentialProblem:
         )
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that slip dissipates: traction bound times slip, summed over all points.
+        """Return the energy (mN µm) that slip dissipates in first loading: Σ traction times slip times cell area.
 
-        The energy does not depend on the displacement of distant points.
+        The sum is over the slipping points. The energy does not depend on the displacement of distant points.
         """
         displacements = slip.point_displacements
         if displacements is None:

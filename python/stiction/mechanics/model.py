@@ -185,7 +185,7 @@ _DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactModelArguments(TypedDict, total=False):
-    """Keyword arguments for a contact model: `model`, and parameters that replace parameters of `model`."""
+    """Keyword arguments of contact functions: a `model`, and parameters that replace parameters of this model."""
 
     model: ContactModel
     effective_modulus: float
@@ -198,7 +198,10 @@ class ContactModelArguments(TypedDict, total=False):
 
 
 def make_model(keywords: Mapping[str, object], default: ContactModel | None = None) -> ContactModel:
-    """Create a contact model from keyword arguments. All other parameters have their defaults."""
+    """Create a contact model from keyword arguments.
+
+    Parameters that are not given have the values of the default model.
+    """
     parameters: dict[str, Any] = dict(keywords)
     model: ContactModel = parameters.pop("model", default or _DEFAULT_MODEL)
     check_instance("model", model, ContactModel, "a ContactModel")
@@ -215,7 +218,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
 
 
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
-    """Check two surfaces, and create their contact model from keyword arguments."""
+    """Check two surfaces, and create their contact model from keyword arguments, with the defaults for their type."""
     check_pair(upper, lower)
     check_modulus_is_given(keywords, upper, lower)
     if isinstance(upper, Surface):
@@ -235,13 +238,13 @@ def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> fl
 
 
 def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Raise a `ValueError` if a surface was measured, but neither modulus nor model is given."""
+    """Raise a `ValueError` if a surface was read from a file, but neither modulus nor model is given."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(source_history_entry, bodies))
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` if a surface was read from a file, for which the modulus must be given."""
+    """Raise a `ValueError` that requires a modulus if one of the history entries names a file."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -250,12 +253,12 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def source_history_entry(body: Profile | Surface) -> str:
-    """Return the history entry with the file of a measured body, or "" if the body was generated."""
+    """Return the history entry "read from FILE" of a measured body, or "" if the body was generated."""
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
 def add_model_keywords_to_signature(function: _Function) -> _Function:
-    """Add the keyword arguments of the contact model to a function's signature, which tooltips show."""
+    """Add the parameters of `ContactModel` to a function's signature, so that tooltips list these parameters."""
     signature = inspect.signature(function)
     parameters = [
         parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD

@@ -38,7 +38,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip state at one tangential load, in mN and µm, and in GPa for tractions at contact points.
+    """Slip state of a contact at one tangential load (mN): displacement (µm), slipped fractions and tractions (GPa).
 
     `point_displacements` are the displacements of the contact points if the solver returned them.
     """
@@ -65,10 +65,10 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state at a tangential load up to the sliding load. `near` is an initial guess."""
+        """Return the slip state at a tangential load (mN), at most the sliding load. `near` is an initial guess."""
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that friction dissipates until a slip state is reached in first loading."""
+        """Return the energy (mN µm) that friction dissipates in first loading from rest to a slip state."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +162,7 @@ class Onset(PlotReprMixin):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the tractions (GPa) of all points at `tangential_load[index]`, row by row.
+        """Return the traction (GPa) of each grid point at `tangential_load[index]`; 0 outside the contact.
 
         The traction is 0 outside the contact.
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
@@ -175,9 +175,9 @@ class Onset(PlotReprMixin):
         return make_read_only(self._values_at_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest tangential load (mN) at which each point slips, or NaN if the point never slips.
+        """Return the smallest tangential load (mN) at which each grid point slips, or NaN if the point never slips.
 
-        For asperities, the load at which the whole contact slides is returned, (contacts,).
+        For asperities, the load at which each contact slides as a whole is returned, in the order of `contacts`.
         """
         first_slip_load = np.full(self._tangential_problem.bound.size, np.nan)
         for slip in reversed(self._slips):
@@ -185,7 +185,7 @@ class Onset(PlotReprMixin):
         return make_read_only(self._values_at_all_points(first_slip_load, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
-        """Return the energy loss (mN µm) per load cycle for each amplitude of the tangential load.
+        """Return the energy (mN µm) that a load cycle dissipates, for each amplitude of the tangential load.
 
         Parameters
         ----------
@@ -244,7 +244,7 @@ class Onset(PlotReprMixin):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the tangential load against displacement or, without finite displacements, against slipped area.
 
-        Draws into given axes or new ones, and returns them.
+        Draws into the given axes or into new axes, and returns the axes.
         """
         curve_properties = {"sliding_load": self.sliding_load, "stiffness": self.stiffness}
         return draw_onset(
@@ -292,7 +292,7 @@ class Onset(PlotReprMixin):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the slip state at a tangential load, starting from the solution at the nearest load."""
+        """Return the slip state at a tangential load (mN). The solution at the nearest load is the initial guess."""
         nearest_slip = min(self._slips, key=lambda slip: abs(slip.load - load))
         return (
             nearest_slip
@@ -305,7 +305,7 @@ def compute_onset(
     tangential_problem: TangentialProblem, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
-    """Compute the onset curve at given fractions of the sliding load, or at given displacements."""
+    """Compute the onset curve at given fractions of the sliding load, or at given displacements (µm)."""
     sliding_state = tangential_problem.at(tangential_problem.sliding_load)
     slip_states: list[SlipState] = []
     if displacements is None:
@@ -353,7 +353,7 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 
 def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
-    """Check that mu0 or tau0 (GPa) is not negligible, and return both."""
+    """Check that mu0 or tau0 (GPa) is large enough for an onset, and return both."""
     values = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
@@ -429,7 +429,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Return the slip state at a displacement (µm). A root finder determines the tangential load."""
+    """Find the tangential load at which the displacement has a given size (µm), and return the slip state."""
     from scipy.optimize import brentq
 
     sliding_displacement = sliding_state.displacement

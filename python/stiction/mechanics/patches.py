@@ -21,7 +21,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes along each axis, with a spectral method for periodic heights and natural splines otherwise."""
+    """Compute the slopes of heights along each axis: by Fourier transform if periodic, otherwise by natural splines."""
     if periodic:
         return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
     heights_2d = np.atleast_2d(heights)
@@ -44,9 +44,9 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums over each patch of a contact, from which F_N and F_T follow for any mu0 and tau0.
+    """Sums over each patch of a contact, from which normal and tangential load follow for any mu0 and tau0.
 
-    Shapes are (patches,) or (directions, patches).
+    Arrays have the shape (patches,) or, if they depend on the direction, (directions, patches).
     """
 
     force: Floats  # vertical component of the contact forces, Σ F n_z (mN)
@@ -64,7 +64,7 @@ class PatchSums:
         return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Any]:
-        """Return area and normal force of all patches, and the friction sums of the patches where friction acts.
+        """Return area (µm²) and normal force (mN) of all patches, and the friction sums of the patches with friction.
 
         Sums that depend on the direction have the shape (directions,).
         """
@@ -75,7 +75,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> Floats:
-        """Return the sums `DIRECTED_TOTALS` of the patches where friction acts, with shape (5, directions)."""
+        """Sum the five forces of `DIRECTED_TOTALS` over the patches with friction. The shape is (5, directions)."""
         contributes = True if sliding == "all" else self.opposes_motion
         sums = np.stack([self.leaning, self.upward, self.forward, self.upward_area, self.forward_area])
         return np.asarray(sums.sum(axis=-1, where=contributes))

@@ -1,4 +1,4 @@
-"""Table of all quantities in results, with unit, name and dimensions, and where each is shown.
+"""Table of all quantities in results: unit, name, dimensions, and the outputs that show the quantity.
 
 All lists of quantities are selections from `QUANTITIES`. Texts, reports and CSV files list quantities in the order of
 the table.
@@ -35,8 +35,8 @@ QuantityAxis = Literal[
 QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured", "yielding"]
 """Kinds of studies whose results may store a quantity.
 
-These are studies of asperities, of asperities of surfaces, of the half-space, of adhesive bodies, of generated bodies
-with an onset of sliding, of measured bodies, and of bodies that yield below the surface.
+In this order: studies of asperities, of asperities on height maps, of the half-space, of adhesive bodies, of generated
+bodies with an onset of sliding, of measured bodies, and of bodies that yield below the surface.
 """
 
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
@@ -130,7 +130,7 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a contact sum, whose unit and description the core declares."""
+    """Return the table entry of a contact sum, with the unit and the description that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
     defaults: dict[str, Any] = {
@@ -535,7 +535,7 @@ def is_requested(name: str, names: Collection[str] | None) -> bool:
 
 
 def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -> float:
-    """Return the largest upper limit of a quantity.
+    """Return the largest number that a quantity can have, such as 1 for a fraction.
 
     The nominal area (µm²) limits the true area of half-spaces. Asperities may overlap, so their area has no limit.
     """
@@ -561,10 +561,10 @@ HALF_SPACE_SUM_QUANTITIES = (
     *(name for name in SUM_QUANTITIES if "half-space" in QUANTITIES[name].stored),
     *select_quantity_names(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
 )
-"""Numbers that a half-space result stores for each pair at each load."""
+"""Quantities that a half-space result stores for each pair at each load."""
 
 YIELDING_QUANTITIES = select_quantity_names(lambda each: "yielding" in each.stored)
-"""Numbers that a half-space result stores if the area of its contacts also grows by yielding below the surface."""
+"""Quantities that a half-space result also stores if yielding below the surface increases the contact area."""
 
 ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
 """Sums that determine the tangential load at the onset of sliding without a normal load, for any mu0 and tau0."""
@@ -577,7 +577,7 @@ ADHESION_QUANTITIES = (
     *PULL_OFF_QUANTITIES,
     *ZERO_LOAD_SUM_QUANTITIES,
 )
-"""Additional numbers in results of adhesive bodies. All of them except the first are independent of the load."""
+"""Additional quantities in results of adhesive bodies. All except the first are independent of the load."""
 
 LOAD_INDEPENDENT_QUANTITIES = select_quantity_names(lambda each: "table" in each.shown and "step" not in each.along)
 """Quantities of adhesive bodies that do not depend on the load."""
@@ -592,7 +592,7 @@ GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored an
 """Quantities of the gap of each member, which do not depend on the load."""
 
 LOAD_STEP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
-"""Statistics, and the status, that a result of measured bodies stores for each member at each load."""
+"""Status and statistics that a result of measured bodies stores for each member at each load."""
 
 RATIO_QUANTITIES = select_quantity_names(lambda each: each.kind in ("ratio", "validity") and each.along == _STEP_AXIS)
 """Quantities at a load that are ratios of contact sums."""
@@ -637,13 +637,13 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of a quantity's interval, from the attributes of the variable."""
+    """Return the kind of a quantity's interval: the kind in the variable's attributes, or else the default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 
 
 def column_title_and_factor(name: str) -> tuple[str, float]:
-    """Return a quantity's column title in spreadsheets, and the factor to the unit of the column."""
+    """Return a quantity's column title in spreadsheets, and the factor from the stored unit to the column's unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.table_label + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -1,4 +1,4 @@
-"""Area and friction against the shortest resolved wavelength, and bounds on both if the bodies yield."""
+"""Area and friction as functions of the shortest resolved wavelength, and bounds on both if the bodies yield."""
 
 from __future__ import annotations
 
@@ -296,9 +296,10 @@ class _BodyPair:
 def _solve_at_loads(
     upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any
 ) -> dict[str, Floats]:
-    """Solve the contact of two bodies at all loads.
+    """Solve the contact of two bodies at all loads (mN), and return the results by name.
 
-    Returns numbers (load,) and sums (rule, load), averaged over directions. They are NaN if no solution was found.
+    Results of the contact have the shape (load,), sums have the shape (rule, load) and are averaged over directions.
+    Both are NaN at loads for which no solution was found.
     """
     results = {name: np.full(loads.size, np.nan) for name in _DIRECTION_INDEPENDENT_FIELDS}
     results |= {name: np.full((len(_SLIDING_RULES), loads.size), np.nan) for name in LOAD_SUM_NAMES}
@@ -323,7 +324,7 @@ def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return areas, pressures and contact sums against the cutoff, with NaN where the solver failed."""
+    """Return the dataset of contact areas, pressures and sums over the cutoff, with NaN where the solver failed."""
     import xarray as xr
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
@@ -380,7 +381,7 @@ def _add_plastic_limits(
     result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, the plastic wavelength and extrapolated elastic contacts to a dataset."""
+    """Add the plastic limit, the plastic wavelength and extrapolated elastic contacts to a `resolution` dataset."""
     gap = pair.compute_gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
@@ -459,7 +460,7 @@ def spectral_resolution(
     kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Estimate area and friction of two surfaces against the shortest wavelength, in closed form.
+    r"""Estimate true area and friction of two surfaces as functions of the shortest wavelength, in closed form.
 
     Parameters
     ----------

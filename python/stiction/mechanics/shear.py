@@ -132,9 +132,9 @@ class ShearBox:
         return _measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
-        """Return the offsets of the upper face in grid points, with shape (count, axes).
+        """Return the offsets of the upper face along the path, in grid points, with shape (count, axes).
 
-        The positions are spread evenly over the path (µm) and rounded to grid points, at most one per grid point.
+        The offsets are spread evenly over the path (µm) and rounded to grid points, without repetitions.
         """
         num_points = int(np.abs(path * self._motion / self.lower.spacings).sum()) + 1
         displacements = np.linspace(0.0, path, min(steps, num_points) + 1)
@@ -175,7 +175,7 @@ class ShearBox:
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut both faces into strips along the motion, and return a shear test of each at the same normal stress.
+        """Cut both faces into strips along the motion, and return one shear test per strip, at the same normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -202,11 +202,11 @@ class ShearBox:
         return strips
 
     def displacements(self, offsets: NDArray[np.int64]) -> Floats:
-        """Return the displacements (µm) along the path at given offsets."""
+        """Return the displacement (µm) along the path for each offset in grid points."""
         return np.asarray((offsets * self.lower.spacings) @ self._motion)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
-        """Return the first index of the overlap on the upper and on the lower face, and its shape."""
+        """Return the first grid points of the overlap, on the upper and on the lower face, and the overlap's shape."""
         lower_start = [max(0, int(step)) for step in offset]
         upper_start = [start - int(step) for start, step in zip(lower_start, offset, strict=True)]
         shape = [
@@ -218,7 +218,7 @@ class ShearBox:
         return upper_start, lower_start, shape
 
     def faces_at(self, offset: NDArray[np.int64]) -> tuple[Any, Any]:
-        """Return the overlapping parts of the upper and of the lower face at an offset."""
+        """Return the overlapping parts of the upper and of the lower face at an offset in grid points."""
         if self.boundary == "periodic":
             axes = tuple(range(offset.size))
             heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
@@ -232,7 +232,7 @@ class ShearBox:
         return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
-        """Solve the contact at an offset for given vertical contact forces (mN)."""
+        """Solve the half-space contact at an offset for given vertical contact forces (mN)."""
         upper, lower = _close_round_off_gap(*self.faces_at(offset))
         return half_space(
             upper, lower, np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
@@ -250,9 +250,9 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Mark the sides of the overlap: 0 where only the upper face ends, 1 where only the lower face ends.
+        """Return an array over the overlap that marks at which of its edges a face ends.
 
-        Elsewhere the values are NaN.
+        It is 0 where only the upper face ends, 1 where only the lower face ends, and NaN elsewhere.
         """
         if self.boundary == "periodic":
             return np.full(self.lower.heights.shape, np.nan)
@@ -292,7 +292,10 @@ class ShearBox:
     def solve(
         self, offsets: NDArray[np.int64], record: SolutionRecord, progress: Callable[[int, int], object] | None = None
     ) -> list[StepResult]:
-        """Solve the contacts at all offsets, in order. A record may store the steps."""
+        """Solve the contacts at all offsets, in order.
+
+        If the record stores steps, finished steps are not computed again.
+        """
         rows: list[StepResult] = []
         for index, offset in enumerate(offsets):
             if progress is not None:
@@ -306,7 +309,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first: StepResult | None, previous: StepResult | None
     ) -> StepResult:
-        """Solve the contact at an offset for the elastic load at which the normal load reaches its target."""
+        """Solve the contact at an offset. The elastic load is varied until the normal load reaches its target."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
@@ -319,7 +322,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the excess of the normal load over its target, and the target."""
+            """Return the normal load minus its target, and the target (mN), for an elastic load (mN)."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first is None:
@@ -342,7 +345,7 @@ class ShearBox:
     def _make_row(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the contact sums of a solved contact, with the height of the upper face."""
+        """Return the contact sums, height of the upper face and other results of a solved contact, by name."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -365,7 +368,7 @@ class ShearBox:
         return float(self.law.load("normal", row))
 
     def solve_closure(self, record: SolutionRecord) -> BandisLaw:
-        """Solve the closure up to the normal load at the start of the path, and fit Bandis' law."""
+        """Compute the closure up to the initial normal load at the start of the path, and fit Bandis' law to it."""
         loads = self.load * np.geomspace(1 / MAX_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
@@ -381,7 +384,7 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return the contact pressure at the peak of the shear curve, or None if there is no peak."""
+        """Return the map of the contact pressure (GPa) at the peak of the shear curve, or None if there is no peak."""
         import xarray as xr
 
         if test.attrs["peak_status"] != STATUS_OK:
@@ -405,7 +408,7 @@ class ShearBox:
         return xr.DataArray(pressure, coordinates, tuple(coordinates), attrs=attributes)
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
-        """Return the solved steps as a dataset against the displacement."""
+        """Return the solved steps as a dataset over the displacement."""
         import xarray as xr
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
@@ -439,12 +442,12 @@ def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return the part of a face at given grid points."""
+    """Return a face reduced to the grid points of a selection."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Set a gap of two faces to 0 if it varies only by round-off, because the contact would have no solution."""
+    """Make the upper face equal to the lower face if their gap varies only by round-off. Return both faces."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
@@ -461,9 +464,11 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which an increasing function is 0, by a bracketed secant method.
+    """Find the elastic load at which the excess of the normal load is 0, by a bracketed secant method.
 
-    The function is evaluated last at this load.
+    Return the status.
+
+    The last call of `compare_load` is at this elastic load.
     """
     below, above = 0.0, max_load  # elastic loads between which the solution lies
     trial, last = min(guess, 0.9 * max_load), None
@@ -490,10 +495,10 @@ def _find_root(
 
 
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
-    """Return the dilation angles (degrees): arctangents of the change of the dilation per displacement.
+    """Return the dilation angle (degrees) at each displacement: the arctangent of the dilation's slope.
 
-    The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, the line
-    passes through the end and its only neighbour.
+    The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, it is the
+    slope of the line to the only neighbour.
     """
     index = np.arange(displacement.size)
     first, last = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)
@@ -502,7 +507,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return attributes of a shear curve: the peak and its place, and the friction at the end.
+    """Return the attributes of a shear curve: peak coefficient, its displacement and status, and final coefficient.
 
     The peak is NaN if the faces lock. The value at the end is NaN if the faces slide there without a tangential load.
     """

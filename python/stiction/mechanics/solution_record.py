@@ -1,4 +1,4 @@
-"""Record of a half-space computation: iterations, and results of finished steps."""
+"""Record of a half-space computation: number of iterations, and results of finished steps."""
 
 from __future__ import annotations
 

@@ -74,7 +74,10 @@ def solve_with_balanced_tilt(
     def search_balance(
         start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> ContactSolution | None:
-        """Search for the balanced tilt by Newton steps. Return None if the search fails."""
+        """Search for the balanced tilt by Newton steps, starting from the tilt of `start`.
+
+        Return None if the search fails.
+        """
         mean_pressure = load / (problem.cell_area * problem.gap.size)
         contact_solution, moments = solve_contact_and_moments(start, load, near, tolerance)
         num_tried = 0
@@ -128,7 +131,9 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes at which rigid surfaces balance a load, given as the sum of all pressures (GPa).
+    """Return the slopes at which rigid surfaces balance a load.
+
+    The load is the sum of the pressures at all points (GPa).
 
     Without a hardness, rigid surfaces then touch at three points (two points of profiles) around the centre. The slopes
     maximise the energy, a concave and piecewise linear function, by Kelley's cutting planes.
