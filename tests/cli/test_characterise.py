@@ -22,6 +22,7 @@ from stiction import (
     write_profile,
     write_surface,
 )
+from stiction.surfaces.lines import MAX_FITTED_LINES
 from stiction.views.characterisation import characterisation_text
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -281,8 +282,10 @@ def test_characterise_command_reads_a_stylus_profile(find_measured_file, tmp_pat
     assert "points              9600, 156.2 nm apart, over 1.5 mm\n" in output_table
 
 
-def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured_file, tmp_path):
+def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured_file, tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography")
+    # Twelve lines are too few for the expected exponents: along x, their median band is another one.
+    monkeypatch.setattr("stiction.surfaces.lines.MAX_FITTED_LINES", MAX_FITTED_LINES)
     history, output_table, _ = run_characterise(find_measured_file("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"
     rows = {line[:19].strip(): line[20:].split() for line in output_table[output_table.index("lines  ") :].splitlines()}
