@@ -1,9 +1,9 @@
 """Evaluation of results at given elastic, normal or mean normal loads.
 
-*mean*: the mean normal load of the ensemble equals the given load, and values are ratios of means, as in the figures of
-the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load. *normal*: the
-normal load of each member at the onset of sliding, which includes friction on slopes, equals the given load. For small
-slopes the three definitions agree to four digits.
+*mean*: the mean normal load of the ensemble equals the given load, and coefficients are ratios of mean loads, as in the
+figures of the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load.
+*normal*: the normal load of each member at the onset of sliding, which includes friction on slopes, equals the given
+load. For small slopes the three definitions agree to four digits.
 """
 
 from __future__ import annotations
@@ -134,10 +134,10 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Return the computed loads between which given loads are interpolated, or None if all given loads were computed.
+    """Find the computed loads (mN) between which requested loads are interpolated, or return None if all were computed.
 
-    Returns the computed loads, the indices of the computed loads below and above each given load, and the position of
-    each given load between them.
+    Returns the computed loads, the indices of the computed loads below and above each requested load, and its position
+    between them, as a fraction of the distance in ln F.
     """
     if find_step_dimension(result.head) != "load":
         return None
@@ -157,7 +157,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Return the small-slope estimate of friction from rms gradients and rms slopes of the gaps.
+    """Return the small-slope estimate of the coefficient, from the rms gradients and rms slopes of the gaps.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

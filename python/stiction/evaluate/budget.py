@@ -1,4 +1,4 @@
-"""Combined intervals of results, and the uncertainty budget: intervals that remain if one input is exact."""
+"""Combined intervals of a result, and the uncertainty budget: the intervals that remain if one input is exact."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
 )  # fmt: skip
-"""Names of the variables that determine the interval of a coefficient."""
+"""Names of the variables of an `at_load` dataset that determine the interval of a coefficient."""
 
 
 def add_uncertainty(
@@ -98,9 +98,9 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate alternative preparations of the scans at the points of a dataset, with combined intervals.
+    """Evaluate alternative preparations of the scans at the loads, mu0 and tau0 of a dataset, with combined intervals.
 
-    The values at the last points are cached.
+    The datasets of the last call are cached.
     """
     cache = result.compute_once(_create_cache)
     points = tuple(at[name].values.tobytes() for name in ("load", "mu0", "tau0"))
@@ -133,10 +133,11 @@ _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of e
 
 
 def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
-    """Return the combined interval of the coefficient at a load (mN), for samples of mu0 and tau0.
+    """Return the combined interval of the coefficient at a load (mN), for joint samples of mu0 and tau0.
 
-    The sliding rule of the fit is used. If the interface was calibrated with the junction growth of the result, its
-    fitted α is used. The interval does not cover alternative preparations of the scans.
+    The sliding rule is the rule under which mu0 and tau0 were fitted. The fitted α of junction growth is used if the
+    interface was calibrated with the junction growth of the result. The interval does not cover alternative
+    preparations of the scans.
     """
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
@@ -161,7 +162,7 @@ def _add_own_uncertainty(
 ) -> xarray.Dataset:
     """Add the variables of `add_uncertainty` as if there were no alternative preparations of the scans.
 
-    `strength` replaces the interface of the study.
+    If given, `strength` replaces the interface of the study.
     """
     is_study_load = np.isin(at["load"].values, [float(load) for load in result.study.friction.load])
     num_coefficients = at["mean_friction"].size // at.sizes["statistic"]
@@ -276,10 +277,10 @@ _SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]
 
 
 def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
-    """Return the uncertain inputs, and joint samples of mu0 and tau0.
+    """Return the uncertain inputs, and the joint samples of mu0 and tau0 of a calibrated interface.
 
-    The samples replace inputs that the interface was calibrated with. Without an interface, there are no samples.
-    `strength` replaces the interface of the inputs.
+    Inputs that the interface was calibrated with are replaced by the joint samples. Without an interface, there are no
+    samples. If given, `strength` replaces the interface of the inputs.
     """
     inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
     if (interface := strength or study_inputs.strength) is None:
@@ -299,7 +300,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the label of an interface, which includes the labels of uncertain inputs in the joint samples."""
+    """Return the label of an interface, which names mu0, tau0 and the other inputs that the joint samples replace."""
     _, _, hardness, growth = joint_samples
     labels = [
         study_inputs.uncertain[name].label
@@ -310,9 +311,10 @@ def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return, by source, the standard deviation of ln(rms slope of the gap) due to the drift of single scans.
+    """Return the standard deviation of ln(rms slope of the gap) due to the roughness drift along single scans.
 
-    The slope of another place on a part is assumed to differ by as much as the slopes at the two ends of the scan.
+    The keys are the sources: upper scans and lower scans. The slope at another place on a part is assumed to differ by
+    as much as the slopes at the two ends of the scan.
     """
     names = zip(SIDES, (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME), strict=True)
     return {name: float(np.prod(attributes[f"{side}_drift"])) for side, name in names if f"{side}_drift" in attributes}
@@ -321,9 +323,10 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Return the mean of each coefficient over pairs of scans, with the variance due to each source.
+    """Return the mean of each coefficient over all pairs of an upper and a lower scan, with its variance components.
 
-    The sources are scans and positions. The result is empty for a single pair of scans.
+    The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
+    pair of scans.
     """
     surfaces: Any = result.study.surfaces
     if math.prod(surfaces.scan_counts) == 1:
@@ -336,7 +339,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Combined intervals of all quantities except friction, computed for one coefficient after another."""
+    """Combined intervals of all quantities except friction, collected for one coefficient after another."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -347,7 +350,7 @@ class _CombinedQuantities:
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Extend the intervals of all quantities at the indices `position` of one coefficient."""
+        """Extend the intervals of all quantities to include the combined intervals of one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -370,7 +373,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the indices of each coefficient along `dims`, with its combined intervals.
+    """Yield the combined intervals of each coefficient, with the indices of the coefficient along `dims`.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -439,11 +442,11 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
-    """Extend intervals to include the intervals for alternative preparations of the scans.
+    """Extend intervals so that they include the intervals for alternative preparations of the scans.
 
-    The names of the alternatives become the attribute `alternatives`. An uncertainty budget gets a row for each
-    alternative, which contains the interval without this alternative. The other rows are extended by the same rows of
-    the alternatives.
+    The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
+    alternative: the interval that would remain without this alternative. Each other row is extended by the same row in
+    the budgets of the alternatives.
     """
     variables = {}
     names = (*(name for name in INTERVALS_COVERING_ALTERNATIVES if name != "remaining_interval"), *COMBINED_QUANTITIES)
@@ -500,8 +503,8 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
     """Return the intervals that would remain if an input were exact, for each of the named inputs.
 
-    An alternative preparation can have other inputs, such as a drift of the roughness. If an input is missing there,
-    the combined interval is returned for it.
+    An alternative preparation can have other inputs, such as a drift of the roughness. For an input that is missing in
+    the dataset, the combined interval is returned.
     """
     rows = at["remaining_interval"].transpose("input", *dims).values
     rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))
@@ -516,7 +519,7 @@ def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDAr
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend the intervals of estimates to include the intervals of other estimates.
+    """Extend the intervals of estimates so that they include the intervals of other estimates of the same quantities.
 
     The last axis of each array contains value, lower limit and upper limit.
     """
@@ -541,7 +544,7 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return the quoted coefficients with the limits of their combined intervals (last axis)."""
+    """Return the reported coefficients and the limits of their combined intervals (last axis)."""
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)

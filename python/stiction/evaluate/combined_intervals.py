@@ -79,9 +79,9 @@ The inputs change each quantity by the named ratio.
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return all quantities except the closure, divided by their values at the central inputs.
+    """Return all quantities of a contact except its closure, relative to the same quantities at the central inputs.
 
-    `values` and `central` are the values of the response at the given inputs and at the central inputs.
+    `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
     """
     hardness, central_hardness = (
         response.area.contact_hardness(response.load, each.hardness, each.size_effect)
@@ -102,7 +102,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of uncertain inputs: probabilities, scores of sampling errors, and values of the inputs."""
+    """Samples of uncertain inputs: cumulative probabilities, normal scores of sampling errors, and input values."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -112,7 +112,7 @@ class _InputSamples:
 
 
 class InputSampler:
-    """Samples of a study's uncertain inputs, which all coefficients share."""
+    """Sampler of a study's uncertain inputs. All coefficients are evaluated with the same samples."""
 
     def __init__(self, study: Study) -> None:
         self._inputs = Inputs.from_study(study)
@@ -126,24 +126,31 @@ class InputSampler:
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Draw samples of the named inputs and sources of error, with the inputs in `fixed` at a given quantile."""
+        """Draw samples of the named inputs and sources of error.
+
+        Inputs in `fixed` have the value at the given quantile.
+        """
         key = tuple(inputs), names, tuple(fixed.items())
         if key not in self._cache:
             self._cache[key] = self._generate_samples(inputs, names, fixed)
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear for samples, cached because mu0 and tau0 do not affect the areas."""
+        """Return the true areas before shear for samples of the inputs. The areas are cached for other mu0 and tau0."""
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
     def find_yield_pressure(self, key: Any, response: ContactResponse, inputs: InputValues) -> Any:
-        """Return the yield pressures for samples. The pressures are cached for other loads with the same `key`."""
+        """Return the yield pressures for samples of the inputs.
+
+        The pressures are cached for other loads with the same `key`.
+        """
         return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
     def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
-        """Return the closures at the computed loads for samples. The closures do not depend on mu0 and tau0.
+        """Return the closures (µm) at the computed loads for samples of the inputs.
 
-        The closures of the last key are cached for other loads. Samples with the key None are evaluated every time.
+        The closures do not depend on mu0 and tau0. The closures of the last key are cached for other loads. Samples
+        with the key None are evaluated every time.
         """
         if key is None or key != self._closures[0]:
             self._closures = key, response.closures_at_computed_loads(inputs)
@@ -168,7 +175,7 @@ class InputSampler:
 
 
 def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
-    """Return the cached value, or compute and store the value. A full cache loses its oldest value."""
+    """Return the cached value of a key, or compute and store it. A full cache loses its oldest value."""
     if key not in cache:
         if len(cache) == max_size:
             cache.pop(next(iter(cache)))
@@ -229,7 +236,10 @@ class CombinedIntervals:
         )
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Return the nonzero relative standard errors of a mean, due to scans and due to positions."""
+        """Return the relative standard error of a mean, split by source: upper and lower scans, or positions.
+
+        Zeros are omitted.
+        """
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
         error = relative_width / (2 * Z_95)
         if self._scan_mean is None:
@@ -239,7 +249,7 @@ class CombinedIntervals:
         return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
 
     def _find_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of single tests about the mean, and the degrees of freedom.
+        """Return the relative standard deviation of a single test about the mean, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """
@@ -253,11 +263,11 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 at the central inputs, with the limits of its 95 % interval.
+        """Return a coefficient that is 0 at the central inputs, and the limits of its 95 % interval.
 
-        Relative errors of such a coefficient are undefined. The interval contains the coefficient and its sampling
-        interval, and is not below 0. The result is NaN if the coefficient is not 0, or if neither mu0 nor tau0 is
-        uncertain.
+        Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
+        tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
+        NaN if the coefficient is not 0, or if neither mu0 nor tau0 is uncertain.
         """
         is_zero = (np.abs(self.sampling_estimate) < NEGLIGIBLE_COEFFICIENT).all()
         if not is_zero or not {"mu0", "tau0"} & self.inputs.keys():
@@ -273,10 +283,10 @@ class CombinedIntervals:
         return value, max(low, 0.0), high
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the 95 % interval of the coefficient, with some inputs fixed at given quantiles.
+        """Return the combined 95 % interval of the coefficient, with some inputs fixed at given quantiles.
 
-        The interval contains the value, the interval of the mean, and the range of coefficients for finer
-        scans, unless these sources are fixed.
+        The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
+        the mean and the range of coefficients for finer scans.
         """
         included_intervals = [(self.value, self.value)]
         if not set(fixed) & set(SAMPLING_INPUT_NAMES):
@@ -306,7 +316,7 @@ class CombinedIntervals:
 
     @property
     def unlimited_fraction(self) -> float:
-        """Fraction of the samples of the inputs for which the coefficient has no upper limit."""
+        """Fraction of the input samples for which the coefficient has no upper limit."""
         if "junction_growth" not in self.inputs and not np.any(self.response.central.junction_growth):
             return 0.0
         return float(np.isinf(self._sample_friction({})[1]).mean())
@@ -324,11 +334,11 @@ class CombinedIntervals:
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Draw samples of the coefficient, and of its upper limit, for a single further test in one direction.
+        """Draw samples of the coefficient that one more test in one direction would give, and of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
-        test is at another place of a part whose roughness drifts, so that the drift counts twice. With joint samples of
-        mu0 and tau0, further arrays have mu0 or tau0 at its bound.
+        test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
+        of arrays. With joint samples of mu0 and tau0, further pairs have mu0 or tau0 at its bound.
         """
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
         scatter = math.sqrt(math.log1p(self.scatter**2))
@@ -337,7 +347,7 @@ class CombinedIntervals:
         return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s), with the limits of its 95 % interval.
+        """Return the coefficient after a dwell time (s), and the limits of its 95 % interval.
 
         The coefficient is NaN if the nominal pressure reaches the hardness.
         """
@@ -357,9 +367,9 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Return quantities with their combined intervals.
+        """Return the quantities of the contact with their combined intervals.
 
-        `estimates` contains value and interval of the mean of each quantity, by name. An interval that cannot be
+        `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
         """
         names = (*self.inputs, *((INTERFACE_INPUT_NAME,) if self.strengths else ()), *self.drifts)
@@ -403,9 +413,9 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the limits of the 95 % interval, extended to samples with mu0 or tau0 at its bound.
+        """Return the 95 % interval of the sampled coefficients, extended to samples with mu0 or tau0 at its bound.
 
-        The interval of a coefficient is computed only once, also if the coefficient is evaluated again among others.
+        The interval is cached, and also used if the same coefficient is evaluated again together with others.
         """
         response = self.response
         # Round the coefficient, whose round-off depends on which coefficients are evaluated together.
@@ -428,7 +438,7 @@ class CombinedIntervals:
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient, times a factor, for each element of `strengths`."""
+        """Return samples of the coefficient and of its upper limit, times a factor, for each element of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -438,8 +448,8 @@ class CombinedIntervals:
     ) -> tuple[Floats, Floats]:
         """Return samples of the coefficient, and samples of its upper limit, some of which may be infinite.
 
-        `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change
-        the coefficient, it lies between the lowest and the highest coefficient for finer scans.
+        `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
+        coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
         known_values = self._find_known_values(inputs, self.names, fixed, dwell_time, drift_factor)
@@ -470,10 +480,10 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return cached areas before shear and yield pressures, or None if mu0 and tau0 are sampled jointly.
+        """Return cached areas before shear and yield pressures. Both are None if mu0 and tau0 are sampled jointly.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
-        depends on the depth of the contacts. An interface with joint samples may come with its own hardness.
+        depends on the depth of the contacts. They are not cached for joint samples, which may include the hardness.
         """
         if self.strengths:
             return None, None
@@ -559,7 +569,7 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples along an axis. Infinite samples can make the quantiles infinite.
+    """Return quantiles of samples along an axis. Infinite samples may give infinite quantiles.
 
     If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 
@@ -585,7 +595,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend low percentiles downwards and high percentiles upwards to the percentiles of other samples.
+    """Extend low percentiles downwards and high percentiles upwards to enclose the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

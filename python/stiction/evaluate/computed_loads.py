@@ -1,4 +1,4 @@
-"""Loads at which a result was computed, and requested loads for which it has no coefficient."""
+"""Loads at which a result was computed, and requested loads at which it has no coefficient."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 _MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of the mean of a load over members
 
 NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)
-"""Statuses of points whose load was not computed. All other statuses are properties of the contact."""
+"""Statuses that mean that a requested load was not computed. All other statuses are properties of the contact."""
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) in a dataset that have no coefficient because they were not computed.
+    """Return the loads (mN) of a dataset at which there is no coefficient because they were not computed.
 
-    At a computed load, a point without a coefficient may be self-locked, for example. Such loads are not returned, and
-    neither are negligible loads on adhesive bodies, for which there is a pull-off force.
+    A computed load without a coefficient, for example because the contact is self-locked, is not returned. Neither is a
+    negligible load on adhesive bodies, for which there is a pull-off force.
     """
     statuses = values["status"]
     other_dims = [dim for dim in statuses.dims if dim != "load"]
@@ -47,7 +47,8 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
 def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
     """Return the smallest and the largest computed elastic load (mN), averaged over members.
 
-    If `values`, a selection from `Result.at`, is given, only its cells are considered.
+    If a selection from `Result.at` is given as `values`, only its cutoffs, or its dimensions D and amplitudes, are
+    considered.
     """
     loads = result.mean_elastic_loads
     if values is not None:
@@ -62,9 +63,10 @@ def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None =
 
 
 def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple[float, float]]:
-    """Return, for each load (mN), the two computed loads between which it lies.
+    """Return the computed loads (mN) directly below and above each requested load.
 
-    Computed loads, loads outside the computed range, and all loads of measured bodies or of approaches are left out.
+    Requested loads that were computed, or that are outside the computed range, are left out. The result is empty for
+    measured bodies, and if the steps are approaches.
     """
     if study.is_measured or study.step_quantity != "load":
         return {}
@@ -79,7 +81,7 @@ def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple
 
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) in a dataset outside the computed range, except negligible loads on adhesive bodies."""
+    """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
     lowest_load, highest_load = find_computed_load_range(result, values)
     return [
         float(load)

@@ -38,7 +38,7 @@ AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 
 @dataclass(frozen=True, eq=False)
 class AreaFunction:
-    """True area in one cell of a result as a function of load and inputs, averaged over members.
+    """True contact area as a function of load and uncertain inputs, averaged over members, for one cutoff of a result.
 
     Attributes
     ----------
@@ -73,8 +73,8 @@ class AreaFunction:
     ) -> Any:
         """Return the hardness (GPa) of the contacts at a load (mN), or None if the bodies do not yield.
 
-        `hardness` is measured; that of the study is the default. `size_effect` is the length h* (µm) of the indentation
-        size effect, which has no effect if the depth of the indentation is unknown.
+        `hardness` is the measured hardness, by default the hardness of the study. `size_effect` is the length h* (µm)
+        of the indentation size effect, which has no effect if the depth of the indentation is unknown.
         """
         if self.hardness is None:
             return None
@@ -85,9 +85,9 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) of elastic bodies at a load (mN), after multiplying E* by the ratio `modulus`.
+        """Return the true area (µm²) of elastic bodies at a load (mN), with E* multiplied by the ratio `modulus`.
 
-        Beyond the computed loads, the area is proportional to the load.
+        Above and below the computed loads, the area is proportional to the load.
         """
         equivalent_load = self._contact_load(load) / np.asarray(modulus)
         loads = self.loads if self.attractions is None else self.loads + self.attractions
@@ -106,7 +106,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
-        """Return the true area (µm²) before shear, by default at the hardness and exponent of the study.
+        """Return the true area (µm²) before shear. Hardness and yield exponent are by default those of the study.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or of elastic contacts for None."""
+        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or of elastic contacts without one."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -156,7 +156,7 @@ class AreaFunction:
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
-    """True areas (µm²) at the loading steps of each cell, averaged over members."""
+    """True areas (µm²) at the loading steps for each cutoff, averaged over members."""
 
     all_members: Floats  # true areas, averaged over all members
     elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
@@ -196,7 +196,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
 
 
 def build_area_functions(result: MemberSums) -> list[AreaFunction]:
-    """Return the true area as a function of the inputs, for each cell (cutoff) of a result."""
+    """Return the true area as a function of load and inputs for each cutoff of a result."""
     study, areas = result.study, result.compute_once(_average_solved_areas)
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
@@ -231,11 +231,11 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 
 
 def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Return the ratio of the true areas at the onset of sliding and before shear, and the friction fraction.
+    """Return the true area at the onset of sliding divided by the area before shear, and the friction fraction.
 
-    The friction fraction is that of `OnsetState`. Both arrays have the shape (cells, loads, mu0, tau0). The ratio is
-    infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion, so that
-    the ratio is an upper bound under the sliding rule "opposing".
+    The friction fraction is `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The
+    ratio is infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion,
+    so that the ratio is an upper bound under the sliding rule "opposing".
     """
     law = Inputs.from_study(result.study).friction_law(mu0[:, np.newaxis], tau0)
     loads = loads[:, np.newaxis, np.newaxis]
@@ -249,10 +249,10 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depths (µm) of indentations with the size of the contacts, per cell and loading step.
+    """Return the depths (µm) of indentations with the size of the contacts, per cutoff and loading step.
 
-    The result is None if the depth of the indentation that measured the hardness is unknown. The contacts have the
-    true area at the measured hardness.
+    It is None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area at
+    the measured hardness.
     """
     contact: Any = result.study.contact
     if contact.indent is None:
@@ -265,14 +265,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on contacts of adhesive bodies, per cell and loading step."""
+    """Return the mean load (mN) on contacts, the load plus the attraction, per cutoff and loading step."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas of a result that stores only areas limited by the hardness.
+    """Estimate the elastic areas (µm²) of a result that stores only areas limited by the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -287,7 +287,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q) / d ln F at given loads F (mN) for a stored quantity q, averaged over members."""
+    """Return the exponent d ln(q) / d ln F of a stored quantity q, averaged over members, at given loads F (mN)."""
     steps = result.study.contact.loading_steps()
     values = result.means([name])[name]
     mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
@@ -295,7 +295,7 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return d ln(q) / d ln F at each load F, or 1 for fewer than two known loads."""
+    """Return the exponent d ln(q) / d ln F at each load F, or 1 if q is known at fewer than two loads."""
     is_known = np.isfinite(values) & (values > 0)
     if is_known.sum() < 2:
         return np.ones(loads.size)
@@ -305,9 +305,9 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the true area divided by the area limited by the hardness, per cell and load.
+    """Return the true area divided by the area that the hardness limits, per cutoff and load.
 
-    The result is None if both are equal, because the bodies are elastic or the result has no elastic areas.
+    It is None if both areas are equal, because the bodies are elastic or the result has no elastic areas.
     """
     if "elastic_area" not in result.head.variables:
         return None
@@ -319,7 +319,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the true area at a hardness (GPa) divided by the area limited by the hardness, per cell and load."""
+    """Return the true area at a hardness (GPa) divided by the area that the hardness limits, per cutoff and load."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -338,10 +338,9 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the members of a result in groups, with the true areas of yielding contacts.
+    """Yield the members of a result in groups. Sums over areas are scaled to the true area of yielding contacts.
 
-    Sums over the true area (`AREA_SUMS`) are proportional to it. All other sums stay those of the half-space
-    solution.
+    The scaled sums are `AREA_SUMS`. All others are the sums of the half-space solution.
     """
     factors = result.compute_once(compute_yield_factors)
     for piece in result.pieces(names):

@@ -35,7 +35,7 @@ MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a no
 def average_ensemble(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return means over the ensemble at given mean normal loads, with 95 % intervals.
+    """Return means of friction and other quantities over an ensemble at given mean normal loads, with 95 % intervals.
 
     `names` lists quantities to evaluate besides friction; None stands for all.
     """
@@ -81,7 +81,7 @@ def average_ensemble(
 
 
 def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
-    """Return the quantities, other than friction and ratios, whose means a result provides."""
+    """Return the names of the quantities, other than friction and ratios, whose ensemble means a result provides."""
     has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
     stored_names = [name for name in INTERPOLATED_QUANTITIES if QUANTITIES[name].shown and name in head.data_vars]
     return [*stored_names, *(["normal_stiffness"] if has_stiffness else [])]
@@ -136,10 +136,10 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return mean(F_T) / mean(F_N) at elastic loads (mN), and its jackknife interval.
+    """Return the coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 
-    The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and
-    statistic. The value is NaN if mean(F_N) is not above 0.
+    The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and statistic.
+    The coefficient is NaN if mean(F_N) is not above 0.
     """
     import xarray
 

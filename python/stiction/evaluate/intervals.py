@@ -52,7 +52,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Points at which load curves first reach requested loads.
+    """Crossings at which load curves first reach requested loads.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -66,11 +66,11 @@ class LoadCrossings:
 
     @classmethod
     def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
-        """Find the points at which load curves first reach requested loads, by linear interpolation between steps.
+        """Find the crossings at which load curves first reach requested loads, by linear interpolation between steps.
 
-        The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of
-        value to load is interpolated over the logarithm of the load. A load between two steps is then reached only if
-        the ratio of the loads at these steps is at most `MAX_INTERPOLATED_LOAD_RATIO`.
+        The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of a
+        quantity to the load is interpolated over the logarithm of the load. A load between two steps is then reached
+        only if the ratio of the loads at these steps is at most `MAX_INTERPOLATED_LOAD_RATIO`.
         """
         if interpolates_ratio:
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -97,19 +97,19 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the requested loads that a curve reaches directly after a NaN."""
+        """Remove the crossings directly after a step without a load (NaN), before which the curve is unknown."""
         before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the curves at the loading steps below and above each requested load."""
+        """Return the numbers of a curve at the loading steps below and above each requested load."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
-        """Interpolate a quantity at the given loads, with NaN at loads that are not reached.
+        """Interpolate a quantity at the requested loads. It is NaN at loads that the curve does not reach.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
@@ -136,17 +136,17 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads. They are known only if the points were found with `interpolates_ratio`."""
+        """Requested loads (mN), which are known only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative by ln(load) with cubics.
+        """Interpolate an increasing quantity and its derivative by ln(load), with cubics between the loading steps.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
-        Carlson 1980). Where a slope at one of these steps is unknown, the slope of the chord replaces it in the values,
-        and the derivative is NaN.
+        Carlson 1980). If the slope at one of these steps is unknown, the quantity is interpolated with the slope of the
+        chord instead, and the derivative is NaN.
         """
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         curve = self.scale[0]
@@ -175,8 +175,8 @@ class LoadCrossings:
         """Interpolate a quantity over ln(load) with monotonic cubics.
 
         The slope at a step is the weighted harmonic mean of the slopes of the adjacent chords (Fritsch & Butland 1984),
-        and at the first and last step that of the parabola through three steps. The crossings must have been found with
-        `interpolates_ratio`.
+        and at the first and last step the slope of the parabola through three steps. The crossings must have been found
+        with `interpolates_ratio`.
         """
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         slopes = np.full(values.shape, np.nan)
@@ -195,11 +195,11 @@ class LoadCrossings:
         return self.interpolate_with_slopes(values, slopes)[0]
 
     def min_at_bracketing_steps(self, values: Floats) -> Floats:
-        """Return the smaller of a quantity's numbers at the steps below and above each requested load."""
+        """Return the smaller of a quantity's two numbers at the steps below and above each requested load."""
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slope of one quantity with respect to another at each requested load."""
+        """Return the slope d(values)/d(over) of one quantity over another at each requested load."""
         index = np.maximum(self.index, 1)
         value_change, over_change = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -214,12 +214,12 @@ class LoadCrossings:
 class MeansAtLoads:
     """Means of quantities at given mean normal loads, with jackknife intervals.
 
-    The method is described in docs/explanation/uncertainty.md. Let v and n be the values and the normal loads of the
-    repetitions at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is
-    omitted, the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln
-    mean(n). If the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric
-    first-order interval instead. The constructor takes the means of c curves (c, k) of the normal load and of each
-    quantity, and `add` takes the repetitions.
+    The method is described in docs/explanation/uncertainty.md. Let v be the quantity and n the normal load of each
+    repetition at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is omitted,
+    the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln mean(n). If
+    the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric first-order
+    interval instead. The constructor takes the means of c curves (c, k) of the normal load and of each quantity, and
+    `add` takes the repetitions.
     """
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
@@ -248,9 +248,9 @@ class MeansAtLoads:
         return self._arrange_over_loads(self._quantities[quantity].mean)
 
     def interval(self, quantity: int) -> tuple[Floats, Floats]:
-        """Return the interval limits of one quantity as an array (curves, loads).
+        """Return the limits of the interval of one quantity, each as an array (curves, loads).
 
-        All repetitions must have been added before.
+        Call this method after all repetitions have been added.
         """
         lower, upper = self._quantities[quantity].interval(self._curve)
         is_undetermined = ~self._quantities[quantity].keeps_load | (self._num_carrying < 2)[self._curve]
@@ -258,12 +258,12 @@ class MeansAtLoads:
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
-        """Interpolate curves at the requested loads that they reach."""
+        """Interpolate curves of any quantity at the crossings with the requested loads."""
         after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
         return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
-        """Arrange numbers in an array (curves, loads), with NaN at loads that a curve does not reach."""
+        """Arrange one number per crossing in an array (curves, loads), with NaN at loads that no crossing has."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result
@@ -290,7 +290,7 @@ class _QuantityAtLoads:
         self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the interval limits at each requested load, given the curve that reaches the load."""
+        """Return the limits of the interval at each crossing, given the index of the crossing's curve."""
         mean = self.mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -308,7 +308,7 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Sums of powers of jackknife values, from which the half width of an interval is computed."""
+    """Sums of the first four powers of jackknife values, which give the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -329,11 +329,11 @@ class PowerSums:
         self._sums += sums
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Return whether all jackknife values so far are finite."""
+        """Return whether all jackknife values that were added are finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
-        """Return the half width of the interval from all jackknife values so far."""
+        """Return the half width of the 95 % interval from all jackknife values that were added."""
         count = self._count
         first, second, third, fourth = self._sums
         mean = first / count
@@ -349,10 +349,9 @@ class PowerSums:
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
-    """Return the slopes of straight lines, fitted to quantities against normal loads near given steps.
+    """Return d(quantity)/d(normal load) of each quantity near given loading steps, from fitted straight lines.
 
-    The values of each quantity and the loads have the shape (p, k), and the indices of the loading steps have the shape
-    (p,).
+    Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
     first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
     last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
@@ -362,7 +361,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return deviations from the mean in each window of steps, and 0 outside the window."""
+        """Return the deviation from the mean within each window of loading steps, and 0 outside the window."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -378,9 +377,9 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
 
 
 def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average independent numbers along the first axis, ignoring NaN, with a Student's t interval.
+    """Average independent numbers along the first axis, ignoring NaN. Return the mean and its Student's t interval.
 
-    If no value is negative, the logarithm of the mean is used, so that the interval is above 0.
+    If no number is negative, the interval is symmetric in the logarithm of the mean, so that it is above 0.
     """
     is_known = np.isfinite(values)
     finite_values, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
@@ -394,7 +393,7 @@ def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the limits of an interval from the mean and the half width.
+    """Return the lower and the upper limit of an interval, from the mean and the half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -420,7 +419,9 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 
 
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average numbers at neighbouring positions (first axis), with an interval that allows for correlation.
+    """Average numbers at neighbouring positions (first axis).
+
+    Return the mean and an interval that allows for correlation.
 
     The values are transformed to remove their skewness. The model is a mixture of autoregressive processes with
     correlations ρ from 0 to 0.95: Student's t intervals are averaged with the posterior probability of ρ as weight,
@@ -441,7 +442,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval of each row's mean, or NaN if all numbers in the row are equal.
+    """Return the limits of the interval of each row's mean, or NaN if all numbers in the row are equal.
 
     The values have the shape (c, r).
     """
@@ -490,7 +491,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average a quantity along each line, and return the mean over lines with its 95 % interval."""
+    """Average a quantity along each line of positions. Return the mean over all lines and its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
@@ -522,12 +523,12 @@ class ScanPairMean:
 
     @property
     def half_width(self) -> float:
-        """Half width of the 95 % interval of the mean, infinite for too few members."""
+        """Half width of the 95 % interval of the mean; infinite if there are too few members."""
         return float(student_quantile(min(self.freedom, MAX_DEGREES_OF_FREEDOM))) * math.sqrt(sum(self.variances))
 
 
 def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
-    """Return the mean over all pairs of scans with its variance components, or None for fewer than two pairs.
+    """Return the mean over all pairs of scans with its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
@@ -579,7 +580,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of a single test's variance, which is a sum of variance components.
+    """Return the degrees of freedom of a single test's variance, the sum of the variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

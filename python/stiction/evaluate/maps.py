@@ -1,4 +1,4 @@
-"""Means over an ensemble and their intervals at given loads, interpolated between approaches or loads.
+"""Ensemble means and their intervals at given loads, interpolated between approaches or loads.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
@@ -43,7 +43,7 @@ _VARIABLES_BY_QUANTITY = {
     "friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES),
     "normal_stiffness": _LOAD_VARIABLES,
 }
-"""Contact sums that each derived quantity requires. All other quantities are stored directly."""
+"""Contact sums from which each derived quantity is computed. All other quantities are stored directly."""
 
 _RATIO_SUM_NAMES = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERANDS))
 """Contact sums from which ratios are computed, such as the mean pressure and the validity indicators."""
@@ -211,12 +211,12 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions that span the cells of a result, such as the cutoff."""
+    """Return the dimensions of a result that distinguish its surfaces: fractal dimension, amplitude, or cutoff."""
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
 def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with the repetitions on its last axis, contiguous in memory for fast sums."""
+    """Return an array with the repetitions on its last axis, contiguous in memory, so that sums are fast."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
@@ -244,10 +244,10 @@ def evaluate_ensemble_quantities(
     result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
     transform: DatasetTransformation | None = None, *, includes_ratios: bool = True,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate means over an ensemble at given mean normal loads, after applying `transform` to the members.
+    """Evaluate means over an ensemble at given mean normal loads, and return one dataset per quantity.
 
-    The dataset of each quantity has the structure of `friction_map`. Without `includes_ratios`, the ratios of
-    contact sums are omitted. Each piece of the result is read twice.
+    Each dataset has the structure of a dataset that `friction_map` returns. `transform` is applied to the members
+    first. Without `includes_ratios`, the ratios of contact sums are omitted. Each piece of the result is read twice.
     """
     load_values = np.atleast_1d(friction.validate_friction_parameter("loads", loads))
     if load_values.ndim != 1:
@@ -302,7 +302,7 @@ def evaluate_ensemble_quantities(
 
 
 class _EnsembleQuantities:
-    """Means over an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Means of quantities over an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
@@ -317,7 +317,7 @@ class _EnsembleQuantities:
         self.other_sum_names = [name for name in self.ratio_sum_names if name not in SUM_QUANTITIES]
 
     def required_variables(self) -> tuple[str, ...]:
-        """Return the variables that must be read from the result."""
+        """Return the names of the stored variables from which the quantities are computed."""
         variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
         if "normal_stiffness" in self.names and self.step_dimension == "load":
             variables.append("approach")  # the stiffness is the derivative of the load with respect to the approach
@@ -326,9 +326,10 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return the normal loads and all quantities for some members.
+        """Return the normal load (mN) and each quantity along the loading steps, for some members of one cell.
 
-        `sums` is a result of `_compute_sums`. The first axis of each array runs over all pairs of mu0 and tau0.
+        `cell` indexes sliding rule, direction and surfaces, and `_compute_sums` returned `sums`. The first axis of each
+        array runs over all pairs of mu0 and tau0.
         """
         contact_sums, *quantity_sums = (
             each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
@@ -345,9 +346,9 @@ class _EnsembleQuantities:
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
         ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Return one dataset per quantity, from means and intervals of all cells. `pool` evaluates the cells.
+        """Return one dataset per quantity, from the means and intervals in all cells.
 
-        `averages` and `ratio_operands` are results of `_average_sums`.
+        `_average_sums` returned `averages` and `ratio_operands`. The threads of `pool` evaluate the cells.
         """
         import xarray
 
@@ -355,7 +356,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Evaluate the quantities of one cell, and the ratios of its contact sums."""
+            """Store the means, intervals and statuses of one cell, and return the ratios of its contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -425,10 +426,10 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums, and the sums that each named quantity needs.
+    """Return the contact sums of all members, followed by the sums from which each named quantity is computed.
 
-    The first axes of each sum are sliding rule and direction. If a quantity is stored directly, its
-    values replace the area in its sums.
+    The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
+    the returned sums.
     """
     get_values_or_nan = partial(_get_values_or_nan, dataset, step_dimension=step_dimension)
     columns = {name: get_values_or_nan(name) for name in SUM_QUANTITIES}
@@ -479,7 +480,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average the sums of `_compute_sums` and the operands of ratios over members, and count the members.
+    """Average the sums of `_compute_sums`, and the operands of ratios, over the members, and count the members.
 
     The averages of sums have an axis of length 1 for the members.
     """

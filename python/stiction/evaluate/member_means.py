@@ -1,4 +1,4 @@
-"""Means over members with their intervals and statuses."""
+"""Means of quantities over the members, with their intervals and statuses."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 class LoadNeighbors:
     """Quantities of members at the computed loads around each requested load, for interpolation.
 
-    The position is the fraction of the distance in ln F; it is 0 at a computed load.
+    The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
 
     below: xarray.Dataset
@@ -56,7 +56,7 @@ def average_members(
     dependence = MemberDependence.from_coordinates(study, members)
 
     def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
-        """Return means and interval limits of a quantity over its repetitions."""
+        """Return the mean and the interval limits of a quantity over the members."""
         values = get_values(members)
         means = dependence.mean_with_interval(values)
         if neighbors is None or "load" not in dims:
@@ -152,7 +152,7 @@ def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
     names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
-    """Average quantities over the members. The loads are averaged only if `names` includes them.
+    """Return the means of all quantities over the members. The loads are averaged only if `names` includes them.
 
     `find_limit` returns the largest upper limit of the interval of a quantity.
     """
@@ -178,7 +178,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the inverse of the mean compliance, the derivative of the load by the mean displacement.
+    """Return the inverse of the mean compliance of the members: the stiffness dF/dδ at the mean displacement.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -197,12 +197,13 @@ def include_interpolation_error(
     means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
     mean_with_interval: Callable[[Floats], Floats],
 ) -> Floats:  # fmt: skip
-    """Widen the intervals of means that are interpolated between two computed loads.
+    """Widen the intervals of means that are interpolated between two computed loads by the interpolation error.
 
-    The error has two parts, which are combined with the interval in quadrature. The random part is that of members
-    whose values jump when contacts appear or merge: if the changes between the computed points have the half width h,
-    it is h sqrt(3 t (1 - t)) at the position t. (This is the error for values that scatter independently at the two
-    points and in the middle.) The systematic part is the difference from a power law. Positive values use logarithms.
+    The error has two parts, which are combined with the interval in quadrature. The random part is due to members whose
+    quantities jump when contacts appear or merge: if the changes between the computed loads have the half width h, it
+    is h sqrt(3 t (1 - t)) at the position t. (This is the error for numbers that scatter independently at the two loads
+    and in the middle.) The systematic part is the difference from a power law. Logarithms are used for positive
+    numbers.
 
     Parameters
     ----------
@@ -245,9 +246,10 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return one status for all members (first axis).
+    """Return the common status of all members (first axis).
 
-    If any member has a coefficient, the status is one with a coefficient; otherwise, it is the most frequent status.
+    If any member has a coefficient, it is a status with a coefficient, such as "ok". Otherwise, it is the most frequent
+    status.
     """
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
@@ -259,9 +261,10 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fraction limited to 1.
+    """Return the contact status for each true area fraction, and the fraction, which is at most 1.
 
-    The fractions have the shape (..., 3). In the asperity model, fractions above 1 become NaN instead.
+    Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
+    3).
     """
     is_above_nominal = fraction[..., 0] > 1
     status = np.where(
@@ -284,7 +287,7 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace round-off in means over opposite directions by 0, if mu0 and tau0 are 0.
+    """Replace round-off in coefficients averaged over opposite directions by 0 if mu0 and tau0 are 0.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
@@ -297,7 +300,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes of motion (0 to 180 degrees) with two opposite directions, and the indices of both.
+    """Return the axes (0 to 180 degrees) along which motion has both directions, and the indices of these directions.
 
     The indices have the shape (axes, 2).
     """
@@ -322,7 +325,7 @@ class MemberDependence:
 
     @classmethod
     def from_coordinates(cls, study: Study, coordinates: Mapping[Any, Any]) -> MemberDependence:
-        """Determine the dependence of members from their positions.
+        """Determine the statistical dependence of members from the positions of their cutouts.
 
         Members on adjacent lines, or at adjacent positions of a line, are neighbours.
         """
@@ -369,7 +372,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean and its interval, whose limits are above 0 if no number is negative."""
+    """Return the mean over pairs of scans and its interval limits, which are above 0 if no number is negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

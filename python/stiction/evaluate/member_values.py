@@ -109,7 +109,7 @@ def evaluate_members(
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate each member of a result at given loads, at the onset of sliding.
 
-    The values at the elastic loads, mu0 and tau0 of a measured study are evaluated only once for each result.
+    For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
     if load_definition == "elastic" and member_kind is None and names is None:
         selection = {"load": loads, "mu0": mu0, "tau0": tau0}
@@ -120,7 +120,7 @@ def evaluate_members(
 
 
 def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
-    """Return the loads (mN), mu0 and tau0 (GPa) of a measured study; no loads for a generated study."""
+    """Return the loads (mN), mu0 and tau0 (GPa) of a study. Generated studies return no loads."""
     settings = result.study.friction
     loads = np.array([float(load) for load in settings.load] if result.study.is_measured else [])
     return {
@@ -201,10 +201,10 @@ def _evaluate_piece(
     piece: xarray.Dataset, study: Study, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition,
     names: Collection[str] | None, onset: tuple[Floats, Floats] | None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate a group of members at given loads.
+    """Evaluate friction and contact quantities of a group of members at given loads.
 
-    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `onset` is the result
-    of `compute_onset_factors`, or None if shear does not change the area.
+    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `compute_onset_factors`
+    returned `onset`, which is None if shear does not change the area.
     """
     import xarray
 
@@ -296,7 +296,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Return normal and tangential loads at given normal loads, interpolated as ratios if the steps are loads."""
+        """Interpolate the normal and tangential loads of members at given normal loads (mN)."""
         # Move the loading steps to the last axis, along which loads are interpolated.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
@@ -321,10 +321,10 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return the loads and statuses of members after contacts change under shear, or after the softer body shears.
+    """Return the loads and statuses of members after contacts have grown or lost area under shear.
 
-    `sums` are the contact sums that mu0 and tau0 multiply, at the loads. `growth` and `fraction` are the results of
-    `compute_onset_factors`.
+    The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
+    and tau0 multiply. `compute_onset_factors` returned `growth` and `fraction`.
     """
     growth, fraction = (each[:, np.newaxis, np.newaxis, np.newaxis] for each in (growth, fraction))
     added_area = np.where(law.tau0 > 0, growth * fraction - 1, 0.0)
@@ -361,7 +361,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the requested quantities and `normal_elastic` at given loads."""
+    """Interpolate the requested quantities and the elastic load at the requested loads. Return variables by name."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -381,9 +381,9 @@ def _interpolate_quantities(
 
 
 def find_tangential_stiffness_ratio(study: Study) -> float:
-    """Return the initial tangential stiffness of a pair divided by its normal unloading stiffness, E*_t/E*.
+    """Return the initial tangential stiffness of a pair divided by the normal unloading stiffness: E*_t/E*.
 
-    The ratio is 1 for grooves, which deform in plane strain. For isotropic surfaces, it is that of Mindlin (1949), for
+    The ratio is 1 for grooves, which deform in plane strain. For isotropic surfaces, it is Mindlin's ratio (1949) for
     the Poisson's ratios of both bodies.
     """
     contact: Any = study.contact
@@ -393,7 +393,7 @@ def find_tangential_stiffness_ratio(study: Study) -> float:
 
 
 def has_grooves(study: Study) -> bool:
-    """Return whether pressed profiles stand for grooves, and not for isotropic surfaces."""
+    """Return whether the pressed profiles represent grooved surfaces rather than isotropic surfaces."""
     if study.is_areal:
         return False
     contact: Any = study.contact
@@ -419,10 +419,11 @@ def _interpolate_by_stiffness(
 ) -> None:
     """Interpolate displacements and stiffnesses together, so that they are derivatives of each other.
 
-    Between two computed loads, a displacement is the cubic in the logarithm of the load with the stored values and
-    stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted geometric mean of two
-    estimates: the loading stiffness times the interpolated ratio of both, which is exact for elastic contacts, and a
-    power law with a smooth exponent, which yielding does not disturb. The weights follow from the yielding.
+    Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
+    displacements and stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted
+    geometric mean of two estimates: the loading stiffness times the interpolated ratio of both, which is exact for
+    elastic contacts, and a power law with a smooth exponent, which yielding does not disturb. The weights follow from
+    the yielding.
     """
     steps = piece["load"].values
     for name, stiffness_names in _STIFFNESSES_BY_DISPLACEMENT.items():
@@ -457,7 +458,7 @@ def _interpolate_by_stiffness(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return the pull-off force of each member, whether it is a lower bound, and friction at zero load."""
+    """Return pull-off force (mN) and friction at zero load of each member, and whether the force is a lower bound."""
     # Store 1 for a member whose pull-off force is only known to exceed a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
@@ -505,7 +506,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the contact sums of members, and the points at which load curves reach requested loads."""
+    """Return the contact sums of members, and the crossings at which their load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Variables have no coordinates, so they are accessed much faster than data arrays.
@@ -526,7 +527,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for sliding rule and direction, omitting the dimensions of the result."""
+    """Return coordinates for sliding rule and direction, if the result does not have them as dimensions."""
     values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))
@@ -536,7 +537,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove sums that are not needed otherwise."""
+    """Add the ratios of contact sums to the variables, and remove the sums that no output shows."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

@@ -1,4 +1,4 @@
-"""Quantities at one point of an `at_load` dataset: one roughness or cutoff, load, mu0 and tau0."""
+"""Quantities of a result at one load, mu0 and tau0, for one roughness or cutoff: a result point."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
 UNKNOWN_INTERVAL = Interval(math.nan, math.nan)
 NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Smallest ratio of load to pull-off force for which the load is not negligible and a coefficient has a meaning."""
+"""Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
 
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Static friction coefficient at one point under one sliding rule: mean over directions, and intervals.
+    """Static friction coefficient at one result point under one sliding rule: mean over directions, and intervals.
 
-    Without a combined interval, the interval is the interval of the mean.
+    If there is no combined interval, the limits are the interval of the mean.
     """
 
     _: KW_ONLY
@@ -62,7 +62,7 @@ class SlidingRuleCoefficient(Estimate):
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield one dataset for each combination of roughness or cutoff, load, mu0 and tau0."""
+    """Yield one dataset for each result point: each combination of roughness or cutoff, load, mu0 and tau0."""
     cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
@@ -80,7 +80,7 @@ MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
-    """Return name and number of the roughness exponent: H for self-affine surfaces, D for all others."""
+    """Return the symbol and the number of the roughness exponent: H for self-affine surfaces, D for all others."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
@@ -91,13 +91,13 @@ def select_sliding_rule(table: Any, rule: str) -> Any:
 
 
 def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int]:
-    """Return the indices of a mean and of its interval limits along the dimension `statistic`."""
+    """Return the indices of mean, lower and upper limit along the dimension `statistic`."""
     statistics = table["statistic"].values.tolist()
     return [statistics.index(name) for name in MEAN_AND_LIMITS]
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Return the estimate in an array, whose dimensions other than `statistic` must have size 1."""
+    """Return the estimate (value and limits) in an array whose other dimensions have size 1."""
     fields = _get_estimate_fields(table.name, table.attrs)
     if "statistic" not in table.dims:
         return Estimate(table.item(), **fields | {"kind": ""})
@@ -105,14 +105,14 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return name, unit and interval kind of an estimate from the attributes of its variable."""
+    """Return name, unit and interval kind of an estimate, from the name and attributes of its variable."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates in an array with the dimensions `dimension` and `statistic`, by coordinate."""
+    """Return the estimates in an array with the axes `dimension` and `statistic`, by the coordinate of `dimension`."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     fields = _get_estimate_fields(table.name, table.attrs)
     return {
@@ -123,7 +123,7 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 @dataclass(frozen=True)
 class PointQuantities:
-    """Quantities with one number at a point under one sliding rule, by name.
+    """Quantities at one result point under one sliding rule, by name.
 
     If there are several directions, quantities that depend on the direction are not included.
     """
@@ -135,7 +135,7 @@ class PointQuantities:
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return the quantities with one number at a point under one sliding rule.
+    """Return the quantities at a result point under one sliding rule that do not vary with the direction.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
@@ -161,7 +161,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:
-    """Return a quantity at a point, averaged over all directions, or NaN if it is missing."""
+    """Return a quantity at a result point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
     # Indexing the NumPy array is much faster than selecting from an `xarray.DataArray`.
@@ -175,7 +175,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a point: "ok", "complete" or, for asperities, "above-nominal"."""
+    """Return the status of the true area at a result point: "ok", "complete" or, for asperities, "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
@@ -185,15 +185,15 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
 
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:
-    """Return the mean contact pressure (GPa) at a point of a result."""
+    """Return the mean contact pressure (GPa) at a result point."""
     return mean_over_directions(point, "mean_pressure")
 
 
 def list_sliding_rules_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, with the quoted rule first.
+    """Return the sliding rules of a study, beginning with the reported rule.
 
-    With an interface, it is the rule under which mu0 and tau0 were fitted. For generated bodies, it is the first rule
-    of the study.
+    With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, it is
+    the first rule of the study.
     """
     rules = SLIDING_RULE_ORDER if study.is_measured else study.contact.sliding_rules()
     fitted_rule = None if study.friction.interface is None else study.friction.interface.fitted_rule
@@ -201,19 +201,19 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return a table of measured bodies with the quoted sliding rule first. Other tables are returned unchanged."""
+    """Return a table of measured bodies with the reported sliding rule first. Other tables are returned unchanged."""
     rules = list_sliding_rules_reported_first(study)
     is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the contact model of a point has a nominal area."""
+    """Return whether the contact model has a nominal area."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the nominal pressure (GPa) at a point, or NaN if the model has no nominal area."""
+    """Return the nominal pressure (GPa) at a result point, or NaN if the contact model has no nominal area."""
     return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
 
 
@@ -228,12 +228,15 @@ def has_limited_pressure(study: Study) -> bool:
 
 
 def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
-    """Return E* (GPa) at a point of a result."""
+    """Return the effective modulus E* (GPa) at a result point."""
     return float(point["effective_modulus"] if "effective_modulus" in point.coords else study.contact.effective_modulus)
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the adhesion ranges (µm) of the study and of the computation. The latter is larger on a coarse grid."""
+    """Return the adhesion range (µm) of the study, and the adhesion range (µm) of the computation.
+
+    The range of the computation is larger if the grid does not resolve the range of the study.
+    """
     contact: Any = study.contact
     given_range = float(contact.adhesion_range or DEFAULT_ADHESION_RANGE)
     grid_spacing = float(np.max(point.attrs.get("spacing_um", 0.0)))
@@ -244,7 +247,7 @@ def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, flo
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:
-    """Return whether the load at a point is negligible compared with the pull-off force."""
+    """Return whether the load at a result point is negligible compared with the pull-off force."""
     return "pull_off" in point and float(point["load"]) < NEGLIGIBLE_LOAD_RATIO * mean_over_directions(
         point, "pull_off"
     )
@@ -257,7 +260,7 @@ def get_study_hardness(study: Study) -> float:
 
 
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
-    """Return the hardness (GPa) of the contacts at a point, or NaN if the study has no hardness.
+    """Return the hardness (GPa) of the contacts at a result point, or NaN if the study has no hardness.
 
     The hardness of the contacts differs from the hardness of the study if the depth of the indentation is known.
     """
@@ -265,10 +268,10 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the friction coefficient if all contacts yield and friction acts at all contacts.
+    """Return the friction coefficient that contacts would have if they all yielded, with friction at all contacts.
 
-    The coefficient is a lower limit if the interface is stronger than the softer body. The value is NaN at seizure, or
-    None if the study has no hardness.
+    The coefficient is a lower limit if the interface is stronger than the softer body. The coefficient is NaN at
+    seizure, and None if the study has no hardness.
     """
     hardness = get_contact_hardness(point, study)
     if math.isnan(hardness) or not study.uses_half_space:

@@ -38,8 +38,8 @@ class PullOffValues:
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
         """Assessment of whether the bodies stick together: "yes", "no" or "uncertain".
 
-        The value is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if it is
-        below, and "uncertain" if it contains this pressure.
+        The assessment is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if the
+        interval is below, and "uncertain" if it contains this pressure.
         """
         pressure = self.pressure
         lower, upper = (limit if math.isfinite(limit) else pressure.value for limit in pressure.interval)
@@ -49,7 +49,7 @@ class PullOffValues:
 
 
 def find_pull_off_values(point: xarray.Dataset, study: Study, rule: str) -> PullOffValues | None:
-    """Return pull-off force, pull-off pressure and friction at zero load, or None if bodies do not adhere."""
+    """Return pull-off force, pull-off pressure and friction at zero load, or None if the bodies do not adhere."""
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

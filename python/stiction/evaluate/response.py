@@ -29,7 +29,7 @@ double and E* within 25 %, the unloading stiffness is within 10 % of these solut
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Inputs of a contact, as numbers or as arrays of samples that are broadcast.
+    """Inputs of a contact, such as hardness, mu0 and tau0: numbers, or arrays of samples that are broadcast.
 
     Attributes
     ----------
@@ -93,13 +93,13 @@ class ClosureCurve:
     stiffness_exponents: Floats
 
     def exponents_at(self, load: float) -> tuple[float, float]:
-        """Return the logarithmic derivatives of the closure stiffness at a load, for loading and unloading."""
+        """Return d ln(closure stiffness)/d ln(load) at a load (mN), for loading and for unloading."""
         log_load, log_loads = np.log(load), np.log(self.loads)
         loading, unloading = (float(np.interp(log_load, log_loads, each)) for each in self.stiffness_exponents)
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures after multiplying the closure stiffness at each computed load by a ratio.
+        """Return the closures (µm) after multiplying the closure stiffness at each computed load by a ratio.
 
         The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
         """
@@ -109,7 +109,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures by power laws, and extrapolate them beyond the computed loads."""
+        """Interpolate closures at loads (mN) by power laws, which are continued beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -143,7 +143,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True areas (µm²) before shear: of elastic bodies, and of bodies that yield."""
+    """True areas (µm²) of contacts before shear: without yielding (elastic) and with yielding (true)."""
 
     elastic: Floats
     true: Floats
@@ -174,7 +174,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select(self, *indices: int) -> ResponseValues:
-        """Return the quantities for one sample of the inputs."""
+        """Return the quantities of a single sample of the inputs."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
 
@@ -207,12 +207,12 @@ class ContactResponse:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear, which do not depend on mu0 and tau0."""
+        """Return the true areas (µm²) before shear for given inputs, which do not depend on mu0 and tau0."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
     def yield_pressure(self, inputs: InputValues) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None if bodies are elastic.
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None if the bodies are elastic.
 
         The pressure does not depend on the load, unless the depth of the indentation is known.
         """
@@ -222,7 +222,7 @@ class ContactResponse:
     def evaluate(
         self, inputs: InputValues, known_areas: AreasBeforeShear | None = None, known_pressure: Any = None
     ) -> ResponseValues:
-        """Return all quantities for given inputs.
+        """Return all quantities of the contact for given inputs.
 
         `known_areas` and `known_pressure` are the areas before shear and the yield pressure, if computed before.
         """
@@ -250,10 +250,10 @@ class ContactResponse:
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
         """Return the stiffnesses (loading, unloading, closure) relative to the central inputs.
 
-        E*, the heights and the hardness together change the stiffness by similarity: it is that at the load over their
-        factor. A hardness that does not have this factor changes it with the area. The stiffness keeps the measured
-        hardness even if the depth of the indentation is known. Without a closure curve, the closure stiffnesses have
-        the ratios of the others.
+        If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
+        the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness
+        keeps the measured hardness even if the depth of the indentation is known. Without a closure curve, the closure
+        stiffnesses have the ratios of the others.
         """
         if self.area.indent is not None:
             response = replace(self, area=replace(self.area, indent=None))
@@ -272,7 +272,7 @@ class ContactResponse:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the friction at zero load, relative to the central inputs.
+        """Return the friction at zero load, relative to the friction at zero load with the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -286,7 +286,7 @@ class ContactResponse:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all computed loads, between which `closure_ratio` interpolates.
+        """Return the closures (µm) at all computed loads for given inputs, between which `closure_ratio` interpolates.
 
         E* and the height factor have the values of the study. The hardness is divided by their changes.
         """
@@ -302,10 +302,10 @@ class ContactResponse:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure, relative to the central inputs.
+        """Return the closure at the load, relative to the closure with the central inputs.
 
-        By similarity, take the closure at the load divided by the change of E* and heights, and multiply it by the
-        height factor. `closures` is the result of `closures_at_computed_loads`.
+        By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
+        heights. `closures_at_computed_loads` returned `closures`.
         """
         curve = self.closure_curve
         assert curve is not None, "the closure is known"
@@ -314,5 +314,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities at the central inputs, after replacing some inputs."""
+        """Return all quantities of the contact at the central inputs, some of which may be replaced."""
         return self.evaluate(replace(self.central, **changes))

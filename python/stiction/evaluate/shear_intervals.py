@@ -46,7 +46,7 @@ _Samples = dict[str, Floats]  # an array of each quantity, whose first axis cont
 class ShearInputSamples:
     """Samples of the inputs of a shear test: an array of n numbers for each input.
 
-    `contact_inputs` contains those `CONTACT_INPUTS` that are uncertain, relative to their central values.
+    `contact_inputs` contains the uncertain inputs among `CONTACT_INPUTS`, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
     """
 
@@ -57,7 +57,7 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, fewer than `NUM_INPUT_SAMPLES` for many displacements."""
+    """Return points of a Sobol sequence, one for each sample. Many displacements reduce the number of samples."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUES / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -65,7 +65,7 @@ def _draw_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the inputs of a shear test. With an interface, more samples have mu0 or tau0 at its bound."""
+    """Draw samples of the inputs of a shear test. For an interface, further samples have mu0 or tau0 at its bound."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
@@ -108,7 +108,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the limits of all uncertain inputs that change the contacts."""
+    """Return the limits of all uncertain inputs that change the contacts, at which the test is repeated."""
     if not samples:
         return []
     return [
@@ -122,9 +122,8 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 class _SampledCurves:
     """Curves of a shear test for samples of the inputs, from tests with central inputs and with input limits.
 
-    Between them, curves are linear in the logarithm of the input. The effects of two inputs are added.
-    `has_no_solution` is True for samples near a limit at which the contact has no solution, with the shape (samples,
-    displacements).
+    The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
+    for samples near a limit at which the contact has no solution, with the shape (samples, displacements).
     """
 
     def __init__(
@@ -140,7 +139,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return a curve of the shear test for each sample (first axis)."""
+        """Return a curve of the shear test, which `get_curve` selects, for each sample (first axis)."""
         central = get_curve(self._test)
         return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
 
@@ -148,7 +147,10 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return curves and summary numbers for samples. Coefficients are infinite where the faces lock."""
+    """Return the curves and peak values of a shear test for each sample.
+
+    Coefficients are infinite where the faces lock.
+    """
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
     sums = {name: curves.sample(partial(_divide, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
@@ -166,7 +168,7 @@ def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return curves and summary numbers of samples. The peak is found among displacements with status "ok"."""
+    """Return the curves and peak values of all samples. The peak is found among displacements with status "ok"."""
     displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
     values = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
     if is_ok[-1]:
@@ -188,7 +190,7 @@ class _StripErrors:
     counts: _Samples
 
     def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return a deviation from the mean for each probability (first axis), by Student's t distribution.
+        """Return the deviation of a mean over strips at each probability (first axis), by Student's t distribution.
 
         The deviations are NaN if fewer than two strips have a solution.
         """
@@ -200,9 +202,9 @@ class _StripErrors:
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripErrors:
-    """Return the errors of means over the strips that have a solution.
+    """Return the standard errors of means over the strips that have a solution.
 
-    Peaks of a strip are found among the displacements at which the strip has a solution.
+    The peak of a strip is found among the displacements at which the strip has a solution.
     """
     coefficient = np.stack(
         [_divide(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
@@ -225,13 +227,13 @@ def add_shear_intervals(
     test: xr.Dataset, samples: Sequence[ShearInputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
     strips: Sequence[xr.Dataset],
 ) -> xr.Dataset:  # fmt: skip
-    """Add 95 % intervals to the results of a shear test.
+    """Add 95 % intervals to the curves and peak values of a shear test.
 
     `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
     of the mean over the strips counts as the error of the test, with Student's t distribution. There is no interval
-    where fewer than two strips have a solution. An interval contains the value. The interval of the displacement at the
-    peak also contains the displacements before and after the peak. The dilation angle has no interval if it is the same
-    for all samples.
+    where fewer than two strips have a solution. Each interval contains the computed number. The interval of the
+    displacement at the peak also contains the displacements before and after the peak. The dilation angle has no
+    interval if it is the same for all samples.
     """
     strip_errors = _estimate_strip_errors(test, strips) if strips else None
     if samples:
@@ -264,7 +266,7 @@ def _compute_limits(values: Floats) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Extend limits so that they enclose the central number, and raise negative limits to 0 except for dilation."""
+    """Extend limits so that they enclose the computed number, and raise negative limits to 0 except for dilation."""
     first, *other_limits = limits
     extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
