@@ -1,1 +1,1 @@
-"""Results to report, with caveats and an assessment."""
+"""Coefficients to report, with their caveats and an assessment of whether they may be quoted."""

@@ -63,7 +63,7 @@ MIN_MERGED_AREA_FRACTION = 0.3
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which the result has a caveat
 MAX_SCATTERED_MISSING_FRACTION = 0.02
-"""Maximum fraction of scattered missing points. If more are missing, a caveat warns of holes in contacts."""
+"""Maximum fraction of scattered missing points. Above it, a caveat warns of holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
@@ -72,7 +72,7 @@ of both maps are missing at random, this is 1.3 times the fraction of points tha
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Minimum relative standard error, due to drift of the roughness, that causes a caveat."""
+"""Minimum relative standard error of the coefficient due to roughness drift that causes a caveat."""
 MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the result has a caveat
 
 # Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
@@ -80,14 +80,14 @@ NEARLY_BULK_STRENGTH_RATIO = 0.7
 # The interval of a result has no upper limit if more than this fraction of its samples has none.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
-"""Minimum fraction of input samples without an upper limit of friction that a caveat reports.
+"""Minimum fraction of input samples without an upper limit of friction for which there is a caveat.
 
 The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
 be the 96.5 % quantile or a higher one.
 """
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Minimum load fraction on plastic contacts for comparing τ0 with the shear strength of the softer body."""
+"""Minimum load fraction on yielding contacts at which τ0 is compared with the softer body's shear strength."""
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 """Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
@@ -121,21 +121,21 @@ class Caveat:
     cut_off: float = math.inf
     """Shortest cutoff wavelength (µm) for which the caveat does not apply."""
     has_second_cutoff: bool = False
-    """True if the interval covers the results with and without the wavelengths that the caveat concerns."""
+    """True if the interval covers the results with and without the wavelengths that the caveat is about."""
     name: str = ""
-    """Name of the number that exceeds a limit (in `QUANTITIES` or `_compute_checked_numbers`); may be empty."""
+    """Name of the number that exceeds its limit (in `QUANTITIES` or `_compute_checked_numbers`); may be empty."""
     value: float = field(default=math.nan, compare=False)
-    """Value of the named number, in core units."""
+    """The number that exceeds its limit, in core units."""
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
     interval_note: str = ""
-    """Clause about the interval, which is appended to the text at points that have an interval."""
+    """Clause about the interval. It is appended to the text if the coefficient has an interval."""
 
 
 class LimitCheck(NamedTuple):
-    """Check of a number against an upper limit, with the caveat for numbers above it.
+    """Check of a number against an upper limit, with the caveat that applies if the number exceeds the limit.
 
-    The placeholder {} in the text stands for the number `about`.
+    In the text of the caveat, {} stands for the number named `about`.
     """
 
     name: str
@@ -149,11 +149,11 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number in the text of the caveat."""
+        """Name of the number that the text of the caveat contains."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat for a point that fails the check, with the numbers of the point."""
+        """Return the caveat of a failed check, with the number that its text contains."""
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
@@ -194,7 +194,7 @@ STATUS_EXPLANATIONS = {
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
 }
-"""Meaning and remedy of each status of a point that lacks a coefficient or its upper limit."""
+"""Meaning and remedy of each status of a result point that lacks a coefficient or an upper limit."""
 
 WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check for a wide interval of the mean
 
@@ -266,7 +266,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks of a coefficient and its interval. Only the first failed check is reported."""
+    """Return the checks of a coefficient and its interval, of which at most the first failed check is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -286,7 +286,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return checks for too few contacts. Only the first failed check is reported."""
+    """Return the checks for too few contacts, of which at most the first failed check is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -309,7 +309,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return checks of the contacts and of the pull-off force at a point."""
+    """Return the checks of the contacts and of the pull-off force at a result point."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:  # a gap between two faces has only one relative position
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -319,7 +319,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
-    """Return the caveat of a point without a coefficient."""
+    """Return the caveat for the status of a result point without a coefficient or without an upper limit."""
     other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a value"
     return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
 
@@ -327,7 +327,7 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield caveats that depend on the numbers and the status of one point of a result."""
+    """Yield the caveats of a result point that follow from its status, coefficient and contact statistics."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -367,15 +367,15 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the smallest limit of a number in all contact checks, or None if no check limits it."""
+    """Return the lowest limit that any contact check sets for a number, or None if no check limits it."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield the caveat of the first failed check in each group.
+    """Yield the caveat of the first failed check in each group of checks.
 
-    A check passes if its number is missing.
+    A check passes if the number that it compares is missing.
     """
     for group in checks:
         failed = (check for check in group if numbers.get(check.name, math.nan) > check.limit)
@@ -386,7 +386,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return, for each point of a result, the numbers that checks compare with limits.
+    """Compute the numbers that checks compare with limits, as arrays over result points, by name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -412,7 +412,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the numbers that checks of contacts, pull-off force and rms gradient use."""
+    """Return the names of the numbers that the checks of contacts, pull-off force and rms gradient compare."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -481,13 +481,13 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return the assessment of each point of a result for generated bodies, from its status and checks.
+    """Return the assessment of each result point of generated bodies, from statuses and checked numbers.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
-    `unloaded_mask` is True at points whose load is negligible compared with the pull-off force. Returns the distinct
-    lists of reasons, with faults first, and for each point the index of its list. A reason is a failed check, or a
-    caveat that does not depend on the numbers of the point.
+    `unloaded_mask` is True where the load is negligible compared with the pull-off force. Returns the distinct lists of
+    reasons, with faults first, and the index of the list for each result point. A reason is a failed check, or a caveat
+    for a status.
     """
     reasons: list[Caveat | LimitCheck] = []
     reason_numbers = []
@@ -529,13 +529,13 @@ def assess_ensemble_points(
 
 
 def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
-    """Return the assessment that the most severe of several caveats or failed checks requires."""
+    """Return the assessment, such as "Quote it", that the most severe of several caveats or failed checks requires."""
     severities = {reason.severity for reason in reasons}
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about contacts that grow under shear, and about interfaces stronger than the softer body."""
+    """Yield caveats about contacts that grow under shear, and about interfaces that are stronger than a body."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -576,7 +576,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if small contacts of metals may be harder or less hard than assumed."""
+    """Yield a caveat if the hardness of small metal contacts may be above or below the assumed hardness."""
     contact, softer_material = study.contact, softest_material(*find_materials(study))
     if contact.yield_exponent is None:
         return
@@ -637,7 +637,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction is unlimited, or nearly so, for some samples of the inputs."""
+    """Yield a caveat if friction has no upper limit, or nearly none, for some samples of the inputs."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -705,9 +705,9 @@ def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
     """Return the load that typical adhesion would add to the contacts, divided by the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
-    the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the fraction is
+    the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the ratio is
     (w/ρ) (A/F) (1 + 4.3 u^(2/3)) with u = ρ/(h' d), where ρ is the range that the grid resolves. With A = κF/(E* h'), s
-    = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', it equals κ μ s^(1/3) (1 + 4.3
+    = w/(E* h'² d) and Tabor's parameter μ of asperities of radius d/h', the ratio equals κ μ s^(1/3) (1 + 4.3
     (s^(2/3)/μ)^(2/3)).
     """
     area, count, slope = (
@@ -774,7 +774,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat for each body with a single scan, if the drift of its roughness affects the coefficient.
+    """Yield a caveat for each body with a single scan whose roughness drift along the scan affects the coefficient.
 
     The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
     """
@@ -794,7 +794,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, and the study specifies neither their orientation nor positions.
+    """Yield a caveat if both maps have a lay, but the study specifies neither an orientation nor positions.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """
@@ -837,7 +837,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return true area divided by nominal area, or NaN if generated profiles have no nominal area."""
+    """Return the true area divided by the nominal area, or NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

@@ -38,7 +38,7 @@ _HANN_LOG_VARIANCE = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface, computed on first use of each property.
+    """Characterisation of a levelled profile or surface. Each property is computed when it is first used.
 
     Attributes
     ----------
@@ -75,13 +75,13 @@ class Characterisation:
 
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
-        """Roughness parameters of the heights and slopes of the body."""
+        """Amplitude and slope parameters of the body, such as Sq or Rq."""
         body = self.scale_limited_body
         return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body whose roughness parameters are computed: the profile itself, or the filtered surface."""
+        """Body from which the roughness parameters are computed: the profile itself, or the filtered surface."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -97,7 +97,7 @@ class Characterisation:
 
     @cached_property
     def neighbour_slope(self) -> float:
-        """Rms slope or rms gradient from height differences of neighbouring points."""
+        """Rms slope of a profile, or rms gradient of a surface, from height differences of neighbouring points."""
         body = self.scale_limited_body
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -105,7 +105,7 @@ class Characterisation:
 
     @cached_property
     def section_parameters(self) -> SectionParameters | SectionLengthError | None:
-        """R- and W-parameters of a profile, or the error that prevents them; None for a surface."""
+        """R- and W-parameters of a profile, or the error that prevents their computation; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -122,12 +122,12 @@ class Characterisation:
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, from which the spectrum is computed."""
+        """Body whose outliers are interpolated, from which the spectrum is computed."""
         return self.defects.body_without_outliers
 
     @property
     def excluded_outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers that are interpolated in `body_without_outliers`."""
+        """Mask of the outliers that `body_without_outliers` interpolates."""
         outliers = self.defects.outliers
         return outliers if self.body_without_outliers is not self.body else np.zeros_like(outliers)
 
@@ -139,7 +139,7 @@ class Characterisation:
 
     @cached_property
     def areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, moments along x and y, and the steepest direction."""
+        """Radial spectrum of a surface, profile moments along x and y, and direction of steepest slope (degrees)."""
         assert isinstance(self.body_without_outliers, Surface)
         spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -152,13 +152,13 @@ class Characterisation:
 
     @cached_property
     def line_roughnesses(self) -> tuple[LineRoughness, ...]:
-        """Roughness of a surface along x and y."""
+        """Roughness of the lines of a surface along x, and along y; empty for a profile."""
         body = self.body_without_outliers
         return () if isinstance(body, Profile) else lines_along_both(body, band=self.band)
 
     @cached_property
     def power_law_fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, however poor the fit, or None if no wavelength band is suitable."""
+        """Power law fitted to the spectrum, however large the misfit, or None if no wavelength band is suitable."""
         try:
             return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -168,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def power_law_misfit(self) -> float:
-        """Rms factor between spectrum and fitted power law, or NaN if there is no power law."""
+        """Rms factor by which the spectrum deviates from the fitted power law, or NaN if there is no power law."""
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
@@ -179,7 +179,7 @@ class Characterisation:
 
     @property
     def valid_power_law(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, or None if the spectrum deviates from it."""
+        """Power law fitted to the spectrum, or None if the spectrum deviates too much from a power law."""
         return None if self.power_law_misfit > MAX_POWER_LAW_MISFIT else self.power_law_fit
 
     @cached_property
@@ -189,17 +189,17 @@ class Characterisation:
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength, limited by pixels and noise but not by the tip."""
+        """Shortest reliable wavelength according to pixels and noise, without the tip."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength, limited by pixels, noise and tip, or None if the tip radius is unknown."""
+        """Shortest reliable wavelength according to pixels, noise and tip, or None if the tip radius is unknown."""
         return self.defects.limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of friction along x and y for two equally rough bodies; empty for a flat body."""
+        """Small-slope estimates of the coefficient along x and y for two such bodies; empty for a flat body."""
         # The gap between two equally rough bodies has twice the mean square slope of one body.
         # Reverse the slopes, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
@@ -215,5 +215,5 @@ class Characterisation:
 
     @cached_property
     def caveats(self) -> list[Caveat]:
-        """Caveats about the scan: heights, form, spikes, and wavelengths that may be noise."""
+        """Caveats about the scan: height distribution, form error, spikes, and wavelengths that may be noise."""
         return find_scan_caveats(self.body, tip_radius=self.tip_radius, textured=self.textured, periodic=self.periodic)

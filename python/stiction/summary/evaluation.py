@@ -1,4 +1,4 @@
-"""Evaluation of a study: friction and other quantities from the contact sums of its members, cached."""
+"""Evaluation of a result: friction and other quantities from the contact sums of its members, cached."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Contact sums of a study, with friction evaluated from the sums and further stored results."""
+    """Result of a study: contact sums of the members, from which friction is evaluated, and companion results."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -68,10 +68,10 @@ class Evaluation(MemberSums):
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair, for the first load, mu0 and tau0 of the study.
+        """Onset of sliding of a measured pair, at the first load, mu0 and tau0 of the study.
 
-        Its tangential loads are scaled to the sliding load μ_s F. None if the onset is not stored, or if the result has
-        no coefficient.
+        The tangential loads are scaled so that the sliding load is μ_s F. None if the onset is not stored, or if the
+        result has no coefficient.
         """
         return self.load_companion(self._load_scaled_onset)
 
@@ -80,10 +80,10 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset of sliding to the coefficient of the result with friction at all contacts.
+        """Scale a computed onset of sliding so that the sliding load agrees with the coefficient for the rule "all".
 
-        Returns None if the result has no coefficient. The onset is not changed if the result has no values for friction
-        at all contacts.
+        Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
+        "all".
         """
         summary, friction = self._study_summary, self.study.friction
         if isinstance(summary, ValueError):
@@ -102,12 +102,12 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from a few members; None if no cutoff study is stored."""
+        """Friction at several cutoffs, computed for a few members; None if no cutoff study is stored."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results for alternative preparations of the scans, by name."""
+        """Stored results of alternative preparations of the scans, by the name of the alternative."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property
@@ -119,26 +119,27 @@ class Evaluation(MemberSums):
     def loading_cycle(self) -> xarray.Dataset | None:
         """Load, contact area and approach of a typical adhesive member during loading and unloading.
 
-        The values are computed on first use.
+        None for other results. The cycle is computed on first use.
         """
         return self.compute_once(compute_loading_cycle)
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact, with the force on the upper profile at each contact in the asperity model.
+        """Two profiles in contact in the asperity model, with the force on the upper profile at each contact.
 
-        None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
+        It is None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first
+        use.
         """
         return self.compute_once(compute_contact_forces)
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Stored height factors: for both bodies, for the upper body alone and for the lower body alone."""
+        """Height factors with stored results: factors of both bodies, of the upper body, and of the lower body."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the measured bodies. They apply at all loads.
+        """Caveats about the measured bodies, which apply at all loads.
 
         The files are read on first use.
         """
@@ -147,7 +148,7 @@ class Evaluation(MemberSums):
     # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return loads (mN) in a geometric series up to the largest mean load.
+        """Return a geometric series of loads (mN) up to the largest mean load of the result.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -166,13 +167,13 @@ class Evaluation(MemberSums):
     def at_study_loads(self) -> xarray.Dataset:
         """Result at the loads, mu0 and tau0 of the study, with intervals and uncertainty budget.
 
-        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` values are evaluated.
+        If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` of them are evaluated.
         """
         return self.compute_once(Evaluation._evaluate_at_study_loads)
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Values at the loads, mu0 and tau0 of the study for all fractal dimensions."""
+        """Result at the loads, mu0 and tau0 of the study for all fractal dimensions."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -197,8 +198,8 @@ class Evaluation(MemberSums):
     def at_report_loads(self) -> xarray.Dataset:
         """Result for measured bodies at the loads of the study and at all computed loads, with intervals.
 
-        mu0 and tau0 have the values of the study. Values at the loads of the study equal those of `at_study_loads`,
-        which also contains predictions and the uncertainty budget. The arrays are read-only.
+        mu0 and tau0 are those of the study. At the loads of the study, the dataset agrees with `at_study_loads`, which
+        also contains predictions and the uncertainty budget. The arrays are read-only.
         """
         return self.compute_once(Evaluation._evaluate_at_report_loads)
 
@@ -222,7 +223,7 @@ class Evaluation(MemberSums):
     ) -> xarray.Dataset:  # fmt: skip
         """Evaluate the result at any loads, mu0 and tau0, with intervals.
 
-        The contacts need no new computation.
+        No contacts are computed again, unless `compute` requires other factors of the heights.
 
         For measured bodies at elastic loads, `friction_combined` has the combined 95 % interval. All other coefficients
         have the interval of the mean over positions. Between computed loads, values are interpolated, and the
@@ -326,7 +327,7 @@ class Evaluation(MemberSums):
         return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to mN, multiplying pressures by the nominal area."""
+        """Convert loads to forces (mN). A pressure is multiplied by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
@@ -362,7 +363,7 @@ class Evaluation(MemberSums):
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         units: UnitSystem = DEFAULT_JOINT_UNITS,
     ) -> JointTable:  # fmt: skip
-        """Return closure, stiffness, friction and true area of a measured pair against the nominal pressure.
+        """Return closure, stiffness, friction and true area of a measured pair as functions of the nominal pressure.
 
         Finite-element programs describe a joint by these properties.
 
@@ -414,8 +415,7 @@ class Evaluation(MemberSums):
     ) -> Summary:
         """Summarize the result at given loads, mu0 and tau0.
 
-        By default the loads, mu0 and tau0 are the values in the study.
-        The default summary is computed only once.
+        By default, these are the loads, mu0 and tau0 of the study. The default summary is computed only once.
 
         Raises
         ------
@@ -452,7 +452,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that explains why friction is missing.
+        """Summary at the loads of the study, or the error that states why friction is missing.
 
         The error is cached too, because it takes as long to compute as a summary.
         """
@@ -469,7 +469,7 @@ class Evaluation(MemberSums):
 
     @property
     def value(self) -> float:
-        """Static friction coefficient at the quoted point, or NaN if it is missing."""
+        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN if it is missing."""
         return self._first_reported_point.value
 
     @property
@@ -479,13 +479,13 @@ class Evaluation(MemberSums):
 
     @property
     def interval_of_mean(self) -> tuple[float, float]:
-        """Limits of the 95 % interval of the mean over positions, with inputs at their central values."""
+        """Limits of the 95 % interval of the mean over positions, without the uncertainty of the inputs."""
         lower, upper = self._first_reported_point.rules[0].interval_of_mean
         return lower, upper
 
     @property
     def prediction_interval(self) -> tuple[float, float]:
-        """Limits of the 95 % prediction interval of one test at one position in one direction."""
+        """Limits of the 95 % prediction interval of a single test at one position in one direction."""
         lower, upper = self._first_reported_point.rules[0].prediction_interval
         return lower, upper
 
@@ -493,8 +493,8 @@ class Evaluation(MemberSums):
     def budget(self) -> pandas.DataFrame:
         """Uncertainty budget: each row has the interval that would remain if one input were exact.
 
-        The most important input comes first. Columns: input, lower, upper, width (averaged over values of the input)
-        and fraction (of the width that would vanish).
+        The most important input comes first. Columns: input, lower, upper, width (averaged over possible numbers of the
+        input) and fraction (of the combined interval's width that would vanish).
         """
         import pandas
 
@@ -513,5 +513,5 @@ class Evaluation(MemberSums):
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about `value`, each with a remedy, the most severe ones first."""
+        """Caveats about `value`, each with a remedy, starting with the most severe caveats."""
         return self._first_reported_point.caveats

@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the coefficients of single members to a point of `Result.at`.
+    """Add the coefficients of single members to one result point of a dataset from `Result.at`.
 
     The added variable `member_friction` has the dimensions repetition, direction and sliding.
     """
@@ -54,7 +54,7 @@ def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts that oppose the motion of the upper body.
+    """Return a mask of the contact points in a contact picture that oppose the motion of the upper body.
 
     The direction of motion is in degrees from +x towards +y.
     """
@@ -67,7 +67,7 @@ def evaluate_height_factors(
 ) -> xarray.Dataset:
     """Evaluate a result at its stored height factors, for the first load, mu0 and tau0 of the study.
 
-    The nominal area is omitted if it is not meaningful.
+    Nominal area and area fraction are omitted if the study has no nominal area.
     """
     settings, factors = result.study.friction, result.height_factors[scaled_bodies]
     mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
@@ -77,7 +77,7 @@ def evaluate_height_factors(
 
 
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
-    """Remove nominal area and area fraction from a dataset of `Result.at` without a nominal area."""
+    """Remove nominal area and area fraction from a dataset of `Result.at` if the study has no nominal area."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 
@@ -87,7 +87,7 @@ def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Datase
 
 @dataclass(frozen=True, eq=False)
 class FrictionOverDimension:
-    """Friction of generated surfaces against fractal dimension, for one mu0 and at most two tau0.
+    """Friction of generated surfaces as a function of fractal dimension, for one mu0 and at most two tau0.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield a file name suffix and a dataset for each sliding rule and direction."""
+    """Yield the results for a single sliding rule and direction, each with a suffix for file names."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -119,7 +119,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces for each mu0, at the lowest and the highest tau0 of the study."""
+    """Evaluate friction of generated surfaces for each mu0, at the lowest and highest tau0 of the study."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN), if possible a power of ten, that nine of ten cells reach."""
+    """Return a load (mN) that the surfaces of nine out of ten result cells reach, if possible a power of ten."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -143,7 +143,7 @@ def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces over the load range, for the first mu0 and tau0.
+    """Evaluate the true area of generated surfaces over the load range, at the first mu0 and tau0.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
     """
@@ -156,10 +156,9 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads.
+    """Evaluate the onset of sliding of generated surfaces at a few loads, at mu0 and tau0 of the study's entry `onset`.
 
-    Returns None if the study computes no onset.
-    mu0 and tau0 are taken from the entry `onset` of the study. Raises a `ValueError` if no pair is in contact.
+    Returns None if the study computes no onset. Raises a `ValueError` if no pair is in contact.
     """
     study = result.study
     if study.uses_half_space or study.contact.onset is None:
@@ -174,7 +173,7 @@ def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
 
 
 def generate_profiles(study: Study) -> dict[float, Profile]:
-    """Generate one profile per fractal dimension, all with the same phases."""
+    """Generate one profile per fractal dimension of a study, all with the same phases."""
     surfaces: Any = study.surfaces
     dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
     drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
@@ -210,5 +209,5 @@ def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, 
 
 
 def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
-    """Return at most `max_count` evenly spaced indices out of `count`, including the first and the last."""
+    """Return at most `max_count` evenly spaced indices from 0 to `count` - 1, with both ends."""
     return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

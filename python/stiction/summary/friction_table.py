@@ -159,7 +159,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Evaluation | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness against pressure, with laws fitted to area and stiffness.
+    r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to area and stiffness.
 
     Parameters
     ----------
@@ -290,7 +290,7 @@ def friction_table(
 def _fit_area_and_stiffness_laws(
     pressure: Floats, is_light_load: NDArray[np.bool_], values_of_pairs: dict[str, Floats]
 ) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c. Return a, b and c with 95 % intervals.
+    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with 95 % intervals, by name.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
     area or no stiffness.

@@ -1,4 +1,4 @@
-"""Caveats about the inputs of a study: heights, form, spikes, noise, loads and coefficients."""
+"""Caveats about the inputs of a study: heights, form error, spikes, noise, loads and coefficients."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ MAX_PLAUSIBLE_MU0 = 2.0
 MAX_FORM_FRACTION = 0.6
 """Maximum fraction of the mean square height due to a fitted parabola.
 
-If the fraction is larger, a scan has a caveat about form. The fraction is about one half if the longest wavelengths
-dominate the heights of a surface without form error.
+If the fraction is larger, the scan has a caveat about a form error. The fraction is about one half if the longest
+wavelengths dominate the heights of a surface without form error.
 """
 
 MAX_STEP_FRACTION = 0.65
@@ -80,7 +80,7 @@ def find_input_caveats(
     upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
     alternatives: Collection[str] = (),
 ) -> tuple[Caveat, ...]:  # fmt: skip
-    """Return caveats about two scanned bodies, about their study, and about given loads (mN).
+    """Return the caveats about two scanned bodies, about their study, and about given loads (mN).
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -91,7 +91,7 @@ def find_input_caveats(
     quoted_cutoff = surfaces.reported_cut_off()
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about the scans of a body. Caveats of one kind are merged, with the longest cutoff."""
+        """Return the caveats about all scans of a body. Caveats of one kind are merged and have the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [
@@ -165,7 +165,7 @@ def find_input_caveats(
 
 
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two faces fit, such as those of a fracture, and their position is not specified."""
+    """Yield a caveat if two faces fit into each other, as in a fracture, but their position is not specified."""
     surfaces: Any = study.surfaces
     if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no position
         return
@@ -196,7 +196,7 @@ _MIRROR_ALTERNATIVES = (
 
 
 def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two maps at the position (0, 0) would fit much better with the upper map mirrored."""
+    """Yield a caveat if two maps at the position (0, 0) would fit much better after mirroring the upper map."""
     surfaces: Any = study.surfaces
     if (
         surfaces.press != "areas"
@@ -223,7 +223,7 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
 
 
 def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
-    """Return the rms height (µm) of the levelled gap between two maps, over points measured on both."""
+    """Return the rms height (µm) of the levelled gap between two maps, over points that were measured on both."""
     missing = combine_missing_masks(
         facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
     )
@@ -232,7 +232,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or other advice if the remedy is a cutoff above `longest` (µm)."""
+    """Return the remedy of a caveat, or another remedy if it recommends a cutoff above `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -242,7 +242,7 @@ def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
 
 
 def _get_shortest_side_length(body: MeasuredBody) -> float:
-    """Return the length (µm) of a profile, or of a map's shorter side."""
+    """Return the length (µm) of a profile, or of the shorter side of a map."""
     return body.extent if isinstance(body, Profile) else min(_get_axis_extents(body))
 
 
@@ -250,12 +250,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without numbers. Caveats of one kind have the same text."""
+    """Return the text of a caveat without its numbers, by which caveats of one kind are recognized."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of one kind, with both numbers where they differ."""
+    """Merge the texts of two caveats of the same kind. Where the numbers differ, the text has both."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -279,13 +279,13 @@ def find_scan_caveats(
     periodic: bool = False,
     cut_off: float = 0.0,
 ) -> list[Caveat]:
-    """Return caveats about a scan: heights, form, steps, spikes, and wavelengths not due to the surface.
+    """Return the caveats about a scan: heights, form error, steps, spikes, and wavelengths not due to the surface.
 
-    If `form` or `step` is false, this caveat is left out. If `textured` is true, the spectrum may have lines and
-    humps. `has_second_cutoff` is true if the study also has the filtered scan, and `elastic` is true if the study has
-    no hardness. `alternatives` contains the names of the alternative preparations that the interval includes.
-    `power_spectrum` explains `periodic`. Noise, and the roughness that a tip does not reach, are fractions of the
-    roughness after a low-pass filter at `cut_off` (µm, 0 for no filter).
+    If `form` or `step` is false, the caveat about a form error or about a step is left out. If `textured` is true, the
+    spectrum may have lines and humps. `has_second_cutoff` is true if the study also evaluates the filtered scan, and
+    `elastic` is true if the study has no hardness. `alternatives` contains the names of the alternative preparations
+    that the interval includes. `periodic` is as for `power_spectrum`. Noise, and the roughness that a tip does not
+    reach, are fractions of the roughness after a low-pass filter at `cut_off` (µm, 0 for no filter).
     """
     defects = find_scan_defects(body, tip_radius, textured=textured, periodic=periodic)
     instrument_caveats = _find_instrument_caveats(
@@ -298,7 +298,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return caveats about the scans of a study, or an empty tuple if files are missing.
+    """Return the caveats about the scans of a study. The tuple is empty if files are missing.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -315,8 +315,9 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 def find_alternatives(study: Study) -> list[AlternativeName]:
     """Return the alternative preparations of scans that the interval of a study must cover.
 
-    Spikes and a blunt tip each require one alternative. Bodies with a hardness need the tip alternative because the
-    interval of their true area does not include finer roughness. Raises a `ValueError` if a file cannot be read.
+    Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
+    tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
+    file cannot be read.
     """
     surfaces: Any = study.surfaces
     quoted_cutoff = surfaces.reported_cut_off()
@@ -338,7 +339,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
 
 
 def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
-    """Return the lengths (µm) of a body along both axes.
+    """Return the lengths (µm) of a body along its two axes.
 
     A profile is 1 µm wide, and the extents of a spectrum are infinite.
     """
@@ -348,7 +349,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return True if one scan's spectrum differs significantly, and by a factor of 2, from the other spectra."""
+    """Return True if the spectrum of one scan differs significantly, and by a factor of 2, from the other spectra."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
@@ -365,7 +366,7 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _find_instrument_caveats(
     defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool, cut_off: float
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that the instrument adds or the tip does not resolve."""
+    """Yield caveats about wavelengths that are due to the instrument, or that the tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
     except ValueError:  # a flat body raises a ValueError
@@ -421,7 +422,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return text about the fraction of the mean square slope that is due to unreliable wavelengths."""
+    """Describe the fraction of the mean square slope that is due to unreliable wavelengths, as a clause of a caveat."""
     # Round the fraction, so that similar scans have the same caveat.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
@@ -466,7 +467,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height that a parabola explains, or 0 if higher terms are large."""
+    """Return the fraction of the mean square height that a parabola explains, or 0 if higher-order terms are large."""
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights

@@ -1,4 +1,4 @@
-"""Joint table for other programs: closure, stiffness, friction and true area against pressure."""
+"""Joint table for other programs: closure, stiffness, friction and true area as functions of pressure."""
 
 from __future__ import annotations
 
@@ -30,12 +30,13 @@ if TYPE_CHECKING:
 MAX_LOAD_RATIO = 10 ** (1 / 16)
 """Largest ratio of successive loads of a joint table.
 
-Other programs interpolate linearly between its rows; the closure of two profiles then deviates by less than 0.1 %.
+Other programs interpolate linearly between the rows. At this ratio, the interpolated closure of two profiles deviates
+by less than 0.1 %.
 """
 MIN_PREDICTION_POSITIONS = 3
 MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant below which the materials of two bodies count as equal
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
-"""Consistent units of length, force and pressure of other programs."""
+"""Consistent systems of units for length, force and pressure, as other programs require."""
 
 DEFAULT_JOINT_UNITS: UnitSystem = "mm,N,MPa"
 
@@ -43,7 +44,7 @@ JOINT_QUANTITIES = (
     "closure", "closure_stiffness", "unloading_closure_stiffness", "tangential_stiffness_per_area",
     "contact_area_fraction",
 )  # fmt: skip
-"""Names of the quantities besides friction in a joint table."""
+"""Names of the quantities in a joint table, besides friction."""
 
 JOINT_TITLES = {
     "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "stiffness of closure",
@@ -51,7 +52,7 @@ JOINT_TITLES = {
     "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
     "friction_combined": "mu_s", **{f"friction_{each:g}": f"mu_s {each:g} %" for each in FRICTION_PERCENTILES},
 }  # fmt: skip
-"""Column titles of the values in a row of a joint table. Stiffnesses are per nominal area."""
+"""Column titles of a joint table. Stiffnesses are per nominal area."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class JointUnits:
         return cls(*text.split(","))
 
     def convert(self, estimate: Estimate) -> Estimate:
-        """Convert an estimate to these units. Numbers without a unit are not changed."""
+        """Convert an estimate to these units. An estimate without a unit is returned unchanged."""
         length, pressure = quantity(f"1 {self.length}", "length"), quantity(f"1 {self.pressure}", "pressure")
         conversions = {
             "um": (self.length, float(length)),
@@ -84,7 +85,7 @@ class JointUnits:
 
 @dataclass(frozen=True)
 class JointRow:
-    """Row of a joint table: contact properties per nominal area at one nominal pressure.
+    """Row of a joint table: contact properties at one nominal pressure, per nominal area.
 
     Attributes
     ----------
@@ -108,17 +109,17 @@ class JointRow:
 
     @property
     def pressure(self) -> Estimate:
-        """Nominal pressure of the row: load per nominal area."""
+        """Nominal pressure of the row: load divided by nominal area."""
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Percentile 5, 50 or 95 of the static friction coefficient."""
+        """Return the 5th, 50th or 95th percentile of the static friction coefficient."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
 @dataclass(frozen=True)
 class JointTable:
-    """Joint table: contact properties against pressure, as returned by `Result.joint_table`.
+    """Joint table: contact properties at several nominal pressures, as returned by `Result.joint_table`.
 
     Attributes
     ----------
@@ -144,7 +145,7 @@ class JointTable:
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     """Return the computed loads (mN) of a measured pair, with further loads at ratios up to `MAX_LOAD_RATIO`.
 
-    The loads between them belong to nominal pressures of four digits. Raises a `ValueError` if the bodies were
+    The further loads belong to nominal pressures of four significant digits. Raises a `ValueError` if the bodies were
     generated.
     """
     if nominal_area is None or not study.is_measured:
@@ -210,7 +211,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return the estimates of one row of a joint table, in core units."""
+    """Return the estimates of one row of a joint table by name, in core units."""
     pressure = float(f"{pressure:.12g}")  # remove round-off from the pressure
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
@@ -261,7 +262,7 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
 
 
 def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
-    """Describe how the tangential stiffness was computed, or why it is missing."""
+    """Describe how the tangential stiffness of a joint table was computed, or why it is missing."""
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
@@ -284,13 +285,13 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return |β| of Dundurs in plane strain, from Poisson's ratios and the lower body's part of the compliance."""
+    """Return Dundurs' |β| in plane strain, from Poisson's ratios and the lower body's fraction of the compliance."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
-    """Return a sentence with the number of pressures at which each assessment occurs."""
+    """Describe in a sentence at how many pressures each assessment occurs."""
     counts = Counter(row.assessment for row in rows)
     texts = [
         f"{text} ({counts[text]} of {len(rows)} pressures)" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text]

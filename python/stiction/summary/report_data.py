@@ -1,4 +1,4 @@
-"""Data of a report, with all of its numbers."""
+"""Data model of a report: the study, the evaluated datasets, and all numbers that the page shows."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report sho
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportData:
-    """Data of any report, on generated or on measured surfaces.
+    """Data that reports on generated and on measured surfaces have in common.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class ReportData:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeasuredReportData(ReportData):
-    """Data of a report on measured surfaces.
+    """Data of a report on measured surfaces: files, summary, contact picture and datasets for figures.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class MeasuredReportData(ReportData):
 
 @dataclass(frozen=True, eq=False)
 class BodyHistory:
-    """Files and processing of a measured body.
+    """Files and processing steps of a measured body.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class BodyHistory:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GeneratedReportData(ReportData):
-    """Data of a report on generated surfaces.
+    """Data of a report on generated surfaces: D, amplitudes, loads and datasets for figures.
 
     Attributes
     ----------
@@ -145,30 +145,30 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate the numbers of a report on measured surfaces that no figure needs, at all loads, mu0 and tau0."""
+    """Evaluate friction and contact quantities of measured surfaces for the sliders of a report."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
-    """Evaluate the numbers of a report on generated surfaces that no figure needs, at all loads, mu0 and tau0.
+    """Evaluate friction and contact quantities of generated surfaces for the sliders of a report.
 
-    None if no pair is in contact.
+    Returns None if no pair is in contact.
     """
     grid = ReportGrid(result)
     return evaluate_generated_report(grid, result.num_solved) if grid.loads.size else None
 
 
 def count_coefficients(result: Evaluation) -> int:
-    """Return the number of friction coefficients in a report."""
+    """Return the number of friction coefficients that a report contains."""
     return ReportGrid(result).num_coefficients
 
 
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Evaluate the data that a report needs at single loads, mu0 and tau0 of the study.
+    """Collect the data of a report that belong to single loads, mu0 and tau0 of the study.
 
-    `picture` is a result of `contact_picture`; by default the picture stored with the result.
+    `contact_picture` returned `picture`; by default it is the picture that is stored with the result.
     """
     return _collect_measured_data(result, picture) if result.study.is_measured else _collect_generated_data(result)
 

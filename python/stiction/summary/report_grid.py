@@ -1,4 +1,4 @@
-"""Loads, mu0 and tau0 of a report, and evaluation of a result at each combination."""
+"""Grid of loads, mu0 and tau0 for the sliders of a report, and evaluation of a result on this grid."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Values of mu0 in reports of measured and of generated surfaces, in addition to the values of the study.
+"""Numbers of mu0 that reports show besides those of the study, for generated and for measured surfaces.
 
-Reports of generated surfaces have more loads, and therefore fewer values of mu0 and tau0.
+Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
 # maximum number of steps of tau0 in a report, for measured (True) and generated surfaces (False)
@@ -40,7 +40,7 @@ MAX_TAU0_STEPS = {True: 6, False: 5}
 MAX_SHOWN_FRICTION_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; more are thinned out
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger one
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
-"""Largest tau0 of a report relative to the hardness, unless the study has a larger value."""
+"""Largest tau0 of a report, as a fraction of the hardness, unless tau0 of the study is larger."""
 
 NUM_REPORT_LOADS = 40  # number of loads in the report of generated surfaces
 # Quantities of measured surfaces that a report evaluates for all mu0 and tau0, besides friction.
@@ -49,21 +49,21 @@ ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
 
 @dataclass(frozen=True, eq=False)
 class ParameterAxis:
-    """Values of mu0 or of tau0 (GPa) in a report, in ascending order.
+    """Numbers of mu0 or of tau0 (GPa) that a report shows, in ascending order.
 
-    `has_range` is true for values of the study that have an uncertainty range. All other values are exact.
+    `has_range` is true for numbers that the study gives with a range. All other numbers are exact.
     """
 
     values: Floats
     has_range: NDArray[np.bool_]
 
     def find_index(self, value: float) -> int:
-        """Return the index of the value on the axis that is closest to a number."""
+        """Return the index of the closest number on the axis."""
         return int(np.abs(self.values - value).argmin())
 
 
 class ReportGrid:
-    """Loads, mu0 and tau0 of a report.
+    """Grid of loads, mu0 and tau0 that a report shows, with the kinds of members and the motions.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class ReportGrid:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) of a report; empty if no pair of bodies touches."""
+        """Loads (mN) that a report shows; empty if no pair of bodies touches."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.loading_steps())
         try:
@@ -96,7 +96,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members (scans or surrogates), the quoted kind first."""
+        """Kinds of members (shifted scans, surrogates), starting with the reported kind; None for all members."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -104,22 +104,23 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of directions, by index, over which a report averages the coefficient."""
+        """Groups of direction indices. For each group, a report shows the coefficient averaged over its directions."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report, for all kinds, cells, rules, motions, loads, mu0 and tau0."""
+        """Number of coefficients in a report, over all kinds of members, cells, motions, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
 
     def evaluate(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate friction with intervals for each kind of member, at all loads, mu0 and tau0 of the report.
+        """Evaluate friction and its intervals for each kind of member, at all loads, mu0 and tau0 of the grid.
 
-        For measured bodies, the quoted kind of members has combined intervals. Surrogates in addition to maps do not.
+        Members of measured bodies have combined intervals, except surrogates that were computed in addition to shifted
+        maps.
         """
         names: Collection[str] | None = ADDITIONAL_QUANTITIES if self.study.is_measured else None
         mu0, tau0 = (axis.values for axis in self.axes)
@@ -135,14 +136,14 @@ class ReportGrid:
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate all quantities of measured bodies for each kind of member, at the first mu0 and tau0."""
+        """Evaluate all quantities of measured bodies for each kind of member, at the study's first mu0 and tau0."""
         other_kinds = [at_load(self.result, self.loads, member_kind=kind) for kind in self.member_kinds[1:]]
         tables = [self.result.at_report_loads, *other_kinds]
         return tuple(table.isel(mu0=0, tau0=0).sel(load=self.loads) for table in tables)
 
 
 def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
-    """Return mu0 and tau0 (GPa) of a report: numbers of the study, and round numbers from 0."""
+    """Return the mu0 and tau0 (GPa) that a report shows: those of the study, and round numbers from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
     mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])

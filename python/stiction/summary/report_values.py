@@ -1,4 +1,4 @@
-"""Numbers of a report at each of its loads, mu0 and tau0, as arrays."""
+"""Arrays of friction and contact quantities that a report shows for each load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Statuses in the order of their codes. If several directions have no value, the smallest code is reported."""
+"""Statuses in the order of their codes. If several directions have no coefficient, the smallest code is reported."""
 
 LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
 
@@ -43,10 +43,10 @@ LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredReportValues:
-    """Numbers of a report on measured surfaces, at all loads, mu0 and tau0.
+    """Friction and contact quantities in a report on measured surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
-    estimates contains value, lower limit and upper limit.
+    estimates contains mean, lower limit and upper limit.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class MeasuredReportValues:
 
 
 def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
-    """Evaluate the numbers of a report on measured surfaces, at all loads, mu0 and tau0."""
+    """Evaluate friction and contact quantities of measured surfaces at all loads, mu0 and tau0 of a report."""
     tables, load_tables = grid.evaluate(), grid.evaluate_study_inputs()
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return estimates, status codes, member counts and slopes of all motions as arrays."""
+    """Stack the estimates, status codes, member counts and slope estimates of all motions into arrays."""
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
@@ -155,7 +155,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each mean over directions, by cutoff, sliding rule, load, mu0 and tau0."""
+    """Return the status code of each coefficient averaged over directions, as an array without the direction axis."""
     bulk_shear_code = ORDERED_STATUSES.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
@@ -178,15 +178,15 @@ GENERATED_STATUSES = (
     (friction.STATUS_OK, False),
     *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
 )
-"""Statuses in the order of their codes, each with a flag: True if the values are within the limits of the model."""
+"""Statuses in the order of their codes, each with a flag that is True if the asperity model is valid."""
 
 
 @dataclass(frozen=True, eq=False)
 class GeneratedReportValues:
-    """Numbers of a report on generated surfaces, at all loads, mu0 and tau0.
+    """Friction and contact quantities in a report on generated surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
-    axis of estimates contains value, lower limit and upper limit.
+    axis of estimates contains mean, lower limit and upper limit.
 
     Attributes
     ----------
@@ -219,28 +219,28 @@ class GeneratedReportValues:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessment for each set of caveats."""
+        """Assessment that each set of caveats requires."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
 QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area", "stiffness": "normal_stiffness"}
-"""Quantities of generated surfaces that a report shows as estimates, by panel."""
+"""Quantity of generated surfaces that each panel of a report shows with its interval."""
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity, given the numbers of the quantity."""
+    """Return whether a report shows a quantity: if any of its numbers is known and, for some quantities, not 0."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the largest valid mean of a validity indicator of the asperity model, or infinity for other quantities."""
+    """Return the upper limit of a validity indicator of the asperity model, or infinity for other quantities."""
     if QUANTITIES[name].kind != "validity":
         return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
 def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedReportValues:
-    """Evaluate the numbers of a report on generated surfaces, at all loads, mu0 and tau0.
+    """Evaluate friction and contact quantities of generated surfaces at all loads, mu0 and tau0 of a report.
 
     `num_members` is the number of solved members.
     """
@@ -279,7 +279,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
 
 
 def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the points whose load is negligible compared with the pull-off force."""
+    """Return a mask that is True where the load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -290,7 +290,7 @@ def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Return, for every point of generated surfaces, the numbers that the assessment compares with limits."""
+    """Compute the numbers that the assessment of generated surfaces compares with limits, as arrays, by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -307,13 +307,13 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, which may have intervals, for all points."""
+    """Return the means of a quantity, with or without intervals, broadcast to the shape of the report's arrays."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Transpose an array so that `LEADING_DIMENSIONS` come first, with length 1 if missing."""
+    """Return an array with `LEADING_DIMENSIONS` as its first axes. Missing dimensions have the length 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)

@@ -1,7 +1,7 @@
-"""Summary of a result: everything to report, computed once for all outputs.
+"""Summary of a result: everything that outputs report, computed once.
 
-A summary has one point for each cell, load, mu0 and tau0. The terminal, JSON, CSV, figures, reports and notebooks show
-these points, and compute no further values.
+A summary has one `PointSummary` for each combination of surfaces or cutoff, load, mu0 and tau0. The terminal, JSON,
+CSV, figures, reports and notebooks show these points, and compute nothing else.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 @dataclass(frozen=True)
 class UncertaintyBudgetEntry(Estimate):
-    """Row of the uncertainty budget: the coefficient with the interval that would remain if one input were exact."""
+    """Row of the uncertainty budget: the coefficient, and the interval that would remain if one input were exact."""
 
     _: KW_ONLY
     label: str  # label of an input in the uncertainty budget
@@ -89,7 +89,7 @@ class DwellTimeCoefficient(Estimate):
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Friction with intervals, caveats and assessment at one roughness or cutoff, load, mu0 and tau0.
+    """Friction with intervals, caveats and assessment for one roughness or cutoff, at one load, mu0 and tau0.
 
     Attributes
     ----------
@@ -149,13 +149,13 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm, 0 for no filter) of the upper and of the lower scans; None for generated bodies."""
+        """Cutoffs (µm; 0 for no filter) of the upper and of the lower scans, or None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Quantities under the quoted sliding rule, on which the true area of generated bodies depends slightly."""
+        """Quantities under the reported sliding rule, on which the true area of generated bodies depends slightly."""
         return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
 
     @property
@@ -165,7 +165,7 @@ class PointSummary:
 
     @property
     def scans(self) -> tuple[int, int]:
-        """Numbers of scans of the upper and of the lower body."""
+        """Number of scans of the upper body, and number of scans of the lower body."""
         return self.study.surfaces.scan_counts
 
     @property
@@ -190,7 +190,7 @@ class PointSummary:
 
     @property
     def roughness_exponent(self) -> tuple[str, float]:
-        """Name and number of the roughness exponent: H for self-affine surfaces, D for all others."""
+        """Symbol and number of the roughness exponent: H for self-affine surfaces, D for all others."""
         return get_roughness_exponent(self.study, self.at["fractal_dimension"])
 
     @property
@@ -200,12 +200,12 @@ class PointSummary:
 
     @property
     def mean_pressure(self) -> float:
-        """Mean contact pressure (GPa) at this point."""
+        """Mean contact pressure (GPa) on the true area."""
         return mean_contact_pressure(self.quoted_values)
 
     @property
     def effective_modulus(self) -> float:
-        """Effective modulus E* (GPa) at this point."""
+        """Effective modulus E* (GPa) of the pair."""
         return effective_modulus_at(self.values, self.study)
 
     @property
@@ -222,7 +222,7 @@ class PointSummary:
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Different grid spacings of the surfaces (µm); empty if they are unknown."""
+        """Grid spacings of the surfaces (µm), without repetitions; empty if they are unknown."""
         return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
 
     @property
@@ -239,7 +239,7 @@ class PointSummary:
 
     @property
     def value(self) -> float:
-        """Static friction coefficient under the quoted sliding rule."""
+        """Static friction coefficient under the reported sliding rule."""
         return self.rules[0].value
 
     @property
@@ -264,7 +264,7 @@ class PointSummary:
 
     @property
     def ageing(self) -> float:
-        """Increase of the coefficient per increase of ln(dwell time), or NaN if the study has no dwell times."""
+        """Increase of the coefficient per unit of ln(dwell time), or NaN if the study has no dwell times."""
         if not self.after_dwell or self.after_dwell[-1].seconds == 1:
             return math.nan
         longest_wait = self.after_dwell[-1]
@@ -272,7 +272,7 @@ class PointSummary:
 
     @property
     def contact_size(self) -> Estimate:
-        """Median contact size (µm): diameter of a circle of equal area, or length across grooves."""
+        """Median contact size (µm): the diameter of a circle of equal area, or the contact length across grooves."""
         median = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
         sizes = [
             2 * math.sqrt(area / math.pi) if self.study.is_areal else area / PROFILE_WIDTH
@@ -293,7 +293,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Summary of a result at some loads, mu0 and tau0, with one element per point.
+    """Summary of a result at some loads, mu0 and tau0, with one `PointSummary` per result point.
 
     Attributes
     ----------
@@ -301,11 +301,11 @@ class Summary:
     at : xarray.Dataset
         All quantities with their intervals and the uncertainty budget, as returned by `Result.at`.
     points : tuple of PointSummary
-        A point for each cell, load, mu0 and tau0, starting with quoted points.
+        One point for each combination of surfaces or cutoff, load, mu0 and tau0, starting with the reported points.
     onset : xarray.Dataset, optional
         Onset of sliding at the first load, mu0 and tau0 of the study.
     values_at_cutoffs : xarray.Dataset, optional
-        Values of the cutoff study, which has a few members at several cutoffs.
+        Friction from the cutoff study, which has a few members at several cutoffs.
     no_points_reason : str
         Reason why there are no points, as in "the surfaces do not touch"; empty if there are points.
     """
@@ -319,11 +319,11 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution, or None if surfaces are generated or files are missing."""
+        """Effect of the scan resolution on friction, or None if surfaces are generated or files are missing."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return friction at several cutoffs and its bounds for finer scans, at one load, mu0 and tau0.
+        """Return friction at several cutoffs, and its bounds for finer scans, at one load, mu0 and tau0.
 
         The load is the first load of the study or, if the summary does not contain it, the nearest load. Returns None
         if there is only one cutoff.
@@ -336,23 +336,26 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from the result itself or from its cutoff study."""
+        """Friction at several cutoffs, from the result itself or from its cutoff study, or None."""
         values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if values is None else sort_sliding_rules(values, self.study)
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
-        """Onset of sliding, or None if it has not been computed."""
+        """Load, displacement and stiffness at the onset of sliding, or None if no onset has been computed."""
         return None if self.onset is None else find_onset_values(self.onset)
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Points to quote. Points at a second cutoff are omitted, because the intervals cover them."""
+        """Result points to report.
+
+        Points at a second cutoff are omitted, because the reported intervals include them.
+        """
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """First of the points to quote."""
+        """First of the reported result points."""
         return self.reported_points[0]
 
 
@@ -390,7 +393,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient has an interval at a point in all alternative preparations."""
+    """Return whether the coefficient at given coordinates has an interval in all alternative preparations."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -400,7 +403,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Return a point, extended by the faults that only an alternative preparation of the scans has.
+    """Add the faults to a result point that it has only in an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -419,9 +422,9 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff to the intervals at the second cutoff.
+    """Extend the intervals at the first cutoff so that they include the intervals at the second cutoff.
 
-    The list begins with the points at the first cutoff. The other points are marked as covered.
+    The returned list begins with the points at the first cutoff. The points at the second cutoff are marked as covered.
     """
     cut_off = points[0].at["cut_off"]  # quote the coefficient at the first cutoff
     points_at_other_cutoff = {
@@ -438,12 +441,12 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return the coordinates of a point except its cutoff."""
+    """Return the coordinates of a result point except its cutoff, as pairs of name and number."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return a quoted point whose intervals and caveats also cover another cutoff.
+    """Return a reported point whose intervals and caveats also cover another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -484,7 +487,7 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
-    """Extend the intervals of a quantity to its intervals at another cutoff."""
+    """Extend the intervals of a coefficient so that they include its intervals at another cutoff."""
     return replace(
         value.extended_to(other_value),
         prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
@@ -494,9 +497,9 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize one point of a dataset of `Result.at`, with caveats about the bodies.
+    """Summarize one result point of a dataset from `Result.at`, with caveats about the bodies.
 
-    `covers_alternatives` is true if the interval, if there is one, covers all alternative preparations of the scans.
+    `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
     values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
     rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
@@ -559,7 +562,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return the status of a mean over directions, or of a direction if the mean is missing."""
+    """Return the reported status of a coefficient: "ok" if it has a number and no shearing body limits it."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -570,7 +573,7 @@ def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCo
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient under one sliding rule at a point."""
+    """Return the coefficient at a result point under one sliding rule, with its intervals."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -595,7 +598,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions are "ok", or else the alphabetically first other status."""
+    """Return "ok" if all directions have this status, or else the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -606,12 +609,12 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along one dimension of a dataset, or {} if the dataset lacks this dimension."""
+    """Return the coefficients for each number of a dimension, or {} if the dataset lacks the dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None if it has no interval."""
+    """Return the 95 % interval of a quantity, or None if the quantity has no interval."""
     if name not in table:
         return None
     estimate = read_estimate(table[name])
@@ -650,7 +653,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts, or else None."""
+    """Return the contributions of mu0, tau0 and slopes to a coefficient for the rule "all"; None for other rules."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
@@ -662,7 +665,7 @@ def _compute_friction_contributions(
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a point, with the Hurst exponent of self-affine surfaces."""
+    """Return the coordinates of a result point by name, with the Hurst exponent for self-affine surfaces."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -675,11 +678,11 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the contribution of roughness to the coefficient, or None if it is unknown.
+    """Return the contribution of roughness to the coefficient for the rule "all", or None if it is unknown.
 
-    Friction acts at all contacts. The contribution of the inputs alone is mu0 and, with a hardness H, tau0/H if all
-    contacts yield. With adhesion the result is None, because the load on the contacts also depends on the scans. It is
-    also None for a gap, which does not contain the roughness of the two faces, and if the interface of contacts that
+    The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
+    The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also
+    unknown for a gap, which does not contain the roughness of the two faces, and if the interface of contacts that
     yield is stronger than the softer body.
     """
     contributions = _compute_friction_contributions(point, study, rule)
@@ -694,7 +697,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
     """Return whether a caveat makes the bounds for finer scans invalid.
 
-    Every caveat of severity "fault" does so, except those about few contacts per member.
+    Each fault does, except too few contacts per member.
     """
     return caveat.severity == "fault" and caveat.name not in FEW_CONTACTS_CHECK_NAMES
 
@@ -702,7 +705,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return bounds on friction for all finer scans, valid to second order in the slope.
+    """Return the lowest and highest coefficient that finer scans can give, valid to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
