@@ -1,1 +1,1 @@
-"""Further solutions for a pair, stored beside its result."""
+"""Additional computations for a pair, stored in the directory of its result."""

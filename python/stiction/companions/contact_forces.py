@@ -1,4 +1,4 @@
-"""Forces at each contact of two profiles in the asperity model, for a figure with arrows."""
+"""Forces at each contact of two profiles in the asperity model, for a figure with force arrows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
-    """Return the forces on the upper profile of one pair of a study.
+    """Compute the force at each contact of one typical profile pair of a study in the asperity model.
 
     For measured profiles, the pair is the first member with contacts at the first load of the study. For generated
     profiles, it is the first pair at the middle fractal dimension and the first amplitude, at the median approach with
@@ -55,7 +55,7 @@ def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
 def build_contact_forces(
     upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
 ) -> xarray.Dataset:
-    """Return two profiles at an approach (µm), with the force on the upper profile at each contact.
+    """Compute the force on the upper of two profiles at each contact, at a given approach (µm).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first pair of measured profiles that touches at the study's first load, or None if no pair does."""
+    """Return the first measured pair that has contacts at the study's first load, or None if no pair has contacts."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")
@@ -125,9 +125,10 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
 
 
 def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Generate the first touching pair of profiles at the middle fractal dimension.
+    """Generate the first pair of profiles at the middle fractal dimension, for an approach with contacts.
 
-    Returns None if no pair touches.
+    The approach is the median of the approaches at which at least one pair has contacts. Returns None if there is no
+    such approach.
     """
     study, cells = result.study, result.study.surfaces.cell_coordinates()
     counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values

@@ -1,6 +1,6 @@
-"""Map of the contacts in a typical member, stored with a result, and lists of single contacts.
+"""Contact map of a typical member, stored with a result, and tables of all single contacts.
 
-A result stores only sums over contacts, so its members are computed again.
+A result stores only sums over contacts, so the contact of each selected member is computed again.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Return heights, contacts and pressures of the member whose true area is closest to the mean.
+    """Compute heights, contacts and pressures of a typical member: the one with a true area closest to the mean.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = No
 
 
 def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
-    """Return load, contact area and approach of a typical adhesive member during loading and unloading.
+    """Compute load, true area and approach of a typical adhesive member while it is loaded and then unloaded.
 
     Returns None for bodies without adhesion, or if the solver fails.
     """
@@ -145,7 +145,7 @@ def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact map stored with a result, or return None if no map is stored.
+    """Read the contact map stored with a result, or return None if the result has no contact map.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -175,7 +175,7 @@ _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 
 
 def find_index_nearest_to_mean(area: Floats) -> int:
-    """Return the index of the area closest to the mean area, ignoring NaN."""
+    """Return the index of the area that is closest to the mean of all areas. NaN areas are ignored."""
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 
@@ -234,7 +234,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers, with a disc of equal area for each asperity contact."""
+    """Return the contact number at each grid point of a map. Each asperity contact is a disc of the contact's area."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -253,7 +253,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table of the contacts of selected members at elastic loads (mN).
+    """Return a table with one row for each contact of selected members at given elastic loads (mN).
 
     `Result.contacts` describes the columns.
     """
@@ -301,7 +301,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield each load with each selected member or, by default, with the member whose area is most typical."""
+    """Yield pairs of load (mN) and member: all selected members or, by default, one typical member at each load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -1,7 +1,7 @@
-"""Friction and true area of a measured pair with scaled heights, as for another finish.
+"""Friction and true area of a measured pair whose heights are multiplied by factors, as for another finish.
 
-Each factor is computed as a separate study, which is stored in the directory of the result. Results for factors in
-between are interpolated.
+A separate study is computed for each factor, and stored in the directory of the result. Friction at other factors is
+interpolated.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ HEIGHT_SCALE_DIRECTORY = "height_scale"
 """Name of the subdirectory of a result directory that contains a study for each factor."""
 
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
-"""Largest difference of log2(factor) between neighbouring factors that are used for an interpolation."""
+"""Largest difference of log2(factor) between two computed factors, between which friction may be interpolated."""
 
 NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
 ScaledBodies = Literal["both", "upper", "lower"]
-"""Choice of the bodies whose heights are scaled."""
+"""Bodies whose heights are multiplied by the factor: both, the upper or the lower body."""
 
 _INTERPOLATED_VARIABLES = (
     "mean_friction", "friction_by_axis", "friction_combined", "friction_prediction", "spread_low", "spread_high",
@@ -61,11 +61,11 @@ _INTERPOLATED_VARIABLES = (
     "stiffness_per_area", "closure", "closure_stiffness", "tangential_stiffness_per_area", "rms_gradient",
     "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
-"""Variables of `at_load` that are interpolated between factors."""
+"""Variables of `at_load` that are interpolated between computed height factors."""
 
 
 class MissingHeightFactorsError(ArgumentError):
-    """Error raised if a result has not been computed at the requested height factors.
+    """Error raised if friction is requested at height factors that have not been computed.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def parse_height_factors(factors: Any) -> Floats:
 
 
 def _parse_factor_text(text: str) -> Floats:
-    """Parse a text with a list or a range of height factors."""
+    """Parse a list of height factors, as in "0.5,1,2", or a range, as in "0.25..4"."""
     try:
         if ".." not in text:
             if text.count(",") == 1:
@@ -132,7 +132,7 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose height factors. Their exponents are `HEIGHT_FACTOR_EXPONENT_STEP` apart."""
+    """Return powers of 2 that enclose an interval of height factors, with exponents in steps of 1/2."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -142,7 +142,10 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors to compute before friction at given height factors can be interpolated."""
+    """Return the height factors that must be computed before friction at all requested factors can be interpolated.
+
+    These are the missing factors or, if they are fewer, the powers of 2 that enclose the missing factors.
+    """
     missing_factors = np.array(
         [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
     )
@@ -153,9 +156,10 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the nearest computed height factors below and above a given factor.
+    """Return the indices of the two computed height factors that enclose a requested factor.
 
-    Both indices are equal if the factor itself was computed. Returns None if neighbouring factors are too far apart.
+    Both indices are equal if the requested factor itself was computed. Returns None if no two computed factors enclose
+    the requested factor, or if they differ too much for an interpolation.
     """
     upper = int(np.searchsorted(solved_factors, factor))
     if upper < solved_factors.size and solved_factors[upper] == factor:
@@ -168,7 +172,7 @@ def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, 
 
 
 def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> Study:
-    """Return a copy of a study that multiplies the heights of the measured bodies by a factor.
+    """Return a copy of a study in which the heights of one or both measured bodies are multiplied by a factor.
 
     Raises
     ------
@@ -188,16 +192,16 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study at a height factor, and its directory."""
+    """Return the study of a pair with scaled heights, and the directory in which the study is stored."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
 
 
 def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, MemberSums]:
-    """Open all finished results at height factors, in ascending order.
+    """Open the finished results of a pair with scaled heights, by height factor in ascending order.
 
-    The given result is included as factor 1. All results are opened with its friction parameters.
+    The result of the unscaled pair is included as factor 1.
     """
     results = {1.0: MemberSums(result)}
     for directory in (result.path / HEIGHT_SCALE_DIRECTORY).glob(f"{scaled}-*"):
@@ -212,9 +216,9 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
 
 
 def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
-    """Return the stored height factors for both bodies, for the upper body alone and for the lower body alone.
+    """Return the height factors with stored results, by the bodies whose heights are scaled: both, upper or lower.
 
-    The dict is empty if factor 1 is the only factor.
+    A choice of bodies without results at factors other than 1 is omitted.
     """
     study = result.study
     if not study.is_measured or result.num_finished < study.ensemble.repetitions:
@@ -228,7 +232,7 @@ def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]
 
 
 def estimate_height_factor_time(study: Study, count: int) -> float:
-    """Estimate the time (s) on one core to compute a result at a number of height factors."""
+    """Estimate the time (s) on one core to compute the results of a pair at `count` height factors."""
     return count * study.ensemble.repetitions * estimate_member_time(study)
 
 
@@ -236,7 +240,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the missing results at all height factors that an evaluation needs.
+    """Compute the missing results of a pair with scaled heights, so that friction can be evaluated at given factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
@@ -366,7 +370,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return a quantity as an array whose first axis is the members, followed by given dimensions.
+    """Return the values of a quantity in each member, with the members on the first axis, followed by `dims`.
 
     Returns None if members have no values of the quantity.
     """
@@ -386,7 +390,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of both bodies in the first member, or {} if scan files are missing."""
+    """Return the rms heights (µm) of both bodies of the first member by side, or {} if scan files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):
@@ -396,7 +400,11 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate along the first axis between computed height factors. NaN at a neighbour gives NaN."""
+    """Interpolate values at a height factor from values at computed factors, which are on the first axis.
+
+    The interpolation is a monotone cubic in log(factor), of log(values) if all values are positive. The result is NaN
+    if a value at one of the two neighbouring factors is NaN.
+    """
     from scipy.interpolate import PchipInterpolator
 
     lower, upper = neighbors

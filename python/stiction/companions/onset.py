@@ -1,8 +1,7 @@
-"""Onset of sliding of a measured pair: the mean onset curve of some members.
+"""Onset of sliding of a measured pair: tangential load against displacement, averaged over a few members.
 
-The stored curve is the curve of the contact whose pressure is limited by the hardness. The solver of this curve
-includes neither junction growth nor the closed-form area of yielding contacts. Reported curves are therefore scaled to
-the sliding load μ_s F of the result.
+The stored curve is computed for contacts whose pressure is limited by the hardness, without junction growth and without
+the closed-form area of yielding contacts. Reported curves are therefore scaled to the sliding load μ_s F of the result.
 """
 
 from __future__ import annotations
@@ -44,13 +43,13 @@ if TYPE_CHECKING:
 # first bytes of an onset table, by which its file is recognised
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
-"""Default numbers of members whose onset is computed: in general (first), and for maps with the half-space (second)."""
+"""Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
 NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, in times of a contact solution
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
-"""Fractions of the sliding load at which the curve is evaluated."""
+"""Tangential loads of the onset curve, as fractions of the sliding load."""
 
 TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, for which displacements have errors of about 1e-7
 _CURVE_TITLES = {
@@ -60,7 +59,7 @@ _CURVE_TITLES = {
     "slipped_load": "slipped load",
     "energy_lost": "energy lost",
 }
-"""Column titles of `ONSET_TABLE_FILE`, keyed by quantity."""
+"""Column titles in `ONSET_TABLE_FILE`, by quantity of the onset curve."""
 
 _ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
@@ -69,11 +68,12 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """Compute the onset of sliding at a load (mN) for the first members of a measured pair.
+    """Compute the onset of sliding of a measured pair at one normal load (mN), averaged over the first members.
 
-    By default the load is the first load of the study. The dataset has the dimensions `fraction` (of the sliding load)
-    and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and LuGre models of
-    the mean curve. Returns None for generated bodies, without friction, or if the solver fails for all members.
+    By default, the normal load is the first load of the study. The dataset has the dimensions `fraction` (of the
+    sliding load) and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and
+    LuGre models of the mean curve. Returns None for generated bodies, for a pair without friction, or if the solver
+    fails for all members.
     """
     indices = _find_onset_members(study, members)
     if not indices:
@@ -93,9 +93,9 @@ def compute_onset(
 
 
 def _find_onset_members(study: Study, count: int | None) -> range:
-    """Return the members whose onset of sliding is computed.
+    """Return the indices of the members for which the onset of sliding is computed.
 
-    The range is empty for generated bodies or zero friction.
+    The range is empty for generated bodies, and for mu0 = tau0 = 0.
     """
     surfaces: Any = study.surfaces
     if not study.is_measured or float(study.friction.mu0[0]) == float(study.friction.tau0[0]) == 0:
@@ -108,7 +108,7 @@ def _find_onset_members(study: Study, count: int | None) -> range:
 
 
 def estimate_onset_time(study: Study, members: int | None = None) -> float:
-    """Estimate the time (s) of `compute_onset` on one core; 0 in the asperity model."""
+    """Estimate the time (s) on one core that `compute_onset` takes. The time is 0 in the asperity model."""
     if not study.uses_half_space:
         return 0.0
     return len(_find_onset_members(study, members)) * NUM_SOLUTIONS_PER_ONSET * estimate_solution_time(study)
@@ -117,7 +117,7 @@ def estimate_onset_time(study: Study, members: int | None = None) -> float:
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Return onset curve, slip map, index and position of one member, or None if the solver fails."""
+    """Compute onset curve and slip map of one member at a normal load (mN), or return None if the solver fails."""
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -180,14 +180,14 @@ PRESLIDING_PARAMETERS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
-"""Parameters of each model that is fitted to the mean curve.
+"""Names of the fitted parameters of the Iwan and LuGre models.
 
-The parameters are attributes of the dataset, such as "iwan_chi".
+The dataset of the onset stores the parameters as attributes, such as "iwan_chi".
 """
 
 
 def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the Iwan model and the LuGre model to the mean onset curve, and return their parameters."""
+    """Fit the Iwan and LuGre models to the mean onset curve, and return their parameters by attribute name."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding_load = float(curve["sliding_load"])
@@ -215,7 +215,7 @@ _MODEL_FORCE_PARAMETERS = ("iwan_sliding_load_mN",)
 
 
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
-    """Scale a computed onset curve to the sliding load μ_s F at the normal load F.
+    """Scale a computed onset curve so that the bodies slide at the tangential load μ_s F, where F is the normal load.
 
     The sliding load and its interval are the coefficient and its interval times F. The tangential loads of the curve
     are fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions
@@ -242,12 +242,12 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
 
 
 _LOAD_INTERVAL_KIND = "load_interval_kind"
-"""Attribute of a scaled onset that names the kind of its tangential-load intervals."""
+"""Name of the attribute that specifies the kind of interval of the tangential loads in a scaled onset."""
 
 
 @dataclass(frozen=True)
 class OnsetCurvePoint:
-    """Point of the mean onset curve, with 95 % intervals."""
+    """Displacement, slip and dissipated energy at one tangential load of the mean onset curve, with 95 % intervals."""
 
     tangential_load: Estimate  # tangential load (mN)
     displacement: Estimate  # tangential displacement (µm)
@@ -258,9 +258,10 @@ class OnsetCurvePoint:
 
 @dataclass(frozen=True)
 class OnsetValues:
-    """Onset of sliding at a load, mu0 and tau0: means over members with 95 % intervals.
+    """Onset of sliding at one normal load, mu0 and tau0: means over members with 95 % intervals.
 
-    Tangential loads that are scaled to the coefficient of static friction have its combined interval.
+    If the onset was scaled to the coefficient of static friction, tangential loads have the combined interval of this
+    coefficient.
     """
 
     load: float  # normal load (mN)
@@ -278,7 +279,7 @@ class OnsetValues:
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
-    """Return the onset of sliding in a dataset of `compute_onset` or `scale_onset`."""
+    """Read the means and intervals of the onset from a dataset that `compute_onset` or `scale_onset` returned."""
     attributes = onset.attrs
 
     def read(table: xarray.DataArray) -> Estimate:
@@ -334,7 +335,7 @@ _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
         for name in ("slip", "x", "y", "area")
     },
 }
-"""Variables of `ONSET_FILE`. Only areal contacts have a slip map."""
+"""Specifications of the variables in `ONSET_FILE`. Only contacts of maps have a slip map."""
 
 _ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "load_mN": AttributeSpec(),
@@ -354,8 +355,7 @@ _ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
     """Load the onset of sliding that is stored with a result.
 
-    Returns None if the onset is missing, or if its load, mu0 or tau0 differ from the study.
-
+    Returns None if no onset is stored, or if the normal load, mu0 or tau0 of the stored onset differ from the study.
     Raises a `StoreError` if the file is damaged.
     """
     if not result.study.is_measured:
@@ -376,7 +376,7 @@ def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone_csv(onset: xarray.Dataset) -> str:
-    """Return the mean onset curve as CSV with units, the backbone curve of a Masing model."""
+    """Return the mean onset curve as CSV text with units. The curve is the backbone curve of a Masing model."""
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}
@@ -397,10 +397,11 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return the fraction of the sliding load at which each grid point or asperity contact starts to slip.
+    """Return a map of the tangential load at which each grid point starts to slip, as a fraction of the sliding load.
 
-    The dataset includes the heights of the lower body. In large maps, each block of neighbouring points is represented
-    by the point that slips first. The dataset is empty for profiles.
+    For asperities, the loads belong to contacts instead of grid points. The variables include the heights of the lower
+    body. In large maps, each block of neighbouring points is represented by the point that slips first. For profiles,
+    the dictionary is empty.
     """
     lower = pressed_pair.lower
     if not isinstance(lower, Surface):
@@ -435,7 +436,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each block of `block_size` rows and columns, or NaN if the block has no numbers."""
+    """Return the minimum of each square block of a map, ignoring NaN, or NaN if a block contains only NaN."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

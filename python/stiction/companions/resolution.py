@@ -1,4 +1,4 @@
-"""Effect of the scan resolution on a measured pair: friction at several cutoffs, and slopes."""
+"""Effect of the scan resolution on a measured pair: friction at several cutoffs, and extrapolation to finer scans."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest si
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the cutoff study of a measured pair: several cutoffs, fewer members, and only the requested loads.
+    """Return a smaller study of a measured pair with several cutoffs, which shows the effect of the scan resolution.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -98,21 +98,21 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study stored below the `path` of a measured pair, or None if there is only one cutoff."""
+    """Return the cutoff study of a measured pair and its directory, or None if a second cutoff is impossible."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member cut from the scans, or 0 if all members are surrogates."""
+    """Return the index of the first member that consists of scans, or 0 if all members are surrogates."""
     index = study.surfaces.first_scan_member_index
     return index if index < study.ensemble.repetitions else 0
 
 
 def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate the stored cutoff study of a measured pair, at the loads, mu0 and tau0 of the pair.
+    """Evaluate friction and contact of a measured pair at several cutoffs, from the stored cutoff study.
 
-    Returns None if no cutoff study that matches the pair is stored.
+    Loads, mu0 and tau0 are those of the pair. Returns None if no cutoff study of this pair is stored.
     """
     study = result.study
     if not study.is_measured:
@@ -139,7 +139,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap at resolved wavelengths, and its extrapolation to shorter wavelengths."""
+    """Roughness of the gap between two bodies at resolved wavelengths, with an extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (µm): the cutoff, or two grid spacings
     two_points: float  # two grid spacings, the shortest wavelength of unfiltered scans (µm)
@@ -150,20 +150,21 @@ class ResolvedRoughness:
 
     @property
     def shortest_octave_fraction(self) -> float:
-        """Fraction of the gap's mean square slope that is due to the shortest resolved octave of wavelengths."""
+        """Fraction of the gap's mean square slope in the shortest resolved octave of wavelengths."""
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Return the cutoff (µm) at which the elastic pressure is `ratio` times the pressure of the unfiltered scans.
+        """Estimate the cutoff (µm) at which the elastic pressure is `ratio` times the pressure of the scans.
 
-        The cutoff is returned with its interval.
+        The pressure of the scans applies to the shortest resolved wavelength. Returns the cutoff with its lower and
+        upper limit.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate rms slope and elastic area fraction of the gap to finer scans.
+        """Extrapolate the gap's rms gradient and elastic area fraction to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -180,7 +181,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Return the roughness of the gap at resolved wavelengths, or None if bodies are generated or files are missing."""
+    """Compute the roughness of the gap, or return None if the bodies are generated or scan files are missing."""
     if not study.is_measured:
         return None
     try:
@@ -211,11 +212,11 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and area fraction for all finer scans, or None if contacts cannot yield.
+    """Return the lower bounds of mu_s and of the area fraction that no finer scan can fall below.
 
-    The bound on mu_s, with friction at all contacts, is mu0 + tau0/H', or k/(H/2) if the interface is stronger than the
-    softer body, with its shear strength k. The bound on the area fraction is p/H, where p
-    is the nominal pressure.
+    With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
+    with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
+    Returns None if the contacts cannot yield.
     """
     if (plastic_friction := compute_plastic_friction(point, study)) is None:
         return None
@@ -225,7 +226,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Estimates for a hardness H: the wavelength (µm) at which the pressure reaches H, and mu0 + tau0/H."""
+    """Estimates for a hardness H: the wavelength (µm) at which the elastic pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
     wavelength: Estimate  # wavelength at which the elastic pressure reaches H; NaN if it never does
@@ -234,7 +235,7 @@ class YieldWavelengthEstimate:
 
 @dataclass(frozen=True)
 class CutoffResult:
-    """Friction and contact of a pair at one cutoff, load, mu0 and tau0."""
+    """Friction, roughness, area fraction and pressure of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
     values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff
@@ -244,7 +245,7 @@ class CutoffResult:
 
 @dataclass(frozen=True, eq=False)
 class ResolutionEffect:
-    """Effect of the scan resolution on a result.
+    """Effect of the scan resolution on the friction of a measured pair.
 
     Attributes
     ----------
@@ -268,9 +269,10 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return the effect of the scan resolution, or None if neither roughness nor friction at cutoffs is known.
+    """Return the effect of the scan resolution on the friction of a measured pair.
 
-    `cutoffs` is a result of `evaluate_at_cutoffs`, or a dataset of `Result.at` at several cutoffs.
+    `cutoffs` is the dataset that `evaluate_at_cutoffs` or, for several cutoffs, `Result.at` returned. Without this
+    dataset, the function returns None if the roughness of the gap is not known either.
     """
     roughness = find_resolved_roughness(study)
     if roughness is None and cutoffs is None:
@@ -303,9 +305,9 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 def estimate_yield_wavelengths(
     point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
 ) -> tuple[YieldWavelengthEstimate, ...]:
-    """Estimate the wavelengths at which the mean contact pressure would reach typical hardnesses.
+    """Estimate the wavelengths (µm) at which the elastic contact pressure would reach several typical hardnesses.
 
-    At this wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
+    At such a wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
     """
     modulus, pressure = effective_modulus_at(point, study), mean_contact_pressure(point)
@@ -331,7 +333,7 @@ def estimate_yield_wavelengths(
 
 @dataclass(frozen=True, eq=False)
 class ResolutionLimits:
-    """Friction at several cutoffs for one load, mu0 and tau0, with bounds for finer scans.
+    """Friction of a pair at several cutoffs for one load, mu0 and tau0, with the limits for finer scans.
 
     Attributes
     ----------
@@ -360,7 +362,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Return friction at several cutoffs for one load, mu0 and tau0, with bounds for finer scans."""
+    """Estimate the limits of friction for finer scans, from friction at several cutoffs for one load, mu0 and tau0."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(
@@ -384,7 +386,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Return a closed-form estimate of friction from joined spectra, or None if no body has a joined spectrum."""
+    """Estimate friction in closed form from joined spectra, or return None if neither body has a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]
