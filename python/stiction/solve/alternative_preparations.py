@@ -1,7 +1,7 @@
-"""Alternative preparations of scans. The combined interval of a pair covers the results of all preparations.
+"""Alternative preparations of the scans of a pair, whose results the combined interval covers.
 
-Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of its
-result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
+Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of the
+pair's result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ ALTERNATIVE_LABELS: dict[AlternativeName, str] = {
     SPIKES_ALTERNATIVE: "spikes in the scans",
     TIP_ALTERNATIVE: "roughness that the tip did not reach",
 }
-"""Labels of the alternative preparations in the uncertainty budget."""
+"""Labels of the alternative preparations in the uncertainty budget, by name."""
 
 ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
     SPIKES_ALTERNATIVE: "without outliers",
     TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
 }
-"""Phrases that begin the texts of caveats about results for alternative preparations."""
+"""Phrases with which caveats about an alternative preparation begin, such as "without outliers", by name."""
 
 TIP_CORRECTION = 4.0
 """Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.
@@ -42,10 +42,10 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study with an alternative preparation of the scans.
+    """Return a copy of a study in which all scans are prepared in an alternative way: *spikes* or *tip*.
 
-    Outliers are masked in all alternatives, because a tip correction would broaden downward spikes. In a study that
-    does not allow missing points, the heights of outliers are interpolated.
+    Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
+    allow missing points, the heights of outliers are interpolated.
     """
     surfaces: Any = study.surfaces
     allows_missing_points = (
@@ -63,17 +63,17 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the study of an alternative preparation of the scans, and its directory."""
+    """Return the study with an alternative preparation of the scans, and the directory in which the study is stored."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 
 def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
-    """Return the stored results of all alternative preparations of a result's scans, by name."""
+    """Load the stored results for alternative preparations of the scans, by name of the preparation."""
     return sums.load_companion(_open_alternatives) or {}
 
 
 def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
-    """Open the finished results of alternative preparations, or return None if no such results exist."""
+    """Open the finished results for alternative preparations, or return None if no such result is stored."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {

@@ -1,4 +1,4 @@
-"""Companion study: a variant of a measured pair's study, stored in a subdirectory of the result.
+"""Companion studies: variants of a measured pair's study, each stored in a subdirectory of the pair's result.
 
 Examples are the cutoff study, alternative preparations of the scans, and studies with scaled heights.
 """
@@ -24,15 +24,15 @@ TimeAnnouncer = Callable[[float], Any]
 
 @dataclass(frozen=True)
 class CompanionStudy:
-    """Variant of the study of a measured pair, and the directory with its members."""
+    """Variant of a measured pair's study, with the directory that stores the results of the variant."""
 
     study: Study
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored members of the companion study, with the current mu0 and tau0.
+        """Open the stored result of the companion study, and evaluate it with the current mu0 and tau0.
 
-        Returns None if the directory is missing or damaged, if its members are those of another pair, or if members are
+        Returns None if the directory is missing or damaged, if it stores the result of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
         """
         if not (self.directory / STUDY_FILE).exists():
@@ -52,9 +52,9 @@ class CompanionStudy:
     def complete(
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
     ) -> MemberSums:
-        """Compute the missing members of the companion study, and return all its members.
+        """Compute the missing members of the companion study, and return its complete result.
 
-        Members of another study, for example of another pair, are removed first. Raises the errors of
+        A stored result of another study, for example of another pair, is removed first. Raises the errors of
         `compute_missing_blocks`.
         """
         existing_result = open_result_to_complete(self.directory)

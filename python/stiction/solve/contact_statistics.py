@@ -1,4 +1,4 @@
-"""Statistics of the contacts between two bodies, such as sizes, pressures, positions and slopes."""
+"""Statistics of the contacts between two bodies: sizes, pressures, positions and slopes."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count as steep: those with the largest slopes
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
-"""Probabilities of the stored quantiles of contact area, and of pressure weighted by true contact area."""
+"""Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""
 
 MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a small contact, whose area depends on the grid
 
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slope statistics of two bodies, and masks of steep points."""
+    """Slopes of two bodies at their grid points: steep points of each body, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]  # for each body: mask of its steep points
     steepness_limits: dict[str, float]  # for each body: smallest slope of its steep points
@@ -38,7 +38,7 @@ class PairSlopes:
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
-        """Compute the slope statistics of two bodies on the same grid, using natural cubic splines.
+        """Compute the slope statistics of two bodies on the same grid, with slopes of natural cubic splines.
 
         Large arrays are overwritten instead of allocated, because the operating system clears new memory.
         """
@@ -70,7 +70,7 @@ class PairSlopes:
         return cls(steep_masks, steepness_limits, mean_squares, mean_product)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Return the rms gradient of the gap, and its rms slopes along given directions (degrees)."""
+        """Return the rms gradient of the gap, and the rms slope of the gap along each direction (degrees from +x)."""
         mean_squares = self.gap_mean_squares
         if len(mean_squares) == 1:
             return float(np.sqrt(mean_squares[0])), np.full(angles.size, np.sqrt(mean_squares[0]))
@@ -84,13 +84,13 @@ class PairSlopes:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Return the slopes of a body at all grid points: along x and y for maps, along x for profiles."""
+    """Compute the slopes of a body at all grid points: along y and x for maps, along x for profiles."""
     return grid_slopes(body.heights, body.spacings, periodic=False)
 
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Contacts between two bodies at one load, with the distribution of the pressure. Lengths are in µm."""
+    """Single contacts between two bodies at one load, and the distribution of the contact pressure (lengths in µm)."""
 
     x: Floats  # position of each contact along x, weighted by the pressure
     y: Floats  # position of each contact along y, weighted by the pressure; 0 for profiles
@@ -105,7 +105,7 @@ class ContactList:
     weight: Floats  # weight of each contact pressure, proportional to the area with this pressure
 
     def compute_statistics(self) -> dict[str, Any]:
-        """Return the contact statistics that a result stores: load fractions, and quantiles of area and pressure."""
+        """Compute the statistics that a result stores: load fractions, and quantiles of contact area and pressure."""
         order = np.argsort(self.pressure, kind="stable")
         cumulative_weight = np.cumsum(self.weight[order])
         return {name: formula(self) for name, formula in LOAD_FRACTION_FORMULAS.items()} | {
@@ -122,11 +122,11 @@ LOAD_FRACTION_FORMULAS: dict[str, Callable[[ContactList], float]] = {
     "share_at_edge": lambda table: table.force[table.at_edge].sum() / table.force.sum(),
     "fraction_on_small": lambda table: table.force[table.cells <= MAX_CELLS_OF_SMALL_CONTACT].sum() / table.force.sum(),
 }
-"""Formula of each contact statistic, by its name in `QUANTITIES`."""
+"""Formulas for the load fractions on the largest contact, at the edge and on small contacts, by quantity name."""
 
 
 def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
-    """List the contacts of a half-space solution."""
+    """Return the list of contact patches in a half-space solution: load, area, position and slope of each patch."""
     problem, pressure, patch_index = solution.problem, solution.values, solution.patch - 1
     pressure_sums = np.bincount(patch_index, weights=pressure)
 
@@ -152,7 +152,7 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
 
 
 def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
-    """List the contacts of two bodies in the asperity model."""
+    """Return the list of contacts in the asperity model, with load, area, position and slope of each contact."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
     contact_slopes = -normal[:, :2] / normal[:, 2:]
@@ -175,7 +175,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
-    """Return, for each body, the load fraction on contacts steeper than 90 % of its grid points."""
+    """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {
@@ -185,7 +185,7 @@ def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) 
 
 
 def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlopes) -> dict[str, float]:
-    """Return, for each body, the load fraction on the steepest 10 % of its grid points in a half-space solution."""
+    """Compute, for each body, the load fraction on the steepest 10 % of its grid points in the half-space model."""
     total_pressure = solution.values.sum()
     return {
         f"share_on_steepest_{side}": float(solution.values[is_steep.ravel()[solution.points]].sum() / total_pressure)
@@ -194,7 +194,7 @@ def compute_steep_point_load_fraction(solution: ContactSolution, slopes: PairSlo
 
 
 def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Return quantiles along the first axis of an array, ignoring NaN.
+    """Compute quantiles of samples along the first axis of an array, ignoring NaN.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """

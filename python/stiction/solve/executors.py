@@ -38,9 +38,9 @@ PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress 
 
 @contextlib.contextmanager
 def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
-    """Yield the given executor, or a thread pool that ends with the context.
+    """Yield the given executor or, without one, a thread pool that is closed when the context ends.
 
-    Raises a `StudyError` if a worker process ends.
+    Raises a `StudyError` if a worker process dies.
     """
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise StudyError(f"executor must be a concurrent.futures.Executor, got {type(executor).__name__}")
@@ -67,7 +67,7 @@ class _ThreadPool(ThreadPoolExecutor):
 
 @contextlib.contextmanager
 def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Yield a thread pool that ends with the context, by default with one thread per core.
+    """Yield a thread pool with one thread per core by default. The pool is closed when the context ends.
 
     If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
     if no thread can start.
@@ -114,7 +114,7 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
 
 def _start_without_interrupts(process: ForkProcess) -> None:
-    """Start a copy of this process, which receives Ctrl-C only when it can handle it."""
+    """Start a forked copy of this process, in which Ctrl-C is blocked until the copy can handle it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         # Ignore Python's warning about copying a process with threads. OpenBLAS stops its threads in the copy.
@@ -125,7 +125,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
 
 
 def _can_be_copied() -> bool:
-    """Return whether this process can be copied safely to use another core.
+    """Return whether this process can be forked safely, in order to use another core.
 
     A copy has none of the other threads, which may hold locks. On macOS, system libraries do not work in copies.
     """
@@ -138,7 +138,7 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Send the result of a function to another process; after an error or Ctrl-C, end silently.
+    """Evaluate a function and send its value to the original process, or end silently after an error or Ctrl-C.
 
     The copy also ends if the original process is killed.
     """
@@ -153,7 +153,7 @@ def _send_value(function: Callable[[], Any], receiver: Connection, sender: Conne
 def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task so that its Fourier transforms use idle threads.
+    """Wrap a task so that idle threads of the pool share its Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -227,7 +227,7 @@ def progress_bar(
 
 
 class ClusterError(ValueError):
-    """Error raised if a cluster cannot be reached or fails."""
+    """Error raised if a Dask cluster cannot be reached or fails."""
 
 
 @contextlib.contextmanager
@@ -246,7 +246,7 @@ def _suppress_disconnect_log() -> Iterator[None]:
 
 @contextlib.contextmanager
 def connect_to_cluster(address: str) -> Iterator[Executor]:
-    """Connect to a Dask scheduler at a given address, and yield its executor.
+    """Connect to the Dask scheduler at an address, and yield an executor that runs tasks on the cluster.
 
     Raises a `ClusterError` if the scheduler does not respond, or if its workers die.
     """

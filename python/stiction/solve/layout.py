@@ -40,7 +40,7 @@ MAX_PIECE_BYTES = 2**26
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
-"""Data types of the coordinates that describe the members of measured bodies."""
+"""Data types of the coordinates of measured members: shift x and y, line number, and mark for surrogates."""
 
 ArraysByName = dict[str, NDArray[Any]]
 
@@ -49,7 +49,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Dimensions, shape, data type and attributes of one array of a result."""
+    """Specification of one array of a result: dimensions, shape, data type and attributes."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -65,9 +65,9 @@ class ArraySpec:
 def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the coordinates of a result in the order of its dimensions, for all or some members.
+    """Return specification and values of each coordinate of a result, by name in the order of the dimensions.
 
-    Each entry is a pair of the description of an array and its values.
+    `repetitions` selects the members, by default all.
     """
     values_by_name: dict[str, NDArray[Any]] = {
         **study.surfaces.cell_coordinates(),
@@ -96,9 +96,10 @@ def coordinate_specs_and_values(
 def variable_specs(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None, names: Collection[str] | None = None
 ) -> dict[str, ArraySpec]:
-    """Return the specifications of all variables of a result, for all or some members.
+    """Return the specification of each variable of a result: dimensions, shape, data type and attributes, by name.
 
-    `names` lists the variables, by default all. Other names are ignored.
+    `repetitions` selects the members, and `names` selects the variables; by default, all are included. Names of other
+    variables are ignored.
     """
     sizes = {name: values.size for name, (_, values) in coordinate_specs_and_values(study, repetitions).items()}
     variables = {}
@@ -115,17 +116,17 @@ def variable_specs(
 
 
 def compute_bytes_per_member(study: Study) -> int:
-    """Return the total size in bytes of all arrays of one member."""
+    """Return the memory (bytes) that all arrays of one member take."""
     return sum(spec.nbytes for spec in variable_specs(study, [0]).values())
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes to load into memory together: a power of two."""
+    """Return the number of members to load into memory together, given their size in bytes: a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def list_variable_names(study: Study) -> tuple[str, ...]:
-    """Return the names of a result's variables: contact sums and, for measured bodies, contact statistics."""
+    """Return the names of all variables of a result: contact sums and, for measured bodies, contact statistics."""
     if not study.is_measured:
         return study.contact_sum_names()
     return tuple(
@@ -134,7 +135,7 @@ def list_variable_names(study: Study) -> tuple[str, ...]:
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a stored variable of a result.
+    """Return the dimensions of a variable of a result.
 
     Sliding rules and directions are dimensions only if the study has lists of them.
     """
@@ -149,7 +150,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, after leading axes such as the cutoff."""
+    """Stack the arrays of several members along a new axis, after the axes of the cells."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -161,7 +162,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build a dataset of some members from the arrays of `stack_members`, after checking their shapes.
+    """Build the dataset of a result from the arrays of `stack_members`, after checking the shapes of these arrays.
 
     The dataset has the variables in `names`, by default all.
     """
@@ -201,13 +202,13 @@ _MODULUS_AND_LENGTH_POWERS_BY_UNIT = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Exponents of E* and L in the divisor of each unit, and the divisor as text."""
+"""Divisor of each unit in a nondimensional result: exponent of E*, exponent of L, and the divisor as text."""
 
 
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Divide all quantities in a dataset by powers of E* and a length L, so that they have no units.
+    """Divide all quantities in a dataset by powers of E* and of a length L, so that the quantities have no units.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_DIFFERENCE_STEP = 0.02
-"""Half width of the finite difference that gives the stiffness of asperities, relative to the approach."""
+"""Half width of the finite difference for the stiffness of asperities, as a fraction of the approach."""
 
 LOAD_JUMP_DISTANCE = 1e-11
 """Relative distance of an approach from the next jump of the load.
@@ -75,13 +75,15 @@ The distance exceeds the tolerance of `find_approaches_at_loads`.
 
 
 NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
-"""Numbers of members and of cutoffs per member for which the unloading stiffness of plastic bodies is computed.
+"""Numbers of members, and of cutoffs per member, for which the unloading stiffness of plastic maps is computed.
 
-It is computed for all pairs of lines, whose stiffness differs more between members and takes less time to compute.
+For lines, the unloading stiffness of all members is computed, because it differs more between members and takes less
+time.
 """
 
 NUM_ELASTIC_MAP_MEMBERS, NUM_ELASTIC_LARGE_MAP_MEMBERS, NUM_ELASTIC_PROFILE_MEMBERS = 4, 2, 16
-"""Numbers of members (maps, large maps, profiles) whose elastic area is computed in addition if the bodies yield."""
+"""Numbers of members for which the elastic area of yielding bodies is also computed: for maps, large maps and profiles.
+"""
 
 MIN_LARGE_MAP_POINTS = 2**19
 """Minimum number of grid points of a large map.
@@ -95,11 +97,12 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Solve the contact of a pair at the loads of its study. Return contact sums and, for scans, statistics.
+    """Solve the contact of two bodies at the loads of a study, and return contact sums and contact statistics.
 
-    Arrays that depend on the motion have the shape (rules, directions, loads); all others have the shape (loads,). At
-    loads for which the solver fails, values are NaN and the number of contacts is 0. The unloading stiffness takes
-    about a third of the time. The elastic area of bodies that yield needs a second solution at each load.
+    Only measured bodies have contact statistics. Arrays that depend on the motion have the shape (rules, directions,
+    loads); all others have the shape (loads,). At loads for which the solver fails, values are NaN and the number of
+    contacts is 0. Computing the unloading stiffness takes about a third of the time. The elastic area of yielding
+    bodies needs a second solution at each load.
     """
     contact = study.contact
     num_loads, motion_shape = (
@@ -129,7 +132,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
-    """Return the placeholders for loads at which the solver fails: NaN, 0 contacts, or "not-solved"."""
+    """Return the values of a variable at loads for which the solver fails: NaN, 0 contacts or "not-solved"."""
     sizes = {
         "sliding": motion_shape[0],
         "direction": motion_shape[1],
@@ -143,7 +146,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions of motion of profiles: "+x", "-x" or both."""
+    """Return the directions of motion of profiles that a section `[contact]` specifies: "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
@@ -157,7 +160,7 @@ def _solve_half_space(
     *,
     computes_unloading: bool,
 ) -> None:
-    """Solve the contact of a pair at all loads in the half-space model.
+    """Solve the contact of two bodies at all loads in the half-space model, and write the results to `values`.
 
     A failure at one load does not affect the other loads.
     """
@@ -210,10 +213,10 @@ def _solve_half_space(
 def _solve_asperities(
     contact: AsperityModelSettings, upper: Any, lower: Any, values: ArraysByName, slopes: Any
 ) -> None:
-    """Solve the asperity contacts of a pair at the approaches that give the elastic loads of the study.
+    """Solve the contact of two bodies at all loads in the asperity model, and write the results to `values`.
 
-    With the detection criterion "cell", the load jumps at some approaches. Sums at a load within a jump are
-    interpolated between the states just before and just after the jump.
+    The loads are elastic loads. With the detection criterion "cell", the load jumps at some approaches. Contact sums at
+    a load within a jump are interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
     # Maps have one load curve for all directions, profiles one for each direction.
@@ -288,9 +291,9 @@ def _solve_asperities(
 
 
 def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find all contact candidates up to an approach (µm), so that later calls need not search again.
+    """Find all contact candidates of two bodies up to an approach (µm), so that later calls need not search again.
 
-    Returns both bodies unchanged if contacts are not minima of the gap.
+    Returns the candidates, or both bodies unchanged if contacts are not detected as minima of the gap.
     """
     if model.detection != "gap-minimum":
         return upper, lower
@@ -302,7 +305,7 @@ def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: Co
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Pair of bodies pressed together at one elastic load."""
+    """Two bodies in contact at one elastic load, with the solution of the contact."""
 
     upper: Any
     lower: Any
@@ -311,7 +314,7 @@ class PressedPair:
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Solve the contact of two bodies at a load (mN), or return None if the solver fails."""
+        """Solve the contact of two bodies at an elastic load (mN), or return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceSettings):
@@ -332,7 +335,7 @@ class PressedPair:
         return cls(upper, lower, load_curve, model=model)
 
     def tabulate_contacts(self) -> ContactList:
-        """Return the list of the contacts between both bodies."""
+        """Return the list of single contacts between both bodies: load, area, position and slope of each contact."""
         if isinstance(self.curve, HalfSpaceCurve):
             return tabulate_contact_patches(self.curve.at(0))
         assert self.model is not None
@@ -350,32 +353,32 @@ MEMBER_TIME_COEFFICIENTS = {
     "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
     "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
-"""Rough computing times on one core (s), which determine the number of members in a block.
+"""Approximate computing times (s) on one core, from which the number of members in a block is determined.
 
 "onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
-profiles, of generated areas, and of measured areas with the asperity model. "area" and "line" are times per load of
+profiles, of generated maps, and of measured maps with the asperity model. "area" and "line" are times per load of
 asperities on measured maps and lines. "half-space" and "half-plane" are times per load in addition to the time of the
 solution.
 """
 
 SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
-"""Power law of the time (s) of a half-space solution on one core: coefficient and exponent of the number of points.
+"""Power law of the time (s) of a half-space solution on one core: coefficient, and exponent of the point count.
 
-The keys are False for lines and True for areas.
+The keys are False for lines and True for maps.
 """
 
 MAX_POINTS_WITHIN_CACHE = 2**20
 LARGE_FREE_MAP_TIME_FACTOR = 2.0
-"""Factor in the time of a solution for free maps with more points than `MAX_POINTS_WITHIN_CACHE`.
+"""Factor in the time of a half-space solution for non-periodic maps with more than `MAX_POINTS_WITHIN_CACHE` points.
 
 Their padded transforms exceed the cache of the processor, and the stiffness at each load needs another solution with
 fixed contact points. With 2048² points, both take twice the time of the power law, which fits periodic maps.
 """
 
 ITERATION_TIME_COEFFICIENTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
-"""Power law of the time (s) of an iteration with adhesion on one core: coefficient and exponent of the points.
+"""Power law of the time (s) of an iteration with adhesion on one core: coefficient, and exponent of the point count.
 
-The keys are False for lines and True for areas.
+The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
@@ -393,7 +396,7 @@ _reusable_arrays = threading.local()
 
 
 def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
-    """Compute all variables of one member, as arrays without a member axis.
+    """Compute all variables of one member of a study at all loading steps, as arrays without an axis for members.
 
     The half-space model reports its iterations and its finished loads to the record.
 
@@ -415,7 +418,7 @@ def compute_member_arrays(study: Study, index: int, record: SolutionRecord | Non
 
 @functools.lru_cache(maxsize=4)
 def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return shape and data type of each variable of one member."""
+    """Return shape and data type of each variable of one member, by name."""
     num_cell_dims = len(study.surfaces.cell_coordinates())
     return {
         name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
@@ -424,7 +427,7 @@ def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...],
 
 
 def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) to compute one member on one core."""
+    """Estimate the time (s) on one core to compute one member of a study."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     num_points, is_areal = count_grid_points(study), study.is_areal
@@ -450,7 +453,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_member_iterations(study: Study) -> float:
-    """Estimate the number of solver iterations on the finest grid for one member in the half-space model."""
+    """Estimate the number of solver iterations for one member in the half-space model, counted on the finest grid."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
@@ -464,7 +467,7 @@ def _estimate_pull_off_iterations(study: Study) -> float:
 
 
 def estimate_solution_time(study: Study) -> float:
-    """Estimate the time (s) of a half-space solution at one load on one core."""
+    """Estimate the time (s) on one core of a half-space solution at one load."""
     is_areal = study.is_areal
     additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
     if study.contact.adheres:
@@ -484,10 +487,10 @@ def _estimate_iteration_time(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
-    """Return E* Sq Sdq / (4 w) of the first member's gap, or 0 if files are missing.
+    """Estimate the ratio of elastic energy to adhesion, E* Sq Sdq / (4 w), for the gap of the first member.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
-    w.
+    w. Returns 0 if files are missing.
     """
     contact, gap = study.contact, np.zeros((0, 0))
     with contextlib.suppress(ValueError, OSError):
@@ -507,7 +510,10 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Yield, for each fractal dimension and amplitude, its indices and the contact sums of one member."""
+    """Compute the contact sums of one generated member in each cell, that is, for each fractal dimension and amplitude.
+
+    Yields the indices of one or several cells with their contact sums.
+    """
     if not (study.is_areal or study.uses_half_space or study.contact.onset):
         yield from _solve_profile_batches(study, repetition)
         return
@@ -529,7 +535,7 @@ def _solve_generated_member(
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
-    """Compute the contact sums of a pair in the asperity model, at the approaches of the study."""
+    """Compute the contact sums of two bodies in the asperity model at the approaches of a study."""
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -547,7 +553,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute the onset of sliding at each approach, for motion in the first direction."""
+    """Compute initial stiffness, displacement at sliding and slipped load of generated bodies at each approach."""
     contact = study.contact
     assert isinstance(contact, AsperityModelSettings)
     assert contact.onset is not None
@@ -574,10 +580,10 @@ def _list_loading_steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
-    """Compute the contact sums of profiles with several fractal dimensions together, in the asperity model.
+    """Compute the contact sums of generated profiles in the asperity model, for batches of several fractal dimensions.
 
-    The arrays have the shape (fractal dimensions, amplitudes, sliding rules, steps), with a single rule for quantities
-    that do not depend on the motion.
+    Yields the range of fractal dimensions in a batch, with contact sums as arrays of the shape (fractal dimensions,
+    amplitudes, sliding rules, steps). Quantities that do not depend on the motion have a single sliding rule.
     """
     surfaces: Any = study.surfaces
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
@@ -606,7 +612,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that all tasks of a thread reuse, because allocation is slow.
+    """Return an uninitialised array that all tasks of a thread use in turn, because allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -624,7 +630,10 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
-    """Yield each cutoff's index with the contact sums of one member, and write its coordinates to `arrays`."""
+    """Compute the contact sums and statistics of one measured member at each cutoff.
+
+    Yields the index of each cutoff with its contact sums. Writes the coordinates of the member to `arrays`.
+    """
     is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)
@@ -644,7 +653,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the members for which the elastic area is also computed if the bodies yield."""
+    """Return the indices of the members whose elastic area is also computed if the bodies yield."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

@@ -1,4 +1,4 @@
-"""Contact sums of a study's members, in memory or in a result directory."""
+"""Contact sums of all members of a study, in memory or in a result directory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _Value = TypeVar("_Value")
 
 
 class MemberSums:
-    """Contact sums of all members of a study, from which friction and all other quantities are evaluated.
+    """Contact sums of all members of a study, from which friction and all other results are evaluated.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Convert a dataset, a directory or an object with member sums to this class."""
+        """Convert a dataset, a stored result or other member sums to an object of this class."""
         import xarray
 
         if isinstance(sums, cls):
@@ -51,29 +51,29 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same sums with a study that may have other inputs."""
+        """Return the same contact sums with another study, for evaluation with other inputs."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
 
     @property
     def stored(self) -> StoredResult | None:
-        """Stored result, or None if the result is only in memory."""
+        """Stored result that contains the sums, or None if the sums are only in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
     def study(self) -> Study:
-        """Study with which the result was computed."""
+        """Study that the sums belong to."""
         return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
 
     @property
     def path(self) -> Path | None:
-        """Directory of the result, or None if the result is only in memory."""
+        """Directory of the stored result, or None if the sums are only in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Dataset with the contact sums of all members, in memory.
+        """Dataset with the contact sums of all members.
 
         Raises a `StoreError` if the sums take more than 2 GiB.
         """
@@ -81,10 +81,10 @@ class MemberSums:
 
     @property
     def head(self) -> xarray.Dataset:
-        """Dataset with the coordinates and attributes of the result.
+        """Dataset for reading the coordinates and attributes of the result, possibly with a single member.
 
-        For a stored result, this dataset contains the values of one member only. Raises a `StoreError` if no
-        member is finished.
+        For a stored result, the dataset contains the sums of the first finished member only. Raises a `StoreError` if
+        no member is finished.
         """
         return self._first_member.copy() if isinstance(self.source, StoredResult) else self.source
 
@@ -103,15 +103,16 @@ class MemberSums:
 
     @property
     def version(self) -> str:
-        """Version of stiction that computed the result."""
+        """Version of stiction with which the result was computed."""
         if isinstance(self.source, StoredResult):
             return self.source.version
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the named variables of one group of members at a time, so that one group is in memory.
+        """Yield the result in pieces of several members, so that only one piece is in memory at a time.
 
-        The pieces depend only on the study, so that sums over the pieces are bitwise reproducible.
+        `names` lists the variables of a piece, by default all variables. The pieces depend only on the study, so that
+        sums over the pieces are bitwise reproducible.
         """
         if names is not None:
             first = self._first_member if isinstance(self.source, StoredResult) else self.source
@@ -130,9 +131,9 @@ class MemberSums:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over the solved members at each loading step, with NaN where no member was solved.
+        """Average variables over all solved members at each loading step; NaN at steps where no member was solved.
 
-        Only one piece of the result is held in memory at a time.
+        Only one piece of the result is in memory at a time.
         """
         import xarray
 
@@ -157,15 +158,14 @@ class MemberSums:
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Elastic load (mN) at each loading step, averaged over the solved members."""
+        """Mean elastic load (mN) at each loading step, over all solved members."""
         return share(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Read data stored beside the result with the function `read`, and cache the data.
+        """Load data that is stored in the directory of the result, with the function `read`, and cache the data.
 
-        Returns None for results in memory. The arrays of datasets are read-only.
-
-        The value None is not cached, because an unfinished run may add the data later.
+        Returns None for results in memory. The arrays of datasets are read-only. The value None is not cached, because
+        an unfinished run may add the data later.
         """
         check_callable("read", read)
         if self.stored is None:
@@ -178,7 +178,7 @@ class MemberSums:
         return share(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, cached for the next call with the same function.
+        """Return `compute(self)`. The value is cached for later calls with the same function.
 
         The arrays of datasets are read-only.
         """
@@ -188,5 +188,5 @@ class MemberSums:
         return share(self._computed[compute])  # type: ignore[no-any-return]
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write the result to a new netCDF file, including all variables, coordinates and attributes."""
+        """Write the result with all variables, coordinates and attributes to a new netCDF file."""
         export(self.dataset, parse_path("path", path))

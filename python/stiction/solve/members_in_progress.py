@@ -39,7 +39,7 @@ _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
 MAX_LINEAR_FRACTION = 0.5
-"""Fraction of the expected iterations up to which the progress of a member is proportional to its iterations.
+"""Fraction of the expected iterations up to which a member's progress is proportional to the number of iterations.
 
 Beyond this fraction, the progress approaches 1 without reaching it, because the number of iterations is not known in
 advance.
@@ -47,7 +47,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing, with their progress and their stored steps.
+    """Members that a run is computing, with the progress of each member and its finished steps on disk.
 
     `estimate_iterations` returns the expected number of iterations of a member.
     """
@@ -59,17 +59,17 @@ class MembersInProgress:
 
     @cached_property
     def _key(self) -> str:
-        """Checksum of everything on which the bits of a member depend."""
+        """Checksum of everything that can affect the bits of a member: study, software and machine."""
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Create or open the record of a member that a run starts to compute, and return the record."""
+        """Return the record of a member whose computation starts, with the steps that an interrupted run has stored."""
         record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record
 
     def remove(self, members: range) -> None:
-        """Remove the records and files of members whose block is stored."""
+        """Remove the records and files of members whose results have been stored in a block."""
         for member in members:
             if record := self._records.pop(member, None):
                 self._finished_counts.append(record.counter.count)
@@ -77,7 +77,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Return the sum of the finished fractions of the members that are being computed."""
+        """Estimate the progress of all members in computation: the sum of the finished fraction of each member."""
         if not self._records:
             return 0.0
         counts = [count for count in self._finished_counts if count > 0]
@@ -89,7 +89,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str) -> str:
-    """Return a checksum of inputs, software and machine, on which the bits of a computation depend."""
+    """Compute a checksum of a study, the software and the machine, all of which can affect the bits of a result."""
     import scipy
 
     all_inputs = (
@@ -100,19 +100,19 @@ def compute_steps_key(inputs: str) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that reads and stores the finished steps of a member in a result directory."""
+    """Return a record that reads and writes the finished steps of a member in a result directory."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:
-    """Estimate the finished fraction of a member from its finished and its expected iterations."""
+    """Estimate the finished fraction of a member from the ratio of finished to expected iterations."""
     if iteration_ratio <= MAX_LINEAR_FRACTION:
         return iteration_ratio
     return 1 - MAX_LINEAR_FRACTION**2 / iteration_ratio
 
 
 def find_members_in_progress(directory: Path) -> set[int]:
-    """Return the members with stored steps in a result directory."""
+    """Return the indices of the members with stored steps in a result directory."""
     return {
         member
         for member, member_directory in _list_member_directories(directory)
@@ -121,7 +121,11 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove stored steps from a result directory, by default of all members and with any checksum."""
+    """Remove stored steps of members from a result directory.
+
+    `members` selects the members, and `key` selects the checksum. By default, the steps of all members with any
+    checksum are removed.
+    """
     for member, member_directory in _list_member_directories(directory):
         if (members is None or member in members) and (key is None or member_directory.name.endswith(f"-{key}")):
             with contextlib.suppress(OSError):
@@ -145,7 +149,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record that stores the finished steps of a member, and reads the steps of an interrupted computation."""
+    """Record of a member's computation that stores finished steps, and reads the steps of an interrupted run."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()
@@ -193,7 +197,7 @@ class _StoredRecord(SolutionRecord):
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Return the result of a stored step, or None if this step or an earlier step is missing."""
+        """Read the result of a finished step, or return None if this step or an earlier step is not stored."""
         result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result
@@ -202,9 +206,9 @@ class _StoredRecord(SolutionRecord):
         return self._is_writable and time.monotonic() - self._last_time > STORAGE_INTERVAL
 
     def _write(self, state: StepResult) -> None:
-        """Write the finished steps of a member, and the state of the current step.
+        """Write the results of newly finished steps, and the state of the current step, to files.
 
-        A step that cannot be written does not end the computation: after an interruption, the member is computed again.
+        A failure to write does not end the computation; after an interruption, the member is computed again.
         """
         try:
             self._directory.parent.mkdir(exist_ok=True)
@@ -226,7 +230,7 @@ def _encode_result(result: StepResult) -> bytes:
 
 
 def _read_result(path: Path) -> StepResult | None:
-    """Read the result of a stored step, or return None if its file is missing or damaged."""
+    """Read the result of a finished step from a file, or return None if the file is missing or damaged."""
     try:
         with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_BYTES)), allow_pickle=False) as file:
             return dict(file.items())

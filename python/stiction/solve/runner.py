@@ -1,4 +1,4 @@
-"""Run of a study: an executor computes each block of members in a separate task."""
+"""Run of a study: the members are divided into blocks, and an executor computes each block as a separate task."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result that is not stor
 
 
 def choose_block_size(study: Study) -> int:
-    """Return the number of members per block."""
+    """Return the number of members per block, chosen from the time and the memory that a member takes."""
     size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
     num_members = study.ensemble.repetitions
@@ -85,7 +85,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute the contact sums of all members of a study, in memory or in a directory. Arguments: as for `run`."""
+    """Compute the contact sums of all members of a study, and keep the sums in memory or store them in a directory."""
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -106,13 +106,11 @@ def compute_missing_blocks(
     study: Study, directory: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute all blocks of a study that are missing in its directory.
+    """Compute all blocks of a study that its result directory does not contain yet, and return the number of members.
 
-    The part (3, 16) is every 16th block, starting with the third.
-
-    Several processes can compute different parts in one directory; a process without a part computes all missing
-    blocks. `announce` receives a line about the work ahead. Returns the number of finished repetitions of the study, or
-    of the part. Raises the errors of `run`.
+    With `part`, only some of the blocks are computed: the part (3, 16) is every 16th block, starting with the third.
+    Several processes can compute different parts in one directory. `announce` receives a line about the work ahead.
+    Returns the number of finished members of the study or, with `part`, of the part. Raises the errors of `run`.
     """
     with DirectoryClaim(directory) as claim:
         stored_result = complete_blocks(
@@ -129,7 +127,7 @@ def compute_missing_blocks(
 def prepare_result_directory(
     study: Study, directory: str | Path, claim: DirectoryClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
-    """Create or open the directory of a study, and claim it for this run.
+    """Create the result directory of a study or open the existing one, and claim it for this run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -191,7 +189,7 @@ def _compute_blocks(
     pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
     update: Callable[[str], None] | None,
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a stored result, and write them to files.
+    """Compute the missing blocks of a stored result, and write a file for each block.
 
     Workers that can access the directory write the block files.
     """
@@ -248,7 +246,7 @@ def _compute_blocks(
 
 @contextlib.contextmanager
 def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
-    """Create a file that marks the run and exists until its end.
+    """Create a file in the result directory that exists until the end of the run, and thereby marks the run as active.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
@@ -262,7 +260,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to messages about storage errors and lost workers."""
+    """Add the number of finished members to the messages of storage errors and lost workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -316,7 +314,7 @@ LONG_RUN_TIME = 600.0
 def _describe_remaining_work(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
-    """Describe the remaining work of a run in one line: time, files, and whether the disk is too small."""
+    """Describe the work ahead in one line: members, time, files, and the free disk space if it may not suffice."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
@@ -348,9 +346,9 @@ MIN_REPORTED_TIME = 60.0  # a new estimate of the run time is printed if at leas
 def _format_revised_time_estimate(
     study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
 ) -> str:
-    """Return a line with the estimate of the run time, revised after the first block.
+    """Return a line with a new estimate of the remaining time, made after the first block.
 
-    The line is empty if little time remains, or if the first estimate was right.
+    The line is empty if little time remains, or if the first estimate was not too low.
     """
     remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
     if remaining_time < MIN_REPORTED_TIME or seconds < 2 * members * cost:
@@ -361,7 +359,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Unfinished members of a study, as ranges of members within a block."""
+    """Ranges of members that a run still has to compute. Each range lies within one block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -391,11 +389,10 @@ def _submit_member_ranges(
     unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members, and pass its result to `accept`.
+    """Submit a task for each range of missing members to a pool, and pass each result to `accept`.
 
-    While tasks run, `advance` is called with 0, which updates the displayed progress.
-
-    At most `max_tasks` tasks are queued at a time. An error cancels the remaining tasks.
+    While tasks run, `advance` is called with 0, which updates the displayed progress. At most `max_tasks` tasks are
+    queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
@@ -434,13 +431,13 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory to which workers write blocks themselves if they can access it."""
+    """Result directory to which workers write blocks themselves if their file system contains the directory."""
 
     path: Path
     token: str  # name of the file that marks the run and exists in the blocks directory until its end
 
     def is_accessible(self) -> bool:
-        """Return whether this process can access the directory."""
+        """Return whether this process can access the directory, and the run is still active."""
         return (self.path / BLOCKS_DIRECTORY / self.token).exists()
 
 
@@ -448,7 +445,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write its file, or return its content if the directory is not accessible."""
+    """Compute a block of members and write the block file, or return the content if the directory is not accessible."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
@@ -462,7 +459,7 @@ def compute_block(
 def compute_block_arrays(
     version: str, study: Study, members: range, members_in_progress: MembersInProgress | None = None
 ) -> ArraysByName:
-    """Compute the arrays of a block of members.
+    """Compute the arrays of all variables for a block of members.
 
     Raises a `StudyError` if `version` is not the version of this process.
     """
@@ -484,11 +481,10 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def compute_preview_sums(study: Study) -> MemberSums:
-    """Compute a preliminary result from the first few members of a study.
+    """Compute the contact sums of the first few members of a study, for a preview of the result.
 
-    Raises a `ValueError` if their contact cannot be computed.
-
-    The computation takes less than a second with the asperity model, which serves as a preview of a half-space result.
+    With the asperity model, which also serves as a preview of a half-space result, the computation takes less than a
+    second. Raises a `ValueError` if the contact of these members cannot be computed.
     """
     members = range(min(NUM_PREVIEW_MEMBERS, study.ensemble.repetitions))
     arrays = stack_members(study, [compute_member_arrays(study, member) for member in members])

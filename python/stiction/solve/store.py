@@ -104,7 +104,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """File with a block of members. The file name contains the range of members and a checksum."""
+    """Name of a block file: first and last member, and the checksum of the file."""
 
     first: int
     last: int
@@ -112,13 +112,13 @@ class BlockFile:
 
     @property
     def name(self) -> str:
-        """Name of the block file."""
+        """Name of the block file without its directory."""
         return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
 
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result directory: study, progress, size and version."""
+    """Description of a result directory: study, number of finished members, file size and version."""
 
     study: Study
     finished: int  # number of finished repetitions, of `study.ensemble.repetitions`
@@ -128,7 +128,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result that is stored in a directory.
+    """Result of a study that is stored as a study file and block files in a directory.
 
     Blocks are read on demand, and a result that fits into a single piece is cached.
     """
@@ -139,7 +139,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Blocks of the result, each with the range of members to read from it.
+        """Block files of the result, each with the first member to read and the member after the last.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -165,7 +165,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that computed the first block, or the running version if no block is stored."""
+        """Version of stiction with which the first block was computed, or the running version if no block is stored."""
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
@@ -175,20 +175,23 @@ class StoredResult:
 
     @property
     def nbytes(self) -> int:
-        """Size of the result in memory, in bytes."""
+        """Size of the finished members in memory, in bytes."""
         return self.num_finished * compute_bytes_per_member(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the result with the blocks that its directory contains now."""
+        """Return the stored result with the blocks that its directory contains at present."""
         return StoredResult(self.path, self.study, _list_block_files(self.path))
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Content of the first block, whose study may differ from the study file."""
+        """Members in the first block file, and the study with which they were computed.
+
+        This study may differ from the study file, for example in inputs that do not affect the members.
+        """
         return self._read_block(self._block_ranges[0][0] if self._block_ranges else self.blocks[0])
 
     def dataset(self) -> xarray.Dataset:
-        """Return a dataset of all finished members.
+        """Return all finished members of the result as a dataset.
 
         Raises a `StoreError` if the dataset exceeds 2 GiB, or if the result has no finished members, is damaged, or
         does not match its study.
@@ -209,11 +212,11 @@ class StoredResult:
         )
 
     def first_member(self) -> xarray.Dataset:
-        """Return a dataset of the first finished member. There must be a finished member."""
+        """Return the first finished member of the result as a dataset. At least one member must be finished."""
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in groups of members, with one group in memory at a time (see `Result.pieces`)."""
+        """Yield the finished members in groups, so that only one group is in memory at a time (see `Result.pieces`)."""
         selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
@@ -232,11 +235,11 @@ class StoredResult:
 
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:
-        """Dataset of the whole result, with read-only arrays that all tables and figures share."""
+        """Dataset with all finished members. The arrays are read-only, because all tables and figures share them."""
         return share(self._read_member_range(0, self.num_finished))
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
-        """Return a dataset of the finished members `self.finished_members[first:last]`, in ascending order.
+        """Read some finished members, `self.finished_members[first:last]`, and return them as a dataset.
 
         `names` lists the variables of the dataset; by default, the dataset has all variables.
         """
@@ -266,9 +269,9 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return at least the named arrays of a block of members.
+        """Read arrays of a block of members, at least those in `names`.
 
-        The first call for a block checks the whole block. Later calls decode only the named arrays, unless the block
+        The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
         """
         is_first = block is self._block_ranges[0][0]
@@ -284,11 +287,11 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Blocks whose study has been checked, so that single variables can be read without another check."""
+        """Block files that were checked completely, so that single variables can be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
-        """Read a block, check it against the checksum in its file name, and return its content."""
+        """Read a block file, check it against the checksum and the members in its name, and return its content."""
         with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
@@ -299,7 +302,7 @@ class StoredResult:
         return content
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Return the named arrays of a block that has been checked before."""
+        """Read only the arrays in `names` from a block file that has been checked before."""
         numbers = np.arange(block.first, block.last + 1)
         shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
@@ -310,7 +313,7 @@ class StoredResult:
 
     @contextmanager
     def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
-        """Convert errors while reading a block to a `StoreError` that names its file."""
+        """Convert errors that occur while a block file is read to a `StoreError` with the name of the file."""
         try:
             yield
         except OSError as error:
@@ -330,7 +333,7 @@ def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError
 
 
 def read(path: str | Path) -> xarray.Dataset:
-    """Read a result from a directory, or from a netCDF file that `export` has written.
+    """Read a result from a result directory, or from a netCDF file that `export` has written.
 
     If the study is not finished, the dataset contains only the finished repetitions, and a warning is issued.
 
@@ -370,7 +373,7 @@ def read(path: str | Path) -> xarray.Dataset:
 def read_companion_file(
     path: Path, variables: Mapping[str, VariableSpec], attributes: Mapping[str, AttributeSpec] | None = None
 ) -> xarray.Dataset | None:
-    """Read a companion file of a result, and check its variables and attributes.
+    """Read a netCDF file of additional data that is stored with a result, and check its variables and attributes.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -430,7 +433,7 @@ def open_stored_result(path: str | Path) -> StoredResult:
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
-    """Open the result in a directory, or return None if its study file is missing or empty.
+    """Open the result in a directory, or return None if the directory has no study file or an empty one.
 
     Raises a `StoreError` if the study file is damaged.
     """
@@ -439,12 +442,12 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a directory contains blocks for all members of a study. The blocks are not read."""
+    """Return whether a directory contains block files for all members of a study. The block files are not read."""
     return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Return a description of a result directory, reading at most one block.
+    """Return study, number of finished members, file size and version of a stored result.
 
     Raises
     ------
@@ -490,7 +493,7 @@ def _read_study_file(path: Path) -> Study:
 
 
 def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim | None = None) -> StoredResult:
-    """Create a result in a directory, or open the result of the same study there.
+    """Create the result of a study in a directory, or open the result if the directory already contains the study.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
     directory. Raises a `StoreError` if the directory cannot be written, contains another study, is in use by a run of
@@ -519,7 +522,10 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
 
 
 def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Write the study file of a result, replacing only a file that stiction wrote and no other run uses."""
+    """Write the study file of a result.
+
+    An existing study file is replaced only if stiction wrote it, and if no other run uses the directory.
+    """
     path, study = stored_result.path, stored_result.study
     text = study.to_toml()
     content = f"{_format_study_file_header(text)}\n\n{text}".encode()
@@ -537,12 +543,12 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
 
 
 def _format_study_file_header(text: str) -> str:
-    """Return the first line of a study file, whose checksum shows whether the file was edited."""
+    """Return the first line of a study file, with a checksum that shows whether the file was edited later."""
     return f"{STUDY_FILE_SIGNATURE} {__version__}. CRC-32 of the text below: {zlib.crc32(text.encode()):08x}."
 
 
 def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Remove the files of a result (study, blocks, areas, onset) from a directory, and no other files.
+    """Remove all files of a result (study, blocks, areas, onset) from a directory, but no other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
@@ -559,7 +565,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if the stored blocks do not fit the study, so that the run cannot be resumed."""
+    """Raise a `StoreError` if the stored blocks do not belong to the study, or cannot be completed by this version."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -592,9 +598,10 @@ def _check_resumable(stored_result: StoredResult) -> None:
 
 
 def check_unedited(path: Path) -> None:
-    """Raise a `StoreError` if a user has written or edited the study file in a directory.
+    """Raise a `StoreError` if the study file in a directory was written or edited by hand.
 
-    A crash of the machine may leave an empty file. Copying may have changed line ends. A link is never replaced.
+    An empty file, which a crash of the machine may leave, and changed line ends are accepted. Symbolic links are
+    rejected.
     """
     file = path / STUDY_FILE
     try:
@@ -618,9 +625,10 @@ def check_unedited(path: Path) -> None:
 
 
 def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
-    """Return whether a study file without checksum belongs to the blocks of its directory.
+    """Return whether a study file was written by an earlier version, which added no checksum.
 
-    Earlier versions wrote no checksum. Their results can be extended, although a changed value would not be noticed.
+    The version in the file must be the version of the blocks. Such a result can be extended, although a changed value
+    in the study file would not be noticed.
     """
     match, blocks = _OLD_STUDY_FILE_HEADER_PATTERN.fullmatch(header), _list_block_files(path)
     if match is None or not blocks:
@@ -634,7 +642,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StoreError` if the study in a directory must not be replaced."""
+    """Raise a `StudyMismatchError` if the study file in a directory was edited and must not be replaced."""
     try:
         check_unedited(path)
     except EditedStudyError:
@@ -644,7 +652,7 @@ def _check_replaceable(path: Path, study: Study) -> None:
 
 
 def check_unused(path: Path, claim: DirectoryClaim) -> None:
-    """Raise a `StoreError` if another active run uses a result directory that this run has claimed."""
+    """Raise a `StoreError` if another run is using a result directory that this run has claimed."""
     if competitor := claim.find_other_claim():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
@@ -653,7 +661,7 @@ def check_unused(path: Path, claim: DirectoryClaim) -> None:
 
 
 def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = False) -> bool:
-    """Return whether a directory contains a given study in a readable file."""
+    """Return whether the study file in a directory is readable and contains a given study."""
     try:
         stored_study = _read_study_file(path)
     except (OSError, ValueError):
@@ -664,7 +672,7 @@ def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = 
 
 
 class EditedStudyError(StoreError):
-    """Error raised if a run would replace a study file that a user has written or edited."""
+    """Error raised if a run would replace a study file that was written or edited by hand."""
 
 
 class StudyMismatchError(StoreError):
@@ -690,12 +698,12 @@ class StudyMismatchError(StoreError):
         self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
-        """Return a copy of the error with another remedy."""
+        """Return a copy of the error whose message ends with other advice."""
         return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
 
 
 def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
-    """Write a block file with `num_members` members from the index `first_member` on.
+    """Write a block file for `num_members` members, the first of which has the index `first_member`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -718,8 +726,8 @@ NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
-return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove the
-checksum.
+return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove
+the checksum.
 """
 
 _template_lock = threading.Lock()  # lets only one thread create the template file
@@ -727,7 +735,7 @@ _template_lock = threading.Lock()  # lets only one thread create the template fi
 
 @dataclass(frozen=True)
 class BlockFileContent:
-    """Content of a block file, which stores some members of a result."""
+    """Content of a block file: arrays of several members, and the study and version that computed the members."""
 
     study: Study
     version: str  # version of stiction with which the members were computed
@@ -738,7 +746,7 @@ class BlockFileContent:
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Convert the arrays of `stack_members` to the bytes of a block file.
+    """Convert the arrays of several members to the bytes of a block file.
 
     Equal members give equal bytes.
     """
@@ -759,7 +767,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _encode_block_of_zeros(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file with `count` members whose numbers are all 0.
+    """Return the bytes of a block file for `count` members in which all numbers are 0, as a template for block files.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -773,7 +781,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file that has the same content as a file written by xarray.
+    """Write a dataset to a netCDF file with the same content as a file that xarray would write.
 
     xarray would look up each dimension in the file for each variable, which takes three times as long, and its locks
     would require a Dask scheduler in Dask workers.
@@ -811,7 +819,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
 
 
 NON_VARIABLE_DIMENSION_TEXT = "This is a netCDF dimension but not a netCDF variable."
-"""Beginning of the label that the netCDF format requires for a dimension without a variable. The size follows."""
+"""Beginning of the label that the netCDF format requires for a dimension without coordinates. The size follows."""
 
 
 def _create_variable(file: h5py.File, name: str, values: NDArray[Any]) -> h5py.Dataset:
@@ -827,13 +835,16 @@ def _create_variable(file: h5py.File, name: str, values: NDArray[Any]) -> h5py.D
 
 
 def _write_attributes(target: h5py.File | h5py.Dataset, attributes: Mapping[Any, Any]) -> None:
-    """Write attributes of a netCDF file or variable. In the netCDF format, numbers are arrays with one element."""
+    """Write attributes to a netCDF file or variable.
+
+    As in the netCDF format, a number is stored as an array with one element.
+    """
     for name, value in attributes.items():
         target.attrs[str(name)] = np.atleast_1d(value) if np.isscalar(value) and not isinstance(value, str) else value
 
 
 def _write_netcdf_properties(file: h5py.File) -> None:
-    """Write the hidden attribute that identifies netCDF files: a text that ends with a zero byte."""
+    """Write the hidden attribute that marks a file as netCDF."""
     import h5py
 
     text = f"version=2,h5py={h5py.version.version},hdf5={h5py.version.hdf5_version}".encode()
@@ -844,13 +855,13 @@ def _write_netcdf_properties(file: h5py.File) -> None:
 
 
 def append_checksum(file: io.BytesIO) -> None:
-    """Append `CHECKSUM_PREFIX` and a checksum of all preceding bytes to a file."""
+    """Append `CHECKSUM_PREFIX` and a checksum of all bytes written so far to a file."""
     file.seek(0, io.SEEK_END)
     file.write(CHECKSUM_PREFIX + b"%08x" % zlib.crc32(file.getbuffer()))
 
 
 def decode_members(content: bytes) -> BlockFileContent:
-    """Return the members in the bytes of a block file.
+    """Decode the bytes of a block file to members.
 
     Raises a `DamagedFileError` if the arrays do not match the study in the file, or if an array or an attribute has
     values that no computation returns.
@@ -900,7 +911,7 @@ def decode_members(content: bytes) -> BlockFileContent:
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
-    """Raise a `DamagedFileError` if arrays of members contain numbers that no computation returns.
+    """Raise a `DamagedFileError` if arrays of members contain values that no computation returns.
 
     Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
     fails at a load, all contact sums are NaN. A contact that carries a load has an area.
@@ -958,14 +969,14 @@ def _parse_stored_study(text: str) -> Study:
 
 
 def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return a variable of a block, or NaN if the block's version did not compute it yet."""
+    """Read a variable of a block, or return NaN if the version that wrote the block did not compute this variable."""
     if name in QUANTITIES and QUANTITIES[name].is_optional and name not in file:
         return np.full(shape, np.nan)
     return _read_variable(file, name, shape)
 
 
 def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Return a variable of an HDF5 file. Variables in linked files are rejected."""
+    """Read a variable of an HDF5 file. Variables that are links to other data are rejected."""
     import h5py
 
     # These low-level calls of h5py take half the time of its classes, which matters for many small variables.
@@ -994,7 +1005,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
 
 
 class ExportError(ValueError):
-    """Error raised if an exported file cannot be written."""
+    """Error raised if a result cannot be exported to a file."""
 
 
 def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) -> None:
