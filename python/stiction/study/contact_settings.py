@@ -80,13 +80,13 @@ MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which hei
 
 
 class HertzCylinderSettings(SettingsSection):
-    """Section `law` for elastic cylinders, with the width of the cylinders."""
+    """Section `law` for the contact law of elastic cylinders, with the width of the cylinders."""
 
     name: Literal["hertz-cylinder"]
     width: Length
 
     def law(self) -> HertzCylinder:
-        """Return the contact law that this section specifies."""
+        """Return the contact law of elastic cylinders with the width in this section."""
         return HertzCylinder(width=float(self.width))
 
 
@@ -98,7 +98,7 @@ class JacksonGreenSettings(SettingsSection):
     poisson_ratio: Annotated[float, Field(ge=0, le=0.5)]
 
     def law(self) -> JacksonGreen:
-        """Return the contact law that this section specifies."""
+        """Return the Jackson-Green contact law with the yield strength and Poisson's ratio in this section."""
         return JacksonGreen(yield_strength=float(self.yield_strength), poisson_ratio=self.poisson_ratio)
 
 
@@ -107,11 +107,11 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
-"""Classes for the sections `law` of contact laws that have parameters, by the value of the key `name`."""
+"""Classes of the section `law`, by name of the contact law. Other contact laws have no parameters."""
 
 
 def _parse_law(value: object) -> LawName | LawTableSettings:
-    """Parse a contact law, given by its name or as a section with parameters."""
+    """Parse the key `law` of a study file: the name of a contact law, or a section with its parameters."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -147,11 +147,11 @@ CurvatureSetting = Annotated[
 ]
 MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
 DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
-"""Keys of the section that follow from Young's moduli and Poisson's ratios, if these are given."""
+"""Keys of the section `[contact]` that are computed if Young's moduli and Poisson's ratios are given."""
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a property of both bodies as a pair. A single number applies to both."""
+    """Return a property of both bodies as a pair of values. A single value applies to both bodies."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -162,9 +162,9 @@ PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _for_both
 
 
 class OnsetSettings(SettingsSection):
-    """Section for the onset of sliding: mu0 and tau0, with friction at all contacts.
+    """Section with mu0 and tau0 for the onset of sliding of generated surfaces, with friction at all contacts.
 
-    The result stores the onset for these parameters only.
+    A result stores the onset of sliding for these parameters only.
     """
 
     mu0: float = Field(default=0.4, ge=0, description="Molecular friction coefficient.")
@@ -194,7 +194,7 @@ class CommonContactSettings(SettingsSectionVariant):
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Quantity that each loading step prescribes: "approach" or "load"."""
+        """Quantity that is prescribed at each loading step: "approach" or "load"."""
         return "load"
 
     def loading_steps(self) -> Floats:
@@ -202,19 +202,19 @@ class CommonContactSettings(SettingsSectionVariant):
         raise NotImplementedError
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return the sliding rules of the section."""
+        """Return the sliding rules for which the section requests results."""
         raise NotImplementedError
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return the directions of motion, as given by the key `shear` or `direction`."""
+        """Return the directions of motion of the upper body, as given by the key `shear` or `direction`."""
         raise NotImplementedError
 
     def direction_angles(self) -> Floats:
-        """Return the directions of motion in degrees from +x towards +y."""
+        """Return the directions of motion of the upper body in degrees from +x towards +y."""
         return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the coordinates of a result that describe the motion: sliding rules, and directions in degrees."""
         return {"sliding": list(self.sliding_rules()), "direction": self.direction_angles().tolist()}
 
 
@@ -244,16 +244,19 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
         return self
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return the sliding rules of the section."""
+        """Return the sliding rules for which the section requests results."""
         return self.sliding if isinstance(self.sliding, tuple) else (self.sliding,)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return the directions of motion, as given by the key `shear` or `direction`."""
+        """Return the directions of motion of the upper body, as given by the key `shear` or `direction`."""
         direction_value = self.shear if self.direction is None else self.direction
         return direction_value if isinstance(direction_value, tuple) else (direction_value,)
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are given as lists, and not as single values."""
+        """Return the coordinates of a result that describe the motion: sliding rules, and directions in degrees.
+
+        For generated surfaces, a single rule or direction is not a coordinate.
+        """
         is_list = {"sliding": isinstance(self.sliding, tuple), "direction": isinstance(self.direction, tuple)}
         return {name: values for name, values in super().motion_coordinates().items() if is_list[name]}
 
@@ -298,7 +301,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Add E* and the lower body's fraction of the compliance, if Young's moduli are given."""
+        """Compute E* and the lower body's fraction of the compliance if the section contains Young's moduli."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -331,7 +334,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
         return to_value_array(self.load)
 
     def sliding_rules(self) -> tuple[SlidingRule, ...]:
-        """Return both sliding rules, "all" and "opposing"."""
+        """Return both sliding rules, "all" and "opposing", because measured surfaces have results for both."""
         return "all", "opposing"
 
 
@@ -341,7 +344,7 @@ class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
     place: ClassVar[str] = "measured lines"
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return both directions of motion, "+x" and "-x"."""
+        """Return both directions of motion of a profile, "+x" and "-x"."""
         return "+x", "-x"
 
 
@@ -353,7 +356,7 @@ class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
     direction: Directions = Field(default=DEFAULT_DIRECTIONS, description=DIRECTION_DESCRIPTION)
 
     def directions_of_motion(self) -> tuple[Direction, ...]:
-        """Return the directions of motion of the section."""
+        """Return the directions of motion of a height map, as given by the key `direction`."""
         assert self.direction is not None
         return self.direction if isinstance(self.direction, tuple) else (self.direction,)
 
@@ -454,7 +457,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return arguments of `half_space` for material, boundary conditions and tilt."""
+        """Return the arguments of `half_space` for the materials, adhesion, boundary conditions and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -489,11 +492,11 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of the contact model for the direction of motion. The default is no arguments."""
+        """Return the arguments of `ContactModel` for the direction of motion: none for measured surfaces."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model for a sliding rule, by default the first rule of the section."""
+        """Return the asperity model of the section for one sliding rule, by default the first rule of the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -528,7 +531,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Quantity that each loading step prescribes: "approach" or "load"."""
+        """Quantity that is prescribed at each loading step: "approach" or "load"."""
         return "approach"
 
     def loading_steps(self) -> Floats:
@@ -536,7 +539,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
         return to_value_array(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of the contact model for the direction of motion."""
+        """Return the arguments of `ContactModel` for the direction of motion of generated surfaces."""
         return {"shear": self.shear, "direction": self.direction}
 
 
@@ -606,7 +609,7 @@ ContactSettings = (
     | MeasuredLineHalfSpaceSettings
     | MeasuredMapHalfSpaceSettings
 )
-"""Section `[contact]` of a study."""
+"""Section `[contact]` of a study: one of eight classes, for each combination of bodies and contact model."""
 
 CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
     "generated lines": {
@@ -617,19 +620,23 @@ CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
     "measured lines": {"asperities": MeasuredLineAsperitySettings, "half-space": MeasuredLineHalfSpaceSettings},
     "measured areas": {"half-space": MeasuredMapHalfSpaceSettings, "asperities": MeasuredMapAsperitySettings},
 }
-"""Classes of the section by kind of bodies and value of `mechanics`; the first class of each kind is the default."""
+"""Classes of the section `[contact]`, by kind of bodies and value of the key `mechanics`. The first class of each kind
+is the default.
+"""
 
 SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
     GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
-"""Base classes whose keys several sections share; error messages about misplaced keys name these classes."""
+"""Base classes of `[contact]` with keys for several kinds of bodies. Messages about a misplaced key name the base class
+that has this key.
+"""
 
 
 def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], section: Mapping[str, Any]
 ) -> type[ContactSettings]:
-    """Return the class for the section `[contact]`, given the kind of surfaces and the key `mechanics`."""
+    """Return the class of a section `[contact]`, given the kind of surfaces and the key `mechanics` of the section."""
     settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
     return settings_classes[select_key_value("mechanics", section, settings_classes)]
 
@@ -672,7 +679,10 @@ def parse_contact_settings(
 
 
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add loads (mN) of a geometric series that extends below and above the given loads."""
+    """Add `num_loads` loads (mN) in geometric progression to given loads.
+
+    The progression begins below the smallest given load and ends above the largest, both by the factor `margin`.
+    """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     # Leave out a load of the series that nearly equals a requested load.
     is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
@@ -693,7 +703,7 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads, and additional ones.
+    """Return the loads (mN) at which a measured pair is solved: given loads, and loads around and between them.
 
     All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
     of successive loads is at most `MAX_AREAL_LOAD_RATIO`.

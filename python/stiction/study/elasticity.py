@@ -1,4 +1,4 @@
-"""Elastic constants of a pair, computed from moduli or from names of materials."""
+"""Elastic constants of a pair of bodies, from elastic moduli or from names of materials."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 @dataclass(frozen=True)
 class PairElasticity:
-    """Elastic constants of a pair, with the hardness of the softer body."""
+    """Elastic constants of a pair of bodies, and the hardness of the softer body."""
 
     effective_modulus: float  # effective modulus E* (GPa)
     # fraction of the elastic compliance that is due to the lower body; 0.5 if only E* is given
@@ -46,7 +46,7 @@ def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> PairElasticity:  # fmt: skip
-    """Return the elastic constants of a pair, given E*, Young's moduli and Poisson's ratios, or materials.
+    """Return the elastic constants of a pair from E*, from Young's moduli with Poisson's ratios, or from materials.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
@@ -134,7 +134,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of two materials, and the hardness of the softer material if it can yield."""
+    """Return the elastic constants of a pair of materials, and the hardness of the softer material if it can yield."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(
@@ -158,7 +158,7 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
 
 
 def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
-    """Return a note on materials that were given under alternative names."""
+    """Return a note about materials given under alternative names, as in '"100Cr6" is taken as bearing steel'."""
     aliases = [
         f'"{alternative}"{{}} as {name}'
         for alternative, name in name_pairs
@@ -169,9 +169,9 @@ def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
 
 
 def _load_material(argument: str, name: str) -> Any:
-    """Load a material by name.
+    """Load a material by its name.
 
-    The error message names the argument. If the name looks like a file, the message has a hint.
+    The error message for an unknown name states the argument and, if the name looks like a file name, a hint.
     """
     try:
         return material(name)
@@ -189,9 +189,9 @@ def _load_material(argument: str, name: str) -> Any:
 
 
 def derive_elasticity(young: Sequence[float], poisson: Sequence[float], *, is_named: bool) -> PairElasticity:
-    """Return the elastic constants of a pair from Young's moduli (GPa) and Poisson's ratios of both bodies.
+    """Compute the elastic constants of a pair from Young's moduli (GPa) and Poisson's ratios of both bodies.
 
-    E* of materials given by their names is rounded to three digits.
+    If the materials are given by name, E* is rounded to three digits.
     """
     elasticity = _combine_moduli(young[0], poisson[0], young[1], poisson[1])
     if not is_named:
@@ -204,7 +204,7 @@ def derive_elasticity(young: Sequence[float], poisson: Sequence[float], *, is_na
 
 
 def format_material_value(value: MaterialValue, unit: str = "", *, digits: int = NUM_MATERIAL_DIGITS) -> str:
-    """Return a property of a material as text for a study file, with its range, as in "0.625 GPa (0.23..1.7 GPa)"."""
+    """Format a property of a material with its range for a study file, as in "0.625 GPa (0.23..1.7 GPa)"."""
     unit = f" {unit}" if unit else ""
     if value.low == value.high:
         return f"{value.low:g}{unit}"

@@ -61,11 +61,11 @@ MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
-    """Keys of `[surfaces]` for all generated surfaces: fractal dimension and amplitude."""
+    """Keys of `[surfaces]` that all generated surfaces have: fractal dimension and amplitude."""
 
     bodies: ClassVar[str] = "generated areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
-    """True if members are pairs of height maps rather than profiles."""
+    """True if the members are pairs of height maps, and False if they are pairs of profiles."""
 
     press: ClassVar[None] = None
     level: ClassVar[None] = None
@@ -95,7 +95,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return self
 
     def max_wavelength(self) -> float:
-        """Return the longest wavelength (µm) of the surfaces, the length scale of Eq. 1."""
+        """Return the longest wavelength (µm) of the generated surfaces: the length scale L of Eq. 1."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:
@@ -107,12 +107,12 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the fractal dimensions D and the amplitudes (µm) for which a result is computed."""
+        """Return the fractal dimensions and the amplitudes (µm) of the study; results exist for all combinations."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
-    """Keys of `[surfaces]` for pairs of fractal profiles, generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal profiles, which Eq. 1 of the paper generates."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -136,12 +136,12 @@ class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
 
     @property
     def spacing(self) -> float:
-        """Grid spacing of the profiles, µm."""
+        """Distance (µm) between neighbouring points of the profiles."""
         return float(self.extent) / self.points
 
     @property
     def nominal_area(self) -> float:
-        """Nominal area (µm²) of a profile that is `PROFILE_WIDTH` wide."""
+        """Nominal area (µm²) of a profile: its length times `PROFILE_WIDTH`."""
         return float(self.extent) * PROFILE_WIDTH
 
 
@@ -175,7 +175,7 @@ class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
 
 
 class WeierstrassMandelbrotSettings(GeneratedMapSettings):
-    """Keys of `[surfaces]` for pairs of fractal height maps, generated with Eq. 1 of the paper."""
+    """Keys of `[surfaces]` for pairs of fractal height maps, which Eq. 1 of the paper generates."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 
@@ -206,7 +206,7 @@ def _to_fractal_dimensions(exponents: Any) -> Any:
 
 
 class SelfAffineSettings(GeneratedMapSettings):
-    """Keys of `[surfaces]` for pairs of height maps with Gaussian heights and a power-law spectrum."""
+    """Keys of `[surfaces]` for pairs of Gaussian height maps whose spectrum is a power law."""
 
     place: ClassVar[str] = "self-affine surfaces"
 
@@ -233,12 +233,12 @@ class SelfAffineSettings(GeneratedMapSettings):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Allowed values and meanings of alternative keys, which have the names of arguments of `self_affine_surface`."""
+    """Allowed values and descriptions of alternative keys, named like the arguments of `self_affine_surface`."""
 
     @model_validator(mode="before")
     @classmethod
     def _translate_alternative_keys(cls, keys: Any) -> Any:
-        """Replace alternative keys, such as `rms`, by the standard keys of the section."""
+        """Convert alternative keys, such as `hurst_exponent` or `rms`, to the standard keys of the section."""
         if not isinstance(keys, Mapping) or not cls.other_keys.keys() & keys.keys():
             return keys
         section = {key: value for key, value in keys.items() if key not in cls.other_keys}
@@ -291,7 +291,7 @@ class SelfAffineSettings(GeneratedMapSettings):
         return self
 
     def max_wavelength(self) -> float:
-        """Return the longest wavelength (µm) of the surfaces."""
+        """Return the longest wavelength (µm) of the generated surfaces."""
         return max(self.extents()) if self.longest_wavelength is None else float(self.longest_wavelength)
 
 

@@ -1,4 +1,4 @@
-"""Distributions of uncertain inputs: exact numbers, ranges, and numbers with a standard uncertainty.
+"""Probability distributions of inputs: exact numbers, ranges, and numbers with a standard uncertainty.
 
 Distributions are propagated by sampling (JCGM 101, 2008). The range of a hardness, a modulus or a strength represents a
 log-normal distribution with 95 % of its probability within the range. The range of a coefficient, or a value with a
@@ -31,7 +31,7 @@ Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribu
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest accepted standard uncertainty of an input, relative to its central value
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Pattern that matches a string with a range, an uncertainty or a hardness scale, but not a plain quantity."""
+"""Regular expression that finds a range, an uncertainty or a hardness scale in the text of an input."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,
@@ -46,14 +46,14 @@ _VICKERS_BY_ROCKWELL = {
     65: 832,
     68: 940,
 }
-"""Vickers hardness of steels as a function of Rockwell C hardness, from ISO 18265 (2013), table A.1, and ASTM E140."""
+"""Vickers hardness (HV) of steels by Rockwell C hardness (HRC), from ISO 18265 (2013), table A.1, and ASTM E140."""
 
 # Half width of the range of a hardness converted from HRC, relative to the hardness: the error is 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
-"""Mean pressure (GPa) at 1 HV, which is 1 kgf per mm² of indentation surface.
+"""Mean contact pressure (GPa) of a Vickers indentation at 1 HV.
 
-The projected area is 0.9272 of this surface.
+1 HV is 1 kgf per mm² of the indentation's surface, and the projected area is 0.9272 of this surface.
 """
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
@@ -82,7 +82,7 @@ MAX_CREEP_EXPONENT = 0.5
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """Probability distribution of an uncertain input, in core units."""
+    """Probability distribution of an input in core units: an exact number, or limits and a type of distribution."""
 
     # central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution)
     value: float
@@ -101,11 +101,11 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Short text of an input: a number with up to six digits, or a range as the user wrote it."""
+        """Text of an input: an exact number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
-        """Return whether a text describes the same hardness with the same uncertainty, possibly in another unit."""
+        """Return whether a text gives the same hardness with the same uncertainty, possibly in another unit."""
         try:
             other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
         except ValueError:
@@ -115,7 +115,7 @@ class UncertainInput:
         )
 
     def quantile(self, probability: ArrayLike) -> Floats:
-        """Return the quantiles of the input at given probabilities."""
+        """Return the quantiles of the distribution (core units) at given probabilities."""
         values = np.asarray(probability, dtype=np.float64)
         return np.minimum(self._compute_quantile(values), self.maximum)
 
@@ -139,7 +139,7 @@ class UncertainInput:
 
 
 def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
-    """Parse an uncertain input: a number in core units, or a text such as "20..80 MPa" or "150 ± 10 % HV".
+    """Parse an input: a number in core units, or a text such as "200 MPa", "20..80 MPa" or "150 ± 10 % HV".
 
     Raises
     ------
@@ -166,7 +166,7 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse the distribution of an uncertain input from words separated by single spaces."""
+    """Parse the distribution of an input from a text in which words are separated by single spaces."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()
@@ -217,18 +217,18 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness in HRC, widened by the error of the unit conversion."""
+    """Return the distribution of a hardness in GPa, given its limits and a text in HRC."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
 
 
 class _NumberOutsideRangeError(ValueError):
-    """Error raised if an input is not finite, negative or larger than `MAX_INPUT_NUMBER`."""
+    """Error raised if an input is infinite, NaN, negative or larger than `MAX_INPUT_NUMBER`."""
 
 
 def _parse_number(name: str, text: str) -> float:
-    """Parse an input from 0 to `MAX_INPUT_NUMBER`."""
+    """Parse a dimensionless number from 0 to `MAX_INPUT_NUMBER`."""
     try:
         value = float(text)
     except ValueError:
@@ -240,7 +240,10 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative input, with a unit if `kind` is given."""
+    """Parse a number that is not negative.
+
+    With `kind`, a text contains a unit, and the value is returned in core units.
+    """
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
     unit_match = _TRAILING_UNIT_PATTERN.search(source) if kind == "hardness" and isinstance(source, str) else None
@@ -271,7 +274,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Append the unit of one text to the other text if the other text has no unit."""
+    """Return both limits of a range as texts with a unit, which the user may have given for one limit only."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -291,7 +294,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 
 def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
-    """Return the bits of the direction numbers of Sobol sequences, most significant first."""
+    """Compute the direction numbers of one dimension of a Sobol sequence, as bits from the most significant down."""
     numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(numbers) < SOBOL_BITS:
         number = numbers[-degree]
@@ -306,10 +309,10 @@ def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> 
 
 @lru_cache(maxsize=32)
 def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, seed: int = 0) -> Floats:
-    """Return `count` points of a scrambled Sobol sequence in the unit cube.
+    """Generate `count` points of a scrambled Sobol sequence in the unit cube, where `count` is a power of two.
 
-    `count` must be a power of two. The points are those of `scipy.stats.qmc.Sobol`. For few dimensions, they are
-    computed here, because importing `scipy.stats` takes longer than evaluating a result.
+    The points are those of `scipy.stats.qmc.Sobol`. For few dimensions, the points are computed here, because importing
+    `scipy.stats` takes longer than evaluating a result.
     """
     generator, num_bits = np.random.default_rng(seed), round(math.log2(count))
     if dimensions > len(SOBOL_GENERATORS):
@@ -338,12 +341,12 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
 
 def generate_stratified_points(dimensions: int) -> Floats:
-    """Return `NUM_INPUT_SAMPLES` points of a Sobol sequence in the unit cube."""
+    """Generate `NUM_INPUT_SAMPLES` points of a scrambled Sobol sequence in the unit cube, always the same points."""
     return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` samples of each uncertain input."""
+    """Draw `NUM_INPUT_SAMPLES` independent samples of each input from its distribution, by name of the input."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -354,20 +357,20 @@ INPUT_KINDS: dict[str, InputKind] = {
     "mu0": "", "tau0": "pressure", "hardness": "hardness", "effective_modulus": "modulus", "young": "modulus",
     "poisson": "", "creep": "", "junction_growth": "", "yield_exponent": "", "area_loss": "",
 }  # fmt: skip
-"""Kind of quantity (such as length) of each input that may be a range."""
+"""Kind of quantity of each input that may be uncertain, such as "pressure"; empty for dimensionless inputs."""
 
 _INPUT_LIMITS = {
     "poisson": (0.0, MAX_POISSON_RATIO), "creep": (0.0, MAX_CREEP_EXPONENT), "area_loss": (0.0, MAX_AREA_LOSS),
     "junction_growth": (0.0, MAX_JUNCTION_GROWTH_COEFFICIENT),
     "yield_exponent": (MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT),
 }  # fmt: skip
-"""Smallest and largest value of each dimensionless input that has narrower limits than other numbers."""
+"""Smallest and largest allowed value of dimensionless inputs, such as Poisson's ratio."""
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the input of a study with a given name, including the uncertainty.
+    """Parse an input of a study, such as "hardness", with its range or uncertainty.
 
-    The name is a key of `INPUT_KINDS`. Error messages do not include the name.
+    The name is a key of `INPUT_KINDS`. Error messages do not contain the name.
     """
     if name == "junction_growth" and isinstance(source, str) and source.split()[:1] == [SLIP_LINE_TEXT]:
         return _parse_slip_line_ratio(source)
@@ -386,7 +389,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse "slip-line" or, with a ratio of hardness to shear strength, "slip-line 5.14..5.69"."""
+    """Parse "slip-line" or, with a range of the ratio of hardness to shear strength, "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio:
@@ -402,16 +405,19 @@ def _parse_slip_line_ratio(source: str) -> UncertainInput:
 
 
 class InputValue(Quantity):
-    """Central value of an input in core units, with the text and the distribution of the input.
+    """Input of a study: a number with the text and the distribution from which it was parsed.
 
-    Contacts are computed with the central value: the number itself, or the mean of the limits of a range, rounded to
-    four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
+    The number is the central value in core units, with which contacts are computed. For a range, it is the mean of both
+    limits, rounded to four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
     """
 
     estimate: UncertainInput
 
     def __new__(cls, value: float, estimate: UncertainInput, text: str | None = None) -> InputValue:
-        """Create an input from its central value and its distribution, whose text is the default."""
+        """Create an input from its central value, its distribution and the text in the study file.
+
+        By default, the text is that of the distribution.
+        """
         result: Any = super().__new__(cls, value, estimate.text if text is None else text)
         result.estimate = estimate
         return result  # type: ignore[no-any-return]
@@ -420,7 +426,7 @@ class InputValue(Quantity):
         return float(self), self.estimate, self.text
 
     def __eq__(self, other: object) -> bool:
-        """Compare central values and, if an input is uncertain, the distributions of both inputs."""
+        """Compare the central values of two inputs and, if one of the inputs is uncertain, their distributions."""
         if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
             return float(self) == float(other) and self.estimate == other.estimate
         return float(self) == other
@@ -428,7 +434,7 @@ class InputValue(Quantity):
     __hash__ = Quantity.__hash__
 
     def __bool__(self) -> bool:
-        """Return False for an exact 0. A central value of 0 with a range is not 0."""
+        """Return False only for an exact 0. A range whose central value is 0 counts as True."""
         return float(self) != 0 or not self.is_exact
 
     @property
@@ -438,10 +444,10 @@ class InputValue(Quantity):
 
 
 def parse_input_value(name: str, source: Any) -> InputValue:
-    """Parse the value of an input in a study file. The name of the input is a key of `INPUT_KINDS`.
+    """Parse an input in a study file: a number, a quantity with its unit, or text with a range or an uncertainty.
 
-    The entry is a number, a quantity with its unit, or a text with a range or an uncertainty. A central value may
-    precede its range, as in "0.6 GPa (0.2..1.7 GPa)". Error messages do not include the name.
+    The name of the input is a key of `INPUT_KINDS`. A central value may precede its range, as in "0.6 GPa (0.2..1.7
+    GPa)". Error messages do not contain the name.
     """
     if isinstance(source, InputValue):
         return source
@@ -483,14 +489,17 @@ def _parse_input_value(name: str, source: Any) -> InputValue:
 
 
 def _make_exact_value(value: float) -> InputValue:
-    """Return a number or a quantity as an exact input."""
+    """Convert a number or a quantity to an exact input."""
     number = float(value)
     text = value.text if isinstance(value, Quantity) else repr(number)
     return InputValue(number, UncertainInput(number, number, number, "exact", text))
 
 
 def format_input_value(value: InputValue | None) -> Any:
-    """Return an input as a study file contains it: as a number if it is exact and has no unit, or else as text."""
+    """Return an input in the form in which a study file contains it.
+
+    The form is a number if the input is exact and has no unit, and text otherwise.
+    """
     if value is None:
         return None
     try:
@@ -501,7 +510,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 as a tuple: either one number, possibly uncertain, or several exact numbers."""
+    """Parse mu0 or tau0 to a tuple: several exact numbers, or a single number that may be uncertain."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -1,4 +1,4 @@
-"""Inputs of a study: central value, distribution, label and unit of each."""
+"""Inputs of a study, such as hardness and mu0, each with central value, distribution, label and unit."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of junctio
 
 @dataclass(frozen=True)
 class Input:
-    """Input of a study, such as the hardness, with its label, unit and distribution.
+    """Input of a study, such as the hardness, with its label, unit, central value and distribution.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Inputs of a study, by name.
+    """All inputs of a study by name: friction, elasticity, hardness, yield, area loss and creep.
 
     The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
     "creep", "size_effect" if the depth of the indentation is given, and, if Young's moduli and Poisson's ratios are
@@ -88,7 +88,10 @@ class Inputs:
 
     @classmethod
     def from_study(cls, study: Study) -> Inputs:
-        """Return the inputs of a study. Studies with the same inputs share one object."""
+        """Return the inputs of a study.
+
+        Studies with equal inputs share one object.
+        """
         contact, friction = study.contact, study.friction
         values = {
             "mu0": friction.mu0[0], "tau0": friction.tau0[0], "effective_modulus": contact.effective_modulus,
@@ -110,7 +113,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Return inputs that belong to no study, with given central values, which must include E*.
+        """Return inputs with given central values, without a study. The values must include E*.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -118,43 +121,46 @@ class Inputs:
 
     @property
     def uncertain(self) -> Mapping[str, Input]:
-        """Inputs of the study that are uncertain."""
+        """Inputs of the study that are not exact, by name."""
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return an input with its distribution, or None if the study does not have this input."""
+        """Return the distribution of an input, or None if the study does not have this input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0.
+        """Joint distribution of mu0 and tau0 that the interface of the study defines.
 
-        None if the study has no interface, or if the interface file is missing or changed.
+        The value is None if the study has no interface, or if the interface file is missing or changed.
         """
         return None if self.interface is None else self.interface.load()
 
     def friction_law(self, mu0: Any, tau0: Any) -> FrictionLaw:
-        """Return the friction law for given mu0 and tau0 (GPa), and the central junction growth or area loss."""
+        """Return the friction law for given mu0 and tau0 (GPa).
+
+        Junction growth or area loss have their central values in the study.
+        """
         growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
             return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of an input (GPa or 1), with which contacts are computed."""
+        """Return the central value of an input (in GPa or dimensionless), with which contacts are computed."""
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
-        """Return quantiles of an input (GPa or 1) at given probabilities."""
+        """Return quantiles of an input (in GPa or dimensionless) at given probabilities."""
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return E* for samples of the inputs, divided by the E* of the study."""
+        """Return the ratio of E* for samples of the inputs to the central E* of the study."""
         return self._modulus.relative_modulus(samples)
 
     def replaced(self, **values: float) -> Inputs:
-        """Return the inputs with other central values, such as ``hardness=1.2`` (GPa).
+        """Return a copy of the inputs with other central values, such as ``hardness=1.2`` (GPa).
 
         A value that differs from the value of the study has no uncertainty. If it is mu0 or tau0, the joint
         distribution of both no longer applies.
@@ -207,7 +213,7 @@ def _build_input(name: str, label: str, value: InputValue) -> Input:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """Return the materials of both bodies, or an empty tuple if a name is missing or unknown."""
+    """Return the materials of both bodies of a study, or an empty tuple if a material is not named or unknown."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:
@@ -215,5 +221,8 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the interface of a study, or None if the study has no interface, or if its file is missing or changed."""
+    """Return the strength of the interface that a study names.
+
+    Returns None if the study names no interface, or if the interface file is missing or changed.
+    """
     return Inputs.from_study(study).strength

@@ -1,4 +1,4 @@
-"""Strengths of interfaces, published or read from calibration files.
+"""Strength of interfaces (mu0 and tau0), from a published list or from calibration files.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
 mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
@@ -53,8 +53,9 @@ MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
-"""Limits of the probability of the residuals: below the first, a sliding rule is excluded; below the second, errors are
-scaled.
+"""Limits of the p-value of a fit's residuals.
+
+Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
 # A lower limit is moved to the bound of its quantity if it is closer than this fraction of the interval's width.
@@ -63,10 +64,10 @@ INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contain
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
-"""Name of the entry of `Interface.about` that contains the hardness range of all tests."""
+"""Header entry of an interface file that contains the hardness range, if all tests share this range."""
 
 GROWTH_HEADER_ENTRY = "junction growth of the draws"
-"""Name of the entry of `Interface.about` that contains α of the tests.
+"""Header entry of an interface file that contains the junction growth α of the tests.
 
 The entry is missing if no test depends on α, or if α differs between tests.
 """
@@ -77,7 +78,7 @@ ValueWithLimits = tuple[float, float, float]  # a number with the lower and the 
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Joint distribution of mu0 and tau0, fitted to tests under one sliding rule, with the quality of the fit."""
+    """Fit of mu0 and tau0 to friction tests under one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
     chi_squared: float  # chi-squared of the best fit; without given errors of the tests, it has no meaning
@@ -96,7 +97,7 @@ class StrengthFit:
 
 @dataclass(frozen=True)
 class InterfaceStrength:
-    """Strength of an interface: the joint distribution of mu0 and tau0.
+    """Strength of an interface: joint distribution of its molecular friction coefficient mu0 and shear strength tau0.
 
     Attributes
     ----------
@@ -128,7 +129,7 @@ class InterfaceStrength:
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read the strength of an interface from a file written by `write_interface`."""
+        """Read the strength of an interface from a file that `write_interface` wrote."""
         check_instance("path", path, (str, Path), "a path")
         try:
             lines = (
@@ -170,7 +171,7 @@ class InterfaceStrength:
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
-        """Return the published strength with a given name, or the strength in a file with a given path."""
+        """Return the strength of a published interface by its name, or read the strength from an interface file."""
         check_instance("interface", name_or_path, (str, Path), "a name or a path")
         published_entry = _published_interfaces().get(str(name_or_path))
         if published_entry is None:
@@ -191,7 +192,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a line about the strength: mu0 + tau0 A/F and, if tests determine mu0 and tau0 separately, both."""
+        """Return a line with mu0 + tau0 A/F and, if the tests determine mu0 and tau0 separately, with mu0 and tau0."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -205,12 +206,15 @@ class InterfaceStrength:
 
     @property
     def has_unknown_range(self) -> bool:
-        """True if the source of the strength has one mu0 and one tau0, without ranges."""
+        """True if the publication gives one number for mu0 and one for tau0, without ranges."""
         return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Sum mu0 + tau0 A/F with its 95 % interval, at the A/F of the tests, or NaN if A/F is unknown."""
+        """Sum mu0 + tau0 A/F with its 95 % interval, at the true area per load A/F of the tests.
+
+        The value is NaN if A/F is unknown.
+        """
         area_per_load = self.fits[0].area_per_load
         if not np.isfinite(area_per_load).all():
             return self.at(self.area_per_load) if math.isfinite(self.area_per_load) else (math.nan,) * 3
@@ -218,27 +222,33 @@ class InterfaceStrength:
 
     @property
     def mu0(self) -> ValueWithLimits:
-        """Molecular friction coefficient mu0 with its interval, or NaN if the tests do not separate it from tau0."""
+        """Molecular friction coefficient mu0 with its 95 % interval.
+
+        The value is NaN if the tests do not separate mu0 from tau0.
+        """
         return self.strength_intervals[0] if self.separated else (math.nan,) * 3
 
     @property
     def tau0(self) -> ValueWithLimits:
-        """Adhesive shear strength tau0 (GPa) with its interval, or NaN if the tests do not separate it from mu0."""
+        """Adhesive shear strength tau0 (GPa) with its 95 % interval.
+
+        The value is NaN if the tests do not separate tau0 from mu0.
+        """
         return self.strength_intervals[1] if self.separated else (math.nan,) * 3
 
     @cached_property
     def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
-        """Intervals of mu0 and tau0 (GPa), even if the tests do not separate mu0 from tau0."""
+        """Medians and 95 % intervals of mu0 and tau0 (GPa), even if the tests do not separate mu0 from tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @property
     def strength_samples(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Joint samples of mu0 and tau0 (GPa), and then `samples_at_bounds`."""
+        """Pairs of mu0 and tau0 samples (GPa): first the joint samples of the fit, and then `samples_at_bounds`."""
         return (self.fits[0].mu0, self.fits[0].tau0), *self.samples_at_bounds
 
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Pairs of mu0 and tau0 samples (GPa). In each pair, a parameter whose interval includes 0 is set to 0.
+        """Pairs of mu0 and tau0 samples (GPa) with mu0 = 0 or tau0 = 0, for each parameter whose interval includes 0.
 
         The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """
@@ -254,7 +264,7 @@ class InterfaceStrength:
         return tuple(strengths)
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
-        """Return the median and the 95 % interval of a coefficient that depends on mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
 
         The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -262,7 +272,7 @@ class InterfaceStrength:
         return cover_credible_intervals([coefficient(*samples) for samples in self.strength_samples])
 
     def at(self, area_per_load: float) -> ValueWithLimits:
-        """Return the sum mu0 + tau0 A/F with its 95 % interval, at a given A/F (1/GPa)."""
+        """Return the sum mu0 + tau0 A/F with its 95 % interval at a given true area per load A/F (1/GPa)."""
         area_per_load = validate_number("area_per_load", area_per_load)
         if area_per_load < 0:
             raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
@@ -270,15 +280,15 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that the tests exclude; empty if no rule fits the tests."""
+        """Sliding rules that do not fit the tests. The tuple is empty unless another sliding rule fits."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one per row.
+        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one sample per row.
 
-        The hardness is NaN unless all tests share its range.
+        The hardness is NaN unless all tests have the same hardness range.
         """
         import pandas
 
@@ -287,14 +297,14 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if it differs between tests or does not affect them."""
+        """Junction growth α of the tests, or None if α differs between the tests or does not affect them."""
         if GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether the tests have the junction growth `junction_growth` (None for α = 0)."""
+        """Return whether a junction growth (None for α = 0) equals that of the tests, including its uncertainty."""
         test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -307,7 +317,7 @@ class InterfaceStrength:
 
 
 def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median and the limits of the 95 % credible interval of samples.
+    """Return the median and the limits of the 95 % credible interval of a sample set.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -336,7 +346,7 @@ def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
 
 
 def write_interface(interface: InterfaceStrength, path: str | Path, about: Mapping[str, str] | None = None) -> None:
-    """Write the strength of an interface as a text file with a header and one sample per row.
+    """Write the strength of an interface to a text file: a header, and one joint sample of mu0 and tau0 per row.
 
     Parameters
     ----------
@@ -376,9 +386,9 @@ def write_interface(interface: InterfaceStrength, path: str | Path, about: Mappi
 
 
 def store_interface(interface: InterfaceStrength, directory: Path) -> Path:
-    """Write the interface of a study to a directory, and return the path of the file.
+    """Write the interface of a study to a file in a directory, and return the path of the file.
 
-    Files of other interfaces in the directory belong to other studies and are kept.
+    The directory may contain interfaces of other studies, whose files are not changed.
     """
     content = _format_interface(interface, {})
     path = directory / "interface.csv"
@@ -423,7 +433,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> Streng
 
 
 def interfaces() -> dict[str, dict[str, str]]:
-    """Return all published interfaces by name, each as a dict with keys such as kind, mu0 and tau0.
+    """Return all published interfaces by name, each as a dict of texts such as kind, mu0, tau0 and source.
 
     Returns
     -------
@@ -450,9 +460,9 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read an interface file, or all interface files in a directory, by file name.
+    """Read one interface file, or all interface files in a directory, and return a dict of texts for each file name.
 
-    Other files in the directory are ignored.
+    Files of other kinds in the directory are ignored.
     """
     entries, path = {}, Path(path)
     is_single_file = path.is_file()
@@ -490,7 +500,7 @@ class InterfaceSettings(SettingsSection):
 
     @classmethod
     def from_source(cls, name_or_path: str) -> InterfaceSettings:
-        """Create an interface for a study file from a published name or an interface file."""
+        """Create the interface of a study from the name of a published interface, or from an interface file."""
         is_published = name_or_path in _published_interfaces()
         try:
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
@@ -507,7 +517,7 @@ class InterfaceSettings(SettingsSection):
         return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
 
     def load(self) -> InterfaceStrength | None:
-        """Return the strength of the interface, or None if its file is missing or has changed."""
+        """Load the strength of the interface, or return None if the interface file is missing or has changed."""
         try:
             entry = InterfaceSettings.from_source(self.file)
             if (entry.mu0, entry.tau0) != (self.mu0, self.tau0):
@@ -519,12 +529,12 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """Name of the interface, or of its file without the directory."""
+        """Name of a published interface, or file name of the interface without its directory."""
         return Path(self.file).name
 
     @property
     def fitted_rule(self) -> SlidingRule:
-        """Sliding rule under which mu0 and tau0 were fitted; old study files leave it to the interface file."""
+        """Sliding rule under which mu0 and tau0 were fitted. Old study files do not contain this rule."""
         strength = self.load()
         return self.sliding if strength is None else strength.fits[0].sliding
 
@@ -535,7 +545,7 @@ class InterfaceSettings(SettingsSection):
 
 
 def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:
-    """Return mu0 or tau0 (GPa) with its range, as text for a study file."""
+    """Format mu0 or tau0 (GPa) with its 95 % interval for a study file, as in "50 MPa (20..80 MPa)"."""
     low, high = (f"{scale * end:.4g}" for end in interval[1:])
     central = exact_quantity_text(median, "GPa") if unit else repr(median)
     return f"{central} ({low}..{high}{unit})" if float(low) < float(high) else central
@@ -547,6 +557,6 @@ def _read_cached_interface(text: str, _changed: int) -> InterfaceStrength:
 
 
 def round_median_strength(strength: InterfaceStrength) -> tuple[float, float]:
-    """Return the medians of mu0 and tau0 (GPa) rounded to four digits."""
+    """Return the medians of mu0 and tau0 (GPa), rounded to four digits."""
     mu0, tau0 = (float(f"{np.median(samples):.4g}") for samples in (strength.fits[0].mu0, strength.fits[0].tau0))
     return mu0, tau0

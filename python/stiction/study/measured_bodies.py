@@ -1,4 +1,4 @@
-"""Measured bodies of a study: keys of the study file, reading, preparation and checksums."""
+"""Measured bodies of a study: keys of the study file, and reading, preparation and checksums of scan files."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _parse_column(value: object) -> ColumnNameOrIndex:
 
 
 def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
-    """Parse the numbers and words that mark missing points in a scan file."""
+    """Parse the numbers and words that mark missing points in a scan file, such as -9999 or "BAD"."""
     if value is None:
         return None
     entries: Any = value.split(",") if isinstance(value, str) else value
@@ -90,7 +90,7 @@ def _parse_missing_values(value: object) -> tuple[float | str, ...] | None:
 
 
 def _parse_caveats(value: object) -> tuple[str, ...] | None:
-    """Parse a list of the names of accepted caveats."""
+    """Parse the names of the caveats that the user has accepted."""
     if value is None:
         return None
     names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
@@ -109,7 +109,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Return a validator that accepts None, one value, or a list of 2 to `max_count` values."""
+    """Build a pydantic validator that accepts None, one value, or a list of 2 to `max_count` values."""
 
     def parse_one_or_list(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -129,7 +129,7 @@ MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:
-    """Wrapper of a measured body in memory, which has no file.
+    """Wrapper of a measured body that the user has passed as an object instead of a file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -139,12 +139,12 @@ class BodyInMemory:
 
 
 class MeasuredBodySettings(SettingsSection):
-    """Measured profile, surface or joined spectrum in a study: a file with reading options, or a body in memory."""
+    """Measured profile, height map or joined spectrum in a study: a file with reading options, or a body in memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
-        """Compare all fields, and bodies in memory by their checksum and history."""
+        """Compare all keys of two bodies. Bodies in memory are compared by checksum and history."""
         return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
 
     def __hash__(self) -> int:
@@ -229,12 +229,12 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def scans(self) -> tuple[MeasuredBodySettings, ...]:
-        """Scans of the body: the scan in this file, followed by scans of other places."""
+        """Scans of the body: the scan in this file, and scans of other places on the body."""
         return self, *(self.others or ())
 
     @property
     def name(self) -> str:
-        """Name of the first scan file without its directory, and the number of further scans."""
+        """Name of the body in output: its first file without the directory, and the number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
@@ -242,7 +242,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @classmethod
     def from_body(cls, body: Any, name: str) -> MeasuredBodySettings:
-        """Describe a body in memory, possibly of another library, for a study.
+        """Create the study entry of a body in memory, which may be an object of another library.
 
         Raises an `ArgumentError` if the body is invalid.
         """
@@ -259,7 +259,7 @@ class MeasuredBodySettings(SettingsSection):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, directory: Path, side: str) -> MeasuredBodySettings:
-        """Write bodies that are in memory to files in a directory. The returned entry refers to these files."""
+        """Write bodies in memory to files in a directory, and return a copy that refers to these files."""
         return self._apply_to_scans(lambda scan: scan._with_saved_body(directory, side))
 
     def _with_saved_body(self, directory: Path, side: str) -> MeasuredBodySettings:
@@ -288,14 +288,14 @@ class MeasuredBodySettings(SettingsSection):
         ).with_checksums()
 
     def read(self) -> MeasuredBody:
-        """Read the profile, surface or spectrum of the body from its file.
+        """Read the profile, height map or spectrum from the file, and multiply its heights by the height factor.
 
         Raises a `ValueError` if the checksum of the file differs.
         """
         return _scale_heights(self.height_factor, self._read_unscaled())  # type: ignore[no-any-return]
 
     def _read_unscaled(self) -> MeasuredBody:
-        """Read the body from its file without applying the height factor."""
+        """Read the profile, height map or spectrum from the file without applying the height factor."""
         if self.body is not None:
             return _correct_for_tip(self, self.body.body)
         checksum = self.checksum()
@@ -307,16 +307,16 @@ class MeasuredBodySettings(SettingsSection):
         return _read_body(self._identify_content(checksum))
 
     def _identify_content(self, checksum: str) -> _ScanFile:
-        """Return the key under which the content of the file is cached."""
+        """Return the cache key of the file content: file name, checksum and reading options."""
         unrelated_keys = {"others": None, "height_factor": 1.0, "max_cut_off": None, "texture": None}
         return _ScanFile(
             self.model_copy(update={"file": Path(self.file).name, "sha256": checksum} | unrelated_keys), Path(self.file)
         )
 
     def with_height_factor(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy that multiplies the heights of all scans by a factor.
+        """Return a copy in which the heights of all scans are multiplied by a further factor.
 
-        Raises a `ValueError` if the product with the existing factor of a scan is out of range.
+        Raises a `ValueError` if the product of this factor and the height factor of a scan is out of range.
         """
         for scan in self.scans:
             total_factor = factor * scan.height_factor
@@ -326,13 +326,14 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     def without_directories(self) -> MeasuredBodySettings:
-        """Return a copy in which scan files have no directories."""
+        """Return a copy in which the paths of scan files are reduced to file names."""
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"file": Path(scan.file).name}))
 
     def with_masked_outliers(self, *, interpolate: bool) -> MeasuredBodySettings:
-        """Return a copy that treats the outliers of all scans as missing points.
+        """Return a copy in which the outliers of all scans are missing points.
 
-        If `interpolate` is true, the heights of these points are interpolated unless missing points are masked already.
+        With `interpolate`, the heights at missing points are interpolated in scans that would otherwise reject missing
+        points.
         """
 
         def mask_outliers(scan: MeasuredBodySettings) -> MeasuredBodySettings:
@@ -342,22 +343,22 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(mask_outliers)
 
     def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy that applies a tip correction to all scans with a tip radius."""
+        """Return a copy in which scans with a known tip radius are sharpened by a multiple of the tip correction."""
         return self._apply_to_scans(
             lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
         )
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and surfaces of the body, without spectra."""
+        """Profiles and height maps from all scans of the body. Spectra are omitted."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
-        """Return the cutoff (µm) of a pair, limited to the largest cutoff of this scan."""
+        """Return the cutoff (µm) for this scan: the cutoff of the pair, but at most the largest cutoff of the scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
-        """Return the fraction of interpolated points, and the size of the largest gap.
+        """Return the fraction of points that are interpolated, and the size of the largest gap in the data.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -370,14 +371,14 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def reading(self) -> FileReading[Any] | None:
-        """Interpretation of the scan file, such as columns and units, or None if the body has no file."""
+        """Interpretation of the scan file: columns, units and caveats. None for bodies without such a file."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
         return _load_reading(self._identify_content(self.checksum()))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
-        """Caveats about the scan file, or about the heights of a body in memory."""
+        """Caveats about the scan file or, for a body in memory, about its heights."""
         if (reading := self.reading) is not None:
             return tuple(reading.caveats)
         body = None if self.body is None else self.body.body
@@ -401,7 +402,7 @@ class MeasuredBodySettings(SettingsSection):
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def file_stamp(self) -> tuple[int, int] | None:
-        """Return modification time (ns) and size of the scan file, or None if the file does not exist."""
+        """Return modification time (ns) and size (bytes) of the scan file, or None if the file does not exist."""
         try:
             file_status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -409,7 +410,7 @@ class MeasuredBodySettings(SettingsSection):
         return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
-        """Return a copy with absolute file paths, resolved against `directory`."""
+        """Return a copy with absolute paths of scan files. Relative paths are resolved against `directory`."""
         return self._apply_to_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -417,14 +418,14 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_checksums(self) -> MeasuredBodySettings:
-        """Return a copy with the checksums of all scans, computing missing ones."""
+        """Return a copy with the checksums of all scan files. Missing checksums are computed."""
         return self._apply_to_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
 
 
 def _scale_heights(factor: float, body: Any) -> Any:
-    """Return a body with all heights multiplied by a factor."""
+    """Return a copy of a body with all heights multiplied by a factor."""
     if factor == 1:
         return body
     if isinstance(body, JoinedSpectrum):
@@ -435,7 +436,7 @@ def _scale_heights(factor: float, body: Any) -> Any:
 def _compute_checksum(body: MeasuredBody) -> str:
     """Compute the SHA-256 checksum of the heights of a body in memory.
 
-    The history is not included, because it only describes the body, and later versions may describe it in other words.
+    The checksum does not depend on the history, which later versions may describe in other words.
     """
     if isinstance(body, JoinedSpectrum):
         arrays = body.wave_number, body.density, body.count, body.contribution, body.ratio
@@ -447,7 +448,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Scan file, identified by its name, its checksum and the options for reading it."""
+    """Cache key of a scan file: file name, checksum and reading options, with the path of the file."""
 
     settings: MeasuredBodySettings
     path: Path = field(compare=False)
@@ -455,10 +456,7 @@ class _ScanFile:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: _ScanFile) -> MeasuredBody:
-    """Read the body from a scan file.
-
-    The cache key contains the checksum and the reading options, so a file is read once for each combination.
-    """
+    """Read the body from a scan file. Each combination of content and reading options is read only once."""
     settings = file.settings
     if is_spectrum_file(file.path):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
@@ -471,7 +469,7 @@ def _read_body(file: _ScanFile) -> MeasuredBody:
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
-    """Sharpen a scan by the multiple of the tip correction that the study specifies."""
+    """Sharpen a scan by the multiple of its tip correction that the study specifies."""
     if file.tip is None or file.tip_correction is None or isinstance(body, JoinedSpectrum):
         return body
     return sharpened(body, float(file.tip), file.tip_correction)

@@ -47,13 +47,13 @@ from stiction.surfaces.surface import Surface
 
 
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
-    """Keys of `[surfaces]` for all studies of measured surfaces."""
+    """Keys of the section `[surfaces]` that all studies of measured surfaces have."""
 
     bodies: ClassVar[str] = "measured areas"  # words for the two surfaces in error messages
     is_areal: ClassVar[bool] = True
-    """True if members are independent pairs of height maps rather than profiles."""
+    """True if the members are pairs of height maps, and False if they are pairs of profiles."""
     pressed: ClassVar[str]
-    """Word for the members in reports."""
+    """Word for the bodies that are pressed, in reports."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredBodySettings = Field(
@@ -82,36 +82,36 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the cutoffs (µm) for which a result is computed."""
+        """Return the cutoffs (µm) of the study; results exist for each cutoff."""
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result, the first of the study."""
+        """Return the cutoff (µm) of the quoted result: the first cutoff of the study."""
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoffs (µm, 0 for no filter) of each body's scans, given the cutoff of the pair."""
+        """Return the cutoff (µm, 0 for no filter) of each scan of both bodies, given the cutoff of the pair."""
         upper, lower = (tuple(scan.limit_cut_off(wavelength) for scan in getattr(self, side).scans) for side in SIDES)
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the section with each file replaced by `change(file, side)`."""
+        """Return a copy of the section in which each body is replaced by `change(body, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of scans instead of surrogates."""
+        """Index of the first member that consists of scans; the members before it are surrogates."""
         return 0
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
         return len(self.upper.scans), len(self.lower.scans)
 
     def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
-        """Return, for each member, the indices of the upper and the lower scan.
+        """Return the indices of the upper and of the lower scan from which each member is cut.
 
-        Successive members use all pairs of scans in turn.
+        Successive members use all combinations of upper and lower scans in turn.
         """
         upper, lower = self.scan_counts
         pair_index = members % (upper * lower)
@@ -120,16 +120,16 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Return the members of two scans, each low-pass filtered at its own cutoff (µm, 0 for no filter).
+        """Return a source of the members that two scans form after a low-pass filter at cutoffs (µm, 0 for no filter).
 
-        Raises a `ValueError` if there are no members.
+        Raises a `ValueError` if the scans form no members.
         """
         raise NotImplementedError
 
     def filter_scans(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair
     ) -> Iterator[Profile | Surface]:
-        """Yield both scans, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
+        """Yield the upper and the lower scan, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -147,7 +147,10 @@ MAX_RELATIVE_POSITIONS = 100_000  # maximum number of relative positions of two 
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for profiles, or lines of maps, from two files. The upper profile is the slider."""
+    """Keys of the section `[surfaces]` for measured profiles, or for lines of measured maps.
+
+    The upper profile is the slider.
+    """
 
     place: ClassVar[str] = "lines of measured files"
     pressed: ClassVar[str] = "Profiles"
@@ -195,7 +198,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return the members: pairs of profiles or lines, or their surrogates, at several positions."""
+        """Return a source of members: pairs of profiles or lines at several positions, or surrogates of such pairs."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -208,7 +211,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
 
 
 class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for two measured height maps at several relative positions."""
+    """Keys of the section `[surfaces]` for two measured height maps at several relative positions."""
 
     place: ClassVar[str] = "areas of measured maps"
     pressed: ClassVar[str] = "Height maps"
@@ -246,13 +249,13 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member cut from the measured maps; the members before it are surrogates."""
+        """Index of the first member that consists of scans; the members before it are surrogates."""
         return self.surrogates
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return the members: pairs of surrogates, then pairs of map pieces; or one measured gap."""
+        """Return a source of members: pairs of surrogates followed by pairs of map pieces, or a single measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -270,7 +273,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
 
 class SurrogateSettings(CommonMeasuredSurfaceSettings):
-    """Keys of `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
+    """Keys of the section `[surfaces]` for surrogates: random height maps with the spectra of two scans."""
 
     place: ClassVar[str] = "surrogates of measured files"
     pressed: ClassVar[str] = "Random height maps with the spectra of the two scans"
@@ -291,7 +294,7 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource:
-        """Return the members: pairs of random height maps with the spectra of two scans."""
+        """Return a source of members: pairs of random height maps with the spectra of two scans."""
         first, second = scans
         if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())
@@ -313,4 +316,4 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
 
 
 MeasuredSurfaceSettings = MeasuredMapSettings | MeasuredLineSettings | SurrogateSettings
-"""Section `[surfaces]` of a study of measured files, with a class for each kind of member."""
+"""Section `[surfaces]` of a study of measured files: one class for lines, for maps and for surrogates."""

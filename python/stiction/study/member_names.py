@@ -6,18 +6,18 @@ from typing import NamedTuple
 
 
 class MemberNames(NamedTuple):
-    """Word for the members of a study in output, in singular and plural."""
+    """Word for the members of a study in output, such as "position", in singular and plural."""
 
     singular: str
     plural: str
 
     def with_count(self, count: float) -> str:
-        """Return a number of members with its word, as in "16 positions"."""
+        """Format a number of members with the word for them, as in "16 positions"."""
         return f"{count:.0f} {self.singular if count == 1 else self.plural}"
 
 
 GENERAL_MEMBER_NAMES = MemberNames("member", "members")
-"""General word, for studies whose members are both positions and pairs of surrogates."""
+"""Word for members of mixed kinds: positions together with pairs of surrogates."""
 
 REPETITION_NAMES = MemberNames("repetition", "repetitions")
 POSITION_NAMES = MemberNames("position", "positions")

@@ -1,4 +1,4 @@
-"""Members of measured surfaces: pairs of lines, map pieces or surrogates."""
+"""Sources of members for measured surfaces: pairs of lines, map pieces or surrogates."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: two bodies with their shift (µm), a line index, and a mark for surrogates."""
+    """Member of a study: a pair of bodies, their relative shift (µm), their line number, and a mark for surrogates."""
 
     pair: BodyPair
     x: float
@@ -40,9 +40,9 @@ class EnsembleMember:
 
 @dataclass(frozen=True)
 class SharedMemberProperties:
-    """Properties that all members of a study have in common.
+    """Bodies, area and grid that all members of a study have in common.
 
-    Lengths are in µm, one per axis: (x,) for profiles, (y, x) for surfaces.
+    Lengths are in µm. Lists contain one number per axis: (x,) for profiles, (y, x) for surfaces.
     """
 
     upper: MeasuredBody
@@ -73,12 +73,14 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     # Drift of ln(rms slope) along a single scan, and the scan's fraction of the mean square slope of the gap.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
-"""Attributes of a result that describe measured bodies. Values for several axes are in the order of array axes."""
+"""Specifications of the attributes in a result that describe measured bodies. Values for several axes are in the order
+of array axes.
+"""
 
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Attributes that a result stores for measured bodies; empty for generated bodies."""
+    """Attributes that describe measured bodies in a result; empty for generated bodies."""
 
     nominal_area: float | None = None  # nominal area (µm²) of one member
     # attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`
@@ -86,26 +88,26 @@ class BodyAttributes:
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
-        """Convert attributes of measured bodies to the types that a result stores."""
+        """Create attributes from a nominal area (µm²) and other values, converted to the types that a result stores."""
         return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
 class MemberSource(Protocol):
-    """Member source of a study, which returns a pair of bodies for each member."""
+    """Source of the members of a study: returns the pair of bodies for each member index."""
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the member of the study with a given index.
+        """Return the member with a given index.
 
-        Raises a `ValueError` if there are fewer members.
+        Raises a `ValueError` if the source has fewer members.
         """
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the properties that all members have in common."""
+        """Return the bodies, the area and the grid that all members have in common."""
 
 
 @dataclass(frozen=True, eq=False)
 class LineMemberSource:
-    """Member source for studies that press profiles, or lines of height maps."""
+    """Source of members that are pairs of profiles, or pairs of lines of height maps."""
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -115,7 +117,7 @@ class LineMemberSource:
     positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return a member: a slider, and the part of the counterface below the slider."""
+        """Return the member with a given index: the slider, and the piece of the counterface below the slider."""
         pairs, num_offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, offset_index = divmod(index, num_offsets) if pairs.has_several_pairs else (0, index)
         max_pair_count = pairs.max_pair_count()
@@ -145,7 +147,7 @@ class LineMemberSource:
         return self._member_at(slider, counterface, offset_steps, line)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
-        """Return the member whose slider begins `steps` points behind the start of the counterface."""
+        """Return the member in which the slider starts `steps` points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
@@ -153,7 +155,7 @@ class LineMemberSource:
         )
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the properties that all members have in common."""
+        """Return the profiles, the area and the grid that all members have in common."""
         slider, counterface = self.pairs.pair(0)
         return _find_shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
 
@@ -161,7 +163,7 @@ class LineMemberSource:
 def _find_shared_line_properties(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the properties that all members have in common, for studies that press lines.
+    """Return the profiles, the area and the grid that all members of a study of lines have in common.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -175,9 +177,9 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two maps, and return the pairs of pieces that they form.
+    """Level two height maps, flip the upper map, and return the pairs of pieces that both maps form.
 
-    The upper map is flipped, and rotated by an angle in degrees.
+    The upper map is also rotated by an angle in degrees.
     """
     levelled_upper = levelled(upper, level)
     return MapPairs(
@@ -191,7 +193,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class MapMemberSource:
-    """Member source for studies that press height maps, or surrogates of scans."""
+    """Source of members that are pairs of height maps: pieces of two scans, or surrogates of the scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
@@ -199,7 +201,7 @@ class MapMemberSource:
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return a member: two surrogates, or two overlapping map pieces."""
+        """Return the member with a given index: two surrogates, or two overlapping pieces of the maps."""
         pairs, num_surrogates = self.pairs, self.surrogates
         if num_surrogates is None or index < num_surrogates:
             return EnsembleMember(pairs.surrogates(index), np.nan, np.nan, surrogate=True)
@@ -213,7 +215,7 @@ class MapMemberSource:
         return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the properties that all members have in common."""
+        """Return the maps, the area and the grid that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         if isinstance(pairs, SpectralSurfacePairs):  # a scan contains no wavelengths below two points
@@ -229,7 +231,7 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """Member source for studies of a gap. The only member is a flat face with a rough face."""
+    """Source with a single member for a measured gap: a flat face above a rough face."""
 
     flat: Surface
     rough: Surface
@@ -241,7 +243,7 @@ class GapMemberSource:
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the properties that all members have in common."""
+        """Return the faces, the area and the grid of the only member."""
         faces = self.flat, self.rough
         return SharedMemberProperties(
             *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces

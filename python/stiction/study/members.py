@@ -54,7 +54,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the arguments of Eq. 1 that a study specifies, without phases and grid."""
+    """Return the arguments of Eq. 1 that a study specifies, except phases and grid."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -62,9 +62,9 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Write unscaled profiles of a body to the rows of `heights`, one for each fractal dimension.
+    """Generate the profiles of one body for several fractal dimensions, and write them to the rows of `heights`.
 
-    Returns the mean, the minimum and the maximum of each profile (k, 3).
+    The heights are not scaled to an amplitude. Returns the mean, the minimum and the maximum of each profile (k, 3).
     """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
@@ -74,7 +74,10 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
 
 
 def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Generate a profile with a given fractal dimension before its heights are scaled to the amplitude of the study."""
+    """Generate a profile for one body with a given fractal dimension.
+
+    The heights are not scaled to the amplitude of the study.
+    """
     surfaces: Any = study.surfaces
     heights = np.empty((1, surfaces.points))
     fill_profile_family(study, heights, np.array([dimension]), repetition, side)
@@ -84,9 +87,9 @@ def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimensi
 def generate_profile_pairs(
     study: Study, repetition: int, dimensions: Floats, amplitude: float
 ) -> Iterator[tuple[Profile, Profile]]:
-    """Yield a pair of profiles for each fractal dimension.
+    """Generate a pair of profiles for each fractal dimension, and scale the heights to an amplitude (µm).
 
-    The computing time is nearly independent of the number of dimensions.
+    The computing time is nearly independent of the number of fractal dimensions.
     """
     surfaces: Any = study.surfaces
     batch_size = max(1, MAX_BATCH_BYTES // (8 * surfaces.points))
@@ -104,7 +107,10 @@ def generate_profile_pairs(
 
 
 def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Generate a surface with a given fractal dimension before its heights are scaled to the amplitude of the study."""
+    """Generate a height map for one body with a given fractal dimension.
+
+    The heights are not scaled to the amplitude of the study.
+    """
     surfaces: Any = study.surfaces
     if isinstance(surfaces, SelfAffineSettings):
         longest_wavelength, shortest_wavelength = surfaces.longest_wavelength, surfaces.shortest_wavelength
@@ -123,7 +129,7 @@ def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimensi
 
 
 def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float) -> Surface:
-    """Scale a surface to an amplitude, which is measured as the study specifies."""
+    """Scale a height map to an amplitude (µm), in the amplitude measure of the study."""
     surfaces: Any = study.surfaces
     return surface.with_amplitude(amplitude, surfaces.amplitude_measure)
 
@@ -131,7 +137,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate a pair of surfaces of a study, as `run` generates it.
+    """Generate the pair of surfaces that `run` generates for one repetition of a study.
 
     Parameters
     ----------
@@ -181,7 +187,7 @@ def pair_of(
 
 
 def _get_grid_properties(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan, for comparison with other scans.
+    """Return type, shape and spacing of a scan, with which the grids of several scans are compared.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -190,7 +196,7 @@ def _get_grid_properties(body: Any) -> tuple[Any, ...]:
 
 
 class PreparedBodies:
-    """Measured bodies of a study, with the members that they form.
+    """Measured bodies of a study, read from their files and ready to form members.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
@@ -212,10 +218,10 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return the members that two scans form after a low-pass filter at a cutoff (µm, 0 for no filter).
+        """Return a source of the members that two scans form after a low-pass filter at a cutoff (µm, 0 for no filter).
 
         If several threads need the same members, one thread filters the scans, and the others wait. Raises a
-        `ValueError` if the scans have no members.
+        `ValueError` if the scans form no members.
         """
         key = wavelength, upper, lower
         with self._locks.setdefault(key, threading.Lock()):
@@ -229,7 +235,7 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the member with a given index, from scans filtered at a cutoff (µm, 0 for no filter)."""
+        """Return the member with a given index, from scans that are low-pass filtered at a cutoff (µm, 0 for none)."""
         surfaces = self._surfaces
         # For each pair of scans, number the members from 0.
         # Surrogates keep the member number of the study, because it is their random seed.
@@ -239,7 +245,7 @@ class PreparedBodies:
 
     @cached_property
     def attributes(self) -> BodyAttributes:
-        """Attributes of the bodies in a result: nominal area, history, grid and missing points."""
+        """Attributes that describe the bodies in a result: nominal area, history, grid and missing points."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -264,7 +270,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Filtered scans that are pressed; empty for a gap and for spectra."""
+        """Filtered scans from which members are cut. The list is empty for a gap and for spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         candidates = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
@@ -272,7 +278,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Ratios of the rms slopes across and along the lay of both pressed maps, if both have a lay."""
+        """Ratio of the rms slopes across and along the lay for each map, or {} unless both maps have a lay."""
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
@@ -281,9 +287,9 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Drift of the roughness of each body with a single scan.
+        """Drift of the roughness for each body with a single scan.
 
-        Each attribute contains the drift, and the fraction of the mean square slope of the gap due to the body.
+        Each attribute also contains the body's fraction of the mean square slope of the gap.
         """
         bodies = self._pressed_bodies
         if not bodies:
@@ -297,7 +303,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area that was measured on both bodies, averaged over the first members."""
+        """Return the fraction of the area that was measured on both bodies, averaged over the first few members."""
         if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
             return 1.0
         fractions = []
@@ -319,16 +325,17 @@ def count_grid_points(study: Study) -> int:
 
 
 def get_first_pair(study: Study) -> Any:
-    """Return both bodies of the first member: measured bodies at the first cutoff, generated bodies in the first cell.
+    """Return the upper and the lower body of the first member of a study.
 
-    Raises a `ValueError` if files are missing.
+    Measured bodies are filtered at the first cutoff. Generated bodies have the first fractal dimension and the first
+    amplitude. Raises a `ValueError` if files are missing.
     """
     cell = {name: float(values[0]) for name, values in study.surfaces.cell_coordinates().items()}
     return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
 
 
 def load_bodies(study: Study) -> PreparedBodies:
-    """Load the measured bodies of a study.
+    """Load the measured bodies of a study from their files.
 
     The bodies are cached, and are read again only if a file changes.
     """
@@ -344,12 +351,12 @@ def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
 
 
 def check_last_member(study: Study) -> None:
-    """Raise a `ValueError` if the measured bodies form fewer members than the study has repetitions."""
+    """Raise a `ValueError` if the study has more repetitions than the measured bodies can form members."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
         load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes with which a result describes a study's bodies. Generated bodies have no attributes."""
+    """Return the attributes that describe the bodies of a study in a result. Generated bodies have no attributes."""
     return load_bodies(study).attributes if study.is_measured else BodyAttributes()

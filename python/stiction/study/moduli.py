@@ -1,4 +1,4 @@
-"""Uncertainty of E*, which is given directly or computed from Young's moduli and Poisson's ratios."""
+"""Uncertainty of the effective modulus E*, given directly or by Young's moduli and Poisson's ratios."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ MODULUS_NAMES = ("young", "poisson")
 
 DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # default exponent of the area of yielding contacts, for rough surfaces
 ELASTOMER_AREA_LOSS = "0..0.3"
-"""Default range of the fraction of the true area that elastomers lose before they slide.
+"""Default range of the fraction of the true area that elastomers lose under shear before they slide.
 
 docs/howto/elastomers.md lists published cases.
 """
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default area loss under shear for E* (GPa), or None if the bodies are stiffer than rubber."""
+    """Return the default range of the area loss under shear, or None if E* (GPa) is too large for rubber."""
     return ELASTOMER_AREA_LOSS if effective_modulus < MAX_RUBBER_MODULUS else None
 
 
 @dataclass(frozen=True)
 class UncertainModulus:
-    """Effective modulus E* with its uncertainty.
+    """Effective modulus E* with its uncertainty, which may come from the moduli of both bodies.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class UncertainModulus:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain elastic constants by name, such as "young_upper" for one body."""
+        """Elastic constants that are not exact, by name, such as "effective_modulus" or "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -70,7 +70,7 @@ class UncertainModulus:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return E* for samples of the elastic constants, divided by its central value."""
+        """Return the ratio of E* for samples of the elastic constants to E* at their central values."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -87,7 +87,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return Young's modulus (GPa) and Poisson's ratio of a material, with the ranges of the source."""
+    """Return the distributions of a material's Young's modulus (GPa) and Poisson's ratio, from the published ranges."""
     poisson = replace(_build_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _build_input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 
@@ -101,7 +101,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
-    """Return the central elastic constants of a pair, and the uncertain moduli.
+    """Parse the elastic constants of a pair, and return their central values and their uncertainty.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

@@ -1,4 +1,4 @@
-"""Conversion of study files that earlier versions wrote.
+"""Conversion of study files that earlier versions wrote to the current format.
 
 Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a
 section `[known]`. The ranges of materials were looked up by name.
@@ -22,11 +22,11 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.values import StudyError
 
 MAX_MATERIAL_ROUNDING_ERROR = 0.006
-"""Largest relative difference between the rounded hardness of a study and the hardness of its material."""
+"""Largest relative difference between the hardness of a material and the rounded hardness in an old study file."""
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """Convert the sections of an old study file to the current format. Current sections are returned unchanged.
+    """Convert the sections of an old study file to the current format, and return current sections unchanged.
 
     Raises a `StudyError` if the study contradicts itself.
     """
@@ -47,7 +47,7 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
 
 
 class _ContradictionError(Exception):
-    """Error raised if the number of an input contradicts its range in the same study."""
+    """Error raised if the central value of an input lies outside its range in the same old study file."""
 
 
 def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
@@ -89,9 +89,9 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* in an old study by Young's moduli and Poisson's ratios.
+    """Replace E* in an old study file by Young's moduli and Poisson's ratios.
 
-    If they give another E*, keep the given E*, and add the range that follows from the ranges of the moduli.
+    If these give another E*, the E* of the file is kept, with the range that follows from the ranges of the moduli.
     """
     modulus = _parse("effective_modulus", contact.get("effective_modulus", "10 GPa"))
     values = {
@@ -162,7 +162,7 @@ def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:
 
 
 def _parse(name: str, entry: Any) -> InputValue | None:
-    """Parse an input of a study, or return None if it is invalid."""
+    """Parse an input in an old study file, or return None if the input is invalid."""
     try:
         return parse_input_value(name, entry)
     except ValueError:
@@ -170,9 +170,9 @@ def _parse(name: str, entry: Any) -> InputValue | None:
 
 
 def _merge(key: str, central: Any, text: Any) -> Any:
-    """Combine central value and range of an input in one text.
+    """Combine the central value and the range of an input in one text.
 
-    Raises a `_ContradictionError` if the input is exact, but has two values.
+    Raises a `_ContradictionError` if the central value is outside the range.
     """
     name = key.partition(".")[2]
     central_value, value = _parse(name, central), _parse(name, text)

@@ -34,18 +34,18 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Height data of a library such as surfalize or xarray, with the attribute `data`."""
+    """Object of a library such as surfalize or xarray, whose attribute `data` contains heights."""
 
     @property
     def data(self) -> object:
-        """Heights of the object, as a NumPy array or similar."""
+        """Heights as a NumPy array, or as an object that converts to such an array."""
 
 
 class Topography(Protocol):
-    """Topography of the library SurfaceTopography."""
+    """Topography object of the library SurfaceTopography."""
 
     def heights(self) -> object:
-        """Return the heights of the topography, as a NumPy array or similar."""
+        """Return the heights as a NumPy array, or as an object that converts to such an array."""
 
 
 def _parse_single_value(value: object) -> object:
@@ -95,7 +95,10 @@ def _parse_degrees(value: object) -> float:
 
 
 def _parse_positions(value: object) -> object:
-    """Parse lengths, or (x, y) pairs of lengths, into a flat list."""
+    """Parse the positions of the slider, given as lengths or as (x, y) pairs of lengths.
+
+    Returns a flat list.
+    """
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -113,22 +116,22 @@ def _parse_surrogates(value: object) -> object:
 
 
 HeightInput: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
-"""Measured profile or surface: a file, a body of this or of another library, or an array of heights."""
+"""Measured profile or height map: a file, an array of heights, or an object of this or of another library."""
 ScanInput: TypeAlias = HeightInput | JoinedSpectrum
 BodyScans: TypeAlias = Annotated[ScanInput | Sequence[ScanInput], SkipValidation]
 """A single scan of a body, or scans at several places on the body."""
 GapInput: TypeAlias = Annotated[HeightInput, SkipValidation]
 InterfaceInput: TypeAlias = Annotated[str | Path | InterfaceStrength, SkipValidation]
 QuantityInput: TypeAlias = Annotated[str | float, PlainValidator(_parse_single_value)]
-"""Number in the default unit of the option, or text with a unit."""
+"""Quantity as a number in the default unit of the option, or as text with a unit."""
 QuantityInputs: TypeAlias = Annotated[
     str | float | Sequence[str | float] | NDArray[np.float64], PlainValidator(_parse_value_list)
 ]  # fmt: skip
-"""Single value or several values; in a string, commas separate the values."""
+"""One or several quantities; in a string, commas separate the quantities."""
 Positions: TypeAlias = Annotated[
     str | float | Sequence[str | float | Sequence[str | float]] | NDArray[np.float64], PlainValidator(_parse_positions)
 ]  # fmt: skip
-"""Positions along profiles, or positions (x, y) on maps, possibly as a flat list."""
+"""Positions of the slider: lengths for profiles, and (x, y) pairs or a flat list of x and y for maps."""
 PositiveInteger: TypeAlias = Annotated[int, PlainValidator(_parse_positive_integer)]
 Seed: TypeAlias = Annotated[int, PlainValidator(_parse_nonnegative_integer)]
 Degrees: TypeAlias = Annotated[float, PlainValidator(_parse_degrees)]
@@ -145,11 +148,11 @@ LevellingForm = Literal["mean", "line", "plane", "quadratic", "none"]
 
 
 class PairProperties(Protocol):
-    """Properties of a pair on which the applicable options depend."""
+    """Properties of a measured pair that decide which options apply."""
 
     @property
     def options(self) -> PairOptions:
-        """All options given for the pair."""
+        """Options that the user has given for the pair."""
 
     @property
     def are_maps(self) -> bool:
@@ -165,7 +168,7 @@ class PairProperties(Protocol):
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, that is, points that were not measured."""
+        """True if at least one body has masked points, which are points that were not measured."""
 
     @property
     def has_surrogates(self) -> bool:
@@ -173,15 +176,15 @@ class PairProperties(Protocol):
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
+        """Kind of bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute; the first gives the result."""
+        """Contact models to compute: first the model of the result, and then a model that checks the result."""
 
     @property
     def contact_law(self) -> str:
@@ -190,14 +193,17 @@ class PairProperties(Protocol):
 
 @dataclass(frozen=True)
 class OptionCondition:
-    """Condition for using an option, and the error message if it is not met."""
+    """Condition under which an option applies, and the error message for an option that does not apply."""
 
     holds: Callable[[PairProperties], bool]
     message: str  # message of a condition, after the option name; {name} stands for another option
 
 
 def select_body_value(name: str, values: Any, index: int) -> Any:
-    """Return the value of an option for the upper (0) or the lower body (1). A single value applies to both."""
+    """Return the value of an option for one body: index 0 for the upper, 1 for the lower body.
+
+    A single value applies to both bodies.
+    """
     values = values if isinstance(values, list) else [values]
     if len(values) > 2:
         raise ArgumentError(
@@ -207,7 +213,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Turn a function into a condition for options, with a given error message."""
+    """Return a decorator that turns a function of a pair into an option condition with an error message."""
 
     def decorate(holds: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(holds, message)
@@ -217,13 +223,13 @@ def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]],
 
 @make_condition("must be one map")
 def is_gap_map(pair: PairProperties) -> bool:
-    """Return whether a height map of the gap is given instead of two bodies."""
+    """Return whether the user gives a height map of the gap instead of two bodies."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
 @make_condition("must not be combined with {gap}, because the relative position of the two faces is fixed")
 def has_two_bodies(pair: PairProperties) -> bool:
-    """Return whether two bodies are given, and not the gap between them."""
+    """Return whether the user gives two bodies instead of the gap between them."""
     return pair.options.gap is None
 
 
@@ -235,19 +241,19 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles that are pressed as lines."""
+    """Return whether both bodies are profiles, and are pressed as profiles instead of surrogate maps."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return True unless surrogates are requested for a scan with masked points."""
+    """Return False if surrogates are requested for a scan with masked points, and True otherwise."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return True unless the asperity model is used for a scan with masked points."""
+    """Return False if the asperity model is used for a scan with masked points, and True otherwise."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -259,19 +265,19 @@ def has_complete_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairProperties) -> bool:
-    """Return True unless a body is a spectrum joined from several scans."""
+    """Return whether both bodies are scans, and not spectra joined from several scans."""
     return not pair.has_spectrum
 
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether several pairs of lines exist, from maps or from surrogates of profiles."""
+    """Return whether the members come from several pairs of lines: lines of maps, or surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairProperties) -> bool:
-    """Return whether profiles or lines of maps are pressed, and not whole maps."""
+    """Return whether profiles or single lines of maps are pressed, instead of whole maps."""
     return pair.press_mode == "lines"
 
 
@@ -283,25 +289,25 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether two height maps are pressed as maps, and not line by line."""
+    """Return whether two height maps are pressed as maps, instead of line by line."""
     return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether scans or surrogates are pressed whole instead of line by line."""
+    """Return whether whole maps or surrogates are pressed, instead of profiles or lines of maps."""
     return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether the scans themselves are pressed, and not surrogates."""
+    """Return whether the scans themselves are pressed, instead of surrogates."""
     return pair.press_mode != "surrogates"
 
 
 @make_condition("must not be given with {positions}")
 def uses_default_positions(pair: PairProperties) -> bool:
-    """Return True unless the user lists the relative positions of the bodies."""
+    """Return whether the program chooses the relative positions of the bodies, instead of the user."""
     return pair.options.positions is None
 
 
@@ -313,19 +319,19 @@ def presses_surrogates(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {check}, which uses both contact models")
 def uses_one_contact_model(pair: PairProperties) -> bool:
-    """Return whether the options select one contact model."""
+    """Return whether the options select a single contact model, without a check by the other model."""
     return not pair.options.check
 
 
 @make_condition("is for {mechanics} half-space")
 def uses_half_space_model(pair: PairProperties) -> bool:
-    """Return whether the half-space model gives the result or checks it."""
+    """Return whether the half-space model is computed, for the result or for a check of the result."""
     return "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space")
 def has_half_space_result(pair: PairProperties) -> bool:
-    """Return whether the half-space model gives the result."""
+    """Return whether the result is computed with the half-space model."""
     return pair.contact_models[0] == "half-space"
 
 
@@ -337,31 +343,31 @@ def uses_only_half_space_model(pair: PairProperties) -> bool:
 
 @make_condition("is for {mechanics} asperities")
 def uses_asperity_model(pair: PairProperties) -> bool:
-    """Return whether the asperity model gives the result or checks it."""
+    """Return whether the asperity model is computed, for the result or for a check of the result."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def has_contact_law_for_lay(pair: PairProperties) -> bool:
-    """Return whether the contact law suits the lay: grooves need the law of elastic cylinders."""
+    """Return whether the contact law suits the lay: parallel grooves need the law of elastic cylinders."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
 @make_condition("is for {law} jackson-green")
 def has_contact_law_with_yield(pair: PairProperties) -> bool:
-    """Return whether the contact law is that of Jackson and Green, which needs a yield strength."""
+    """Return whether the contact law is the Jackson-Green law, which needs a yield strength."""
     return pair.contact_law == JacksonGreen.name
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return True unless a hardness already determines the yield strength of the asperities."""
+    """Return False if the asperity model alone is used with a hardness, which already gives the yield strength."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("is for {mechanics} half-space, and for {law} jackson-green")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
-    """Return whether a contact model is used that can take a hardness into account."""
+    """Return whether a contact model is used that can limit the pressure to a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
@@ -391,7 +397,7 @@ def has_no_interface(pair: PairProperties) -> bool:
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairProperties) -> bool:
-    """Return whether Young's modulus or the contact law of Jackson and Green needs Poisson's ratio."""
+    """Return whether Poisson's ratio is needed, for Young's modulus or for the Jackson-Green contact law."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -401,12 +407,12 @@ OptionKind = Literal["length", "pressure", "force", "time", "work of adhesion"]
 DEFAULT_UNITS: dict[OptionKind, str] = {
     "length": "µm", "pressure": "GPa", "force": "mN", "time": "s", "work of adhesion": "kJ/m²",
 }  # fmt: skip
-"""Default units of numbers by kind of quantity."""
+"""Default unit of a number without a unit, by kind of quantity."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Input field of an option in the app."""
+    """Input field for an option in the form of the app: label, place, example and choices."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
@@ -421,7 +427,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class PairOption:
-    """Declaration of an option for a pair, for command line, Python, study files and app."""
+    """Declaration of an option for a measured pair, from which command line, Python, study file and app are built."""
 
     value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
     help: str  # help text of an option, in one or two sentences; {name} stands for another option
@@ -439,9 +445,9 @@ class PairOption:
 
 
 class OptionGroup(BaseModel):
-    """Base class for groups of related options.
+    """Base class for a group of related options of a measured pair.
 
-    The value None stands for the default.
+    The value None of an option stands for its default.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
@@ -450,7 +456,7 @@ class OptionGroup(BaseModel):
 
 
 class SurfaceOptions(OptionGroup):
-    """Options that select the two bodies and prepare their scans."""
+    """Options that select the two bodies, and specify the preparation of their scans."""
 
     title: ClassVar[str] = "Surfaces"
 
@@ -503,7 +509,7 @@ class SurfaceOptions(OptionGroup):
 
 
 class FileReadingOptions(OptionGroup):
-    """Options for reading scan files, each with one value for both files or one per file."""
+    """Options for reading scan files. An option has one value for both files, or one value per file."""
 
     title: ClassVar[str] = "Reading files"
 
@@ -576,9 +582,9 @@ class FileReadingOptions(OptionGroup):
 
 
 class MaterialOptions(OptionGroup):
-    """Options that describe the materials of the bodies.
+    """Options for the elastic constants and the hardness of the bodies.
 
-    Either effective_modulus, young with poisson, or the names of materials are required.
+    Either effective_modulus, or young with poisson, or the names of materials are required.
     """
 
     title: ClassVar[str] = "Materials"
@@ -655,7 +661,7 @@ class MaterialOptions(OptionGroup):
 
 
 class FrictionOptions(OptionGroup):
-    """Options that describe the load, the interface and the motion."""
+    """Options for the load, the interface and the motion."""
 
     title: ClassVar[str] = "Load and friction"
 
@@ -766,7 +772,7 @@ class EnsembleOptions(OptionGroup):
 
 
 class ExtraComputationOptions(OptionGroup):
-    """Options that request additional computations."""
+    """Options that request computations in addition to the result, such as the onset of sliding."""
 
     title: ClassVar[str] = "Computing"
 
@@ -785,12 +791,12 @@ class PairOptions(
     EnsembleOptions,
     ExtraComputationOptions,
 ):
-    """All options for a measured pair."""
+    """All options for a measured pair, with their values."""
 
     title: ClassVar[str] = "Options of a pair"
 
     def option_value(self, name: str) -> object:
-        """Return the value of an option, or None if it was not given."""
+        """Return the value of an option, or None if the user has not given the option."""
         value: object = getattr(self, name)
         return None if value is False else value
 
@@ -799,7 +805,7 @@ OPTION_GROUPS: tuple[type[OptionGroup], ...] = (
     FrictionOptions, MaterialOptions, ContactOptions, SurfaceOptions, EnsembleOptions,
     FileReadingOptions, ExtraComputationOptions,
 )  # fmt: skip
-"""Groups of options in the order of the help."""
+"""Groups of options in the order in which the help lists them."""
 
 
 def _find_option_declaration(field: FieldInfo) -> PairOption:
@@ -809,16 +815,16 @@ def _find_option_declaration(field: FieldInfo) -> PairOption:
 PAIR_OPTIONS: dict[str, PairOption] = {
     name: _find_option_declaration(field) for group in OPTION_GROUPS for name, field in group.model_fields.items()
 }  # fmt: skip
-"""All options by field name."""
+"""Declarations of all options for a measured pair, by field name."""
 
 READING_OPTION_NAMES: tuple[str, ...] = tuple(
     name for name in FileReadingOptions.model_fields if name not in ("texture", "tip")
 )
-"""Names of the options that are passed to `read_measurement`."""
+"""Names of the options that are arguments of `read_measurement`."""
 
 
 def split_option_text(name: str, text: str) -> str | tuple[str, ...]:
-    """Split an option's text at commas if the option can have several values."""
+    """Split the text of an option at commas if the option accepts a list of values."""
     return tuple(split_values(text)) if PAIR_OPTIONS[name].is_list and "," in text else text
 
 
@@ -827,11 +833,14 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
     for group in (SurfaceOptions, ContactOptions, EnsembleOptions, FrictionOptions, MaterialOptions)
     for name in group.model_fields
 )
-"""Names of the options in the order of their checks."""
+"""Names of the options in the order in which their conditions are checked."""
 
 
 def list_option_choices(name: str) -> tuple[str, ...]:
-    """Return the words that an option accepts, or an empty tuple if it accepts more than fixed words."""
+    """Return the words from which the value of an option must be chosen.
+
+    The tuple is empty if the option also accepts other values.
+    """
     annotation = PairOptions.model_fields[name].annotation
     literal_type = next((argument for argument in get_args(annotation) if get_args(argument)), annotation)
     return tuple(argument for argument in get_args(literal_type) if isinstance(argument, str))
@@ -841,18 +850,18 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Arguments of surface functions, and the `pair` option with the same meaning."""
+"""Names of arguments of surface functions whose meaning equals an option of `pair`, with the name of this option."""
 
 
 def format_command_line_name(name: str) -> str:
-    """Return the command-line name of an option, such as "--hardness"."""
+    """Return the name of an option on the command line, such as "--hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = PAIR_OPTIONS.get(name)
     return option.flag if option and option.flag else f"--{name.replace('_', '-')}"
 
 
 def format_python_name(name: str) -> str:
-    """Return the Python name of an option, such as "hardness"."""
+    """Return the name of an option in Python, such as "hardness"."""
     name = _OPTION_ALIASES.get(name, name)
     option = PAIR_OPTIONS.get(name)
     return option.argument if option and option.argument else name
@@ -860,7 +869,7 @@ def format_python_name(name: str) -> str:
 
 @contextmanager
 def convert_validation_errors() -> Iterator[None]:
-    """Convert the first error in a pydantic validation error to an `ArgumentError` about an option."""
+    """Convert a pydantic validation error about options to an `ArgumentError` about the first invalid option."""
     try:
         yield
     except ValidationError as error:
@@ -887,7 +896,7 @@ def convert_validation_errors() -> Iterator[None]:
 
 
 def validate_option_values(values: dict[str, object]) -> PairOptions:
-    """Validate the values of options, given by field name, and return the options.
+    """Validate the values of options, given by field name, and return them as `PairOptions`.
 
     Raises an `ArgumentError` if a value is invalid.
     """

@@ -1,4 +1,4 @@
-"""Conversion of the options of a measured pair to a study."""
+"""Conversion of the options for a measured pair to a study."""
 
 from __future__ import annotations
 
@@ -89,9 +89,9 @@ GAP_REMARK = (
 
 
 class MeasuredPair:
-    """Measured bodies with the options of their contact, converted to core units (µm, mN, GPa).
+    """Measured pair: its bodies and options, from which a study is built.
 
-    Invalid options raise an `ArgumentError`.
+    Quantities are converted to core units (µm, mN, GPa). Invalid options raise an `ArgumentError`.
     """
 
     def __init__(self, options: PairOptions, *, reads_scans: bool = True) -> None:
@@ -106,7 +106,10 @@ class MeasuredPair:
         self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
 
     def _check_conditions(self, names: Iterable[str]) -> None:
-        """Raise an `ArgumentError` for the first of the named options that is given but not applicable."""
+        """Raise an `ArgumentError` if one of the named options is given although it does not apply to the pair.
+
+        The error is about the first such option.
+        """
         for name in names:
             if (value := self.options.option_value(name)) is None:
                 continue
@@ -119,15 +122,15 @@ class MeasuredPair:
 
     @classmethod
     def from_values(cls, **values: object) -> MeasuredPair:
-        """Validate the values of options, and create a pair from them.
+        """Create a pair from the values of options, given by field name of `PairOptions`.
 
-        The keywords are field names of `PairOptions`.
+        Raises an `ArgumentError` if a value is invalid.
         """
         return cls(validate_option_values(values))
 
     @classmethod
     def check_entries(cls, **values: object) -> None:
-        """Parse the values of options without reading the scans.
+        """Check the values of options without reading the scans.
 
         Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
         """
@@ -146,7 +149,7 @@ class MeasuredPair:
         return kind
 
     def _parse_quantity(self, name: str, value: object) -> Quantity:
-        """Parse the value of an option as a quantity with the option's kind of unit."""
+        """Parse the value of an option as a quantity whose unit must fit the option."""
         return parse_quantity(name, value, self._find_quantity_kind(name))
 
     def _parse_quantities(self, name: str, values: object) -> list[Quantity]:
@@ -156,7 +159,7 @@ class MeasuredPair:
 
     @cached_property
     def files(self) -> tuple[MeasuredBodySettings, MeasuredBodySettings]:
-        """Scans of both bodies for the study, with their reading options."""
+        """Study entries of the upper and the lower body: scan files with their reading options."""
         entries = []
         for index, side in enumerate(SIDES):
             scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
@@ -166,7 +169,7 @@ class MeasuredPair:
         return entries[0], entries[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredBodySettings:
-        """Describe a body for the study: a file with reading options, or an object in memory."""
+        """Create the study entry of a scan: a file with reading options, or an object in memory."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -219,7 +222,7 @@ class MeasuredPair:
         return name
 
     def _build_body_from_array(self, side: str, index: int, heights: Any) -> MeasuredBody:
-        """Convert an array of heights to a body with the given spacing and unit."""
+        """Convert an array of heights to a profile or height map, with the spacing and unit of the options."""
         spacing: Any = self._select_option_value("spacing", index)
         unit: Any = self._select_option_value("unit", index) or "um"
         if spacing is None:
@@ -257,7 +260,7 @@ class MeasuredPair:
 
     @property
     def scan_counts(self) -> tuple[int, int]:
-        """Number of scans of each body (upper, lower)."""
+        """Numbers of scans of the upper and of the lower body."""
         upper, lower = self.files
         return len(upper.scans), len(lower.scans)
 
@@ -265,19 +268,19 @@ class MeasuredPair:
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, that is, points that were not measured."""
+        """True if at least one body has masked points, which are points that were not measured."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
     def press_mode(self) -> str:
-        """Bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
+        """Kind of bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
         if self.has_spectrum or self.options.lay == "isotropic":
             return "surrogates"
         return "areas" if self.are_maps and self.options.lines is None else "lines"
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute; the first gives the result."""
+        """Contact models to compute: first the model of the result, and then a model that checks the result."""
         default: Mechanics = (
             "half-space"
             if self.press_mode != "lines" or self.has_masked_points or self._uses_plastic_lines
@@ -289,7 +292,7 @@ class MeasuredPair:
 
     @property
     def _uses_plastic_lines(self) -> bool:
-        """True for profiles whose softer material has a hardness, if no option of the asperity model is given."""
+        """True if the bodies are profiles with a hardness, and the user gives no option of the asperity model."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -312,7 +315,7 @@ class MeasuredPair:
 
     @cached_property
     def elasticity(self) -> PairElasticity:
-        """Elastic constants of both bodies, at the central values of uncertain inputs."""
+        """Elastic constants of the pair. Uncertain constants have their central values."""
         modulus, young, poisson = (
             self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
         )
@@ -320,7 +323,7 @@ class MeasuredPair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[InputValue]]:
-        """Uncertain inputs of the pair, by name."""
+        """Inputs of the study that the user gives with an uncertainty, by name."""
         inputs: dict[str, list[InputValue]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
@@ -335,7 +338,7 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values of an option as inputs of a study, with numbers in core units."""
+        """Parse the values of an option, such as mu0, as study inputs. Numbers without a unit are in core units."""
         values = [value for value in split_values(self.options.option_value(name)) if value is not None]
         if INPUT_KINDS[name]:
             values = [value if isinstance(value, str) else exact_quantity_text(value, "GPa") for value in values]
@@ -349,7 +352,7 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Interface that defines mu0 and tau0, or None if no interface is given."""
+        """Interface that the user gives instead of mu0 and tau0, or None."""
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -365,7 +368,7 @@ class MeasuredPair:
     def half_space_inputs(self) -> Inputs:
         """Inputs of a half-space without adhesion and junction growth: mu0, tau0, elastic constants and hardness.
 
-        With an interface, mu0 and tau0 are its medians.
+        If an interface is given, mu0 and tau0 are the medians of the interface.
         """
         self._check_conditions(("mu0", "tau0"))
         values = {name: self._parse_single_strength(name) for name in ("mu0", "tau0")}
@@ -381,11 +384,11 @@ class MeasuredPair:
 
     @property
     def _materials(self) -> tuple[Material, ...]:
-        """Materials of both bodies, or an empty tuple if the options name no materials."""
+        """Materials of both bodies, or an empty tuple if the user names no materials."""
         return tuple(material(name) for name in self.elasticity.materials or ())
 
     def _parse_single_strength(self, name: str) -> InputValue:
-        """Parse mu0 or tau0 as one number or one range."""
+        """Parse mu0 or tau0 as one number, which may be uncertain."""
         if self.given_interface is not None or self.options.option_value(name) is None:
             value = self._get_central_option_value(name)
             return parse_input_value(name, exact_quantity_text(value, "GPa") if INPUT_KINDS[name] else value)
@@ -398,7 +401,7 @@ class MeasuredPair:
         return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option, or the central value if the option is uncertain."""
+        """Return the value of an option. For an uncertain option, the value is the central value."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -410,7 +413,10 @@ class MeasuredPair:
 
     @cached_property
     def loads(self) -> list[Quantity]:
-        """Requested loads (mN) in ascending order. A pressure is multiplied by the nominal area."""
+        """Requested loads (mN) in ascending order.
+
+        A load that the user gives as a pressure is multiplied by the nominal area.
+        """
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
         # Round the forces, so that they contain no round-off.
@@ -431,7 +437,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest attraction (mN) on a grid cell: work of adhesion divided by its range, times the cell area."""
+        """Largest adhesive force (mN) on a grid cell: work of adhesion divided by its range, times the cell area."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, study_range = (
@@ -446,7 +452,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) over which the force on two profiles is distributed."""
+        """Width (µm) of two profiles perpendicular to the scan, over which a force acts."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -458,7 +464,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as the user gave them: (mN, False) for a force, or (GPa, True) for a pressure."""
+        """Loads as the user gives them: (mN, False) for a force, or (GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -470,19 +476,19 @@ class MeasuredPair:
 
     @property
     def study(self) -> Study:
-        """Study from which the result is computed."""
+        """Study from which the result of the pair is computed."""
         return self.studies[0]
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Studies to compute: the study of the result, and a check with the other contact model if requested."""
+        """Studies to compute: the study of the result and, on request, a check with the other contact model."""
         contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
 
     @property
     def preview_study(self) -> Study | None:
-        """Study that previews the pair, in the asperity model.
+        """Study for a quick preview of the result, in the asperity model.
 
         None if profiles or scan lines are pressed, if points are masked, or if the result itself uses the asperity
         model.
@@ -493,7 +499,7 @@ class MeasuredPair:
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks to print about the materials and, for a gap, about its map."""
+        """Remarks for the user about the materials and, for a gap, about the map of the gap."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
@@ -506,7 +512,7 @@ class MeasuredPair:
 
     @property
     def _strengths(self) -> dict[str, Any]:
-        """Section `[friction]` for mu0 and tau0: ascending numbers, one uncertain number, or an interface."""
+        """Entries of the section `[friction]` for mu0 and tau0: exact numbers, an uncertain number, or an interface."""
         if self.given_interface is not None:
             name = str(self.options.interface)
             return {"interface": name if name in interfaces() else str(Path(name).resolve())}
@@ -564,11 +570,12 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Keys of the section `[surfaces]` for filters against wavelengths that may be noise.
+        """Entries of the section `[surfaces]` that filter out wavelengths that may be instrument noise.
 
-        The study then has two cutoffs: unfiltered, and with each scan filtered at its own cutoff. The filtered scans
-        come first and give the quoted result if the spectrum of one scan ends in the noise floor of an instrument, and
-        if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan needs a filter.
+        The study then has two cutoffs: one without a filter, and one at which each scan is filtered at its own cutoff.
+        The filtered scans come first and give the quoted result if the spectrum of one scan ends in the noise floor of
+        an instrument, and if wavelengths in the other scans may be noise as well. The dictionary is empty if no scan
+        needs a filter.
         """
         limits_by_file = [[_find_noise_wavelengths(scan) for scan in file.scans] for file in self.files]
         present_limits = [limit for file_limits in limits_by_file for limit in file_limits if limit is not None]
@@ -614,7 +621,7 @@ class MeasuredPair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface that the user lists, or None if the user lists no positions.
+        """Positions (µm) of the slider on the counterface, if the user lists positions, and None otherwise.
 
         Positions on maps are pairs (x, y).
         """
@@ -630,7 +637,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of line pairs, and the number of relative positions of each pair."""
+        """Return the number of line pairs, and the number of relative positions of each line pair."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
@@ -684,7 +691,7 @@ class MeasuredPair:
 
     @property
     def _elasticity_entries(self) -> dict[str, Any]:
-        """Elastic constants in the section `[contact]`: E*, or Young's moduli and Poisson's ratios."""
+        """Entries of the section `[contact]` for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
         elasticity, options = self.elasticity, self.options
         if options.effective_modulus is not None:
             return {"effective_modulus": self._parse_inputs("effective_modulus")[0]}
@@ -705,15 +712,15 @@ class MeasuredPair:
 
     @property
     def _material_names(self) -> tuple[str | None, str | None]:
-        """Materials of both bodies by name; None for a body with given elastic constants."""
+        """Names of the materials of both bodies; None for a body whose elastic constants the user gives as numbers."""
         upper, lower = self.options.upper_material, self.options.lower_material
         return (upper, lower) if self.options.young is not None else (upper or lower, lower or upper)
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Work of adhesion and its range in the section `[contact]`.
+        """Entries of the section `[contact]` for adhesion: the work of adhesion and its range.
 
-        Each must be a single value, because the contacts are computed for a single value.
+        Both must be single values, because the contacts are computed only once.
         """
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
@@ -728,9 +735,9 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth of the contacts, or None if the contacts do not grow.
+        """Junction growth of yielding contacts under shear, or None if the contacts do not grow.
 
-        The default is the value for the interface or, without one, yield by slip lines.
+        The default is the junction growth of the interface or, without an interface, yield by slip lines.
         """
         given_value: Any = self.options.junction_growth
         if given_value is None:
@@ -752,7 +759,7 @@ class MeasuredPair:
 
     @property
     def _yield_exponent(self) -> InputValue | None:
-        """Exponent of the area of yielding contacts, or None if the contacts do not yield."""
+        """Exponent m in the closed form of the area of yielding contacts, or None if the contacts do not yield."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
@@ -767,7 +774,7 @@ class MeasuredPair:
 
     @property
     def _indent(self) -> Quantity | None:
-        """Depth of the indentation that measured the hardness, or None if it is unknown."""
+        """Depth (µm) of the indentation from which the hardness was measured, or None if the depth is unknown."""
         if (value := self.options.indent) is None:
             return None
         if self._yield_exponent is None:
@@ -789,7 +796,10 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Fraction of the true area lost under shear, as given or by default for soft bodies, or None."""
+        """Fraction of the true area that is lost under shear, or None if no area is lost.
+
+        Soft bodies lose area by default.
+        """
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:
@@ -801,7 +811,7 @@ class MeasuredPair:
 
     @property
     def _hardness(self) -> InputValue | None:
-        """Hardness given by the user or, without it, the hardness of the softer material."""
+        """Hardness that the user gives or, by default, the hardness of the softer material; None for elastic bodies."""
         if self.options.hardness is None:
             value = self.elasticity.hardness
             return None if value is None else parse_input_value("hardness", format_material_value(value, "GPa"))
@@ -810,7 +820,7 @@ class MeasuredPair:
         return self._parse_inputs("hardness")[0]
 
     def _build_contact_law_entry(self) -> Any:
-        """Return the contact law of the asperity model with its parameters, as in a study file."""
+        """Return the study entry for the contact law of the asperity model: its name, or a section with parameters."""
         if self.contact_law != JacksonGreen.name:
             return self.contact_law
         strength, ratio = self.options.yield_strength, self.elasticity.poisson_ratio
@@ -825,7 +835,7 @@ class MeasuredPair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _choose_load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are computed, equal for all contact models."""
+        """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -867,23 +877,23 @@ class MeasuredPair:
 
     @property
     def _nominal_area(self) -> float:
-        """Nominal area (µm²) of each member."""
+        """Nominal contact area (µm²), which all members have in common."""
         area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have a nominal area"
         return area
 
 
 def _build_entry(estimate: UncertainInput) -> InputValue:
-    """Return junction growth for a study file. The central value may differ from the middle of the range."""
+    """Return the study entry of a junction growth, whose central value may differ from the middle of the range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(data: dict[str, Any]) -> Study:
-    """Build a study from sections. An error about a study key contains the option that sets the key.
+    """Build a study from the contents of its sections.
 
-    If an option set the invalid key, the `ArgumentError` names the option.
+    If the value of an option is invalid, an `ArgumentError` with the name of the option is raised.
     """
     try:
         return validate_section(Study, data, "pair")
@@ -895,7 +905,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the option that sets a study key such as "friction.mu0[0]", or None if no option sets the key."""
+    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None if no option does."""
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
     return next(
@@ -905,7 +915,7 @@ def _find_option(key: str) -> str | None:
 
 
 def build_study_from_options(options: PairOptions) -> Study:
-    """Create the study of two bodies, given as files or objects.
+    """Create the study of a measured pair from its options.
 
     Raises a `ValueError` if the contact of the bodies cannot be computed.
     """
@@ -915,12 +925,12 @@ def build_study_from_options(options: PairOptions) -> Study:
 
 
 def _split_at_commas(value: Any) -> Any:
-    """Split a text at commas, and return other values unchanged."""
+    """Split a text at commas. Other values are returned unchanged."""
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
 def _list_scans(side: str, given: Any) -> list[Any]:
-    """Convert the scans of a body (a list, a directory, file names with commas, or one scan) to a list."""
+    """Return the scans of a body as a list, given a list, a directory, file names separated by commas, or one scan."""
     if isinstance(given, (str, Path)) and "\0" in str(given):
         raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
     if isinstance(given, (list, tuple)):
@@ -941,9 +951,9 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Return the wavelengths at which the spectrum of a scan shows instrument noise, or may hide noise.
+    """Return the wavelengths of a scan that are instrument noise or may be noise, according to the scan's spectrum.
 
-    Returns None if they affect the slope only slightly.
+    Returns None if noise affects the slope only slightly.
     """
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
@@ -953,6 +963,6 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Hid
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Sort quantities in ascending order. Of equal quantities, the last one remains."""
+    """Return quantities in ascending order without duplicates. Of equal quantities, the last one is kept."""
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

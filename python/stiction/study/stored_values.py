@@ -1,4 +1,4 @@
-"""Checks of the variables and attributes in stored files.
+"""Validation of the variables and attributes in stored files.
 
 A file with a correct checksum may still contain values that no computation returns, for example if another program
 changed the file. When a file is read, its variables and attributes are compared with their specifications.
@@ -17,29 +17,31 @@ from numpy.typing import NDArray
 from stiction.mechanics.quantities import MAX_STORED_VALUE
 
 MIN_POSITIVE_STORED_VALUE = 1 / MAX_STORED_VALUE
-"""Smallest value above 0 of a stored load, area or length. The quotient of two stored values is therefore finite."""
+"""Smallest allowed value above 0 of a stored load, area or length, so that quotients of stored values are finite."""
 
 ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-"""Bounds of stored values without other limits."""
+"""Bounds of stored numbers that have no narrower bounds."""
 
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
-"""Bounds of stored values that are above 0, such as areas and grid spacings."""
+"""Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
 _CHUNK_SIZE = 2**14  # number of stored numbers that are compared at a time
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
 }  # fmt: skip
-"""NumPy type codes that a file may contain for each type, and a phrase for them. NetCDF has no Boolean type."""
+"""NumPy type codes that a file may contain for each data type, and a phrase for error messages. NetCDF has no Boolean
+type.
+"""
 
 
 class DamagedFileError(Exception):
-    """Error raised if a file is not a valid result, with the reason."""
+    """Error raised if the content of a stored file is invalid. The message states the reason."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class VariableSpec:
-    """Dimensions, type and bounds that a variable in a stored file must have."""
+    """Specification of a variable in a stored file: dimensions, data type and bounds."""
 
     dims: tuple[str, ...] = ()
     dtype: type = float
@@ -51,7 +53,7 @@ class VariableSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class AttributeSpec:
-    """Type, number of values and bounds that an attribute in a stored file must have."""
+    """Specification of an attribute in a stored file: data type, number of values and bounds."""
 
     dtype: type = float
     sizes: tuple[int, ...] = (1,)
@@ -60,7 +62,7 @@ class AttributeSpec:
     is_required: bool = True
 
     def encode(self, value: Any) -> Any:
-        """Return an attribute as a file stores it: as text, or as a one-dimensional array."""
+        """Convert an attribute to the form in which a file stores it: text, or a one-dimensional array."""
         return str(value) if self.dtype is str else np.atleast_1d(np.asarray(value, self.dtype))
 
 
@@ -68,9 +70,9 @@ def check_values(
     name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Raise a `DamagedFileError` if stored numbers have the wrong type or exceed their bounds.
+    """Raise a `DamagedFileError` if the numbers of a stored variable have the wrong type or exceed their bounds.
 
-    Returns the smallest finite value, or infinity if there is none, and whether a value is NaN.
+    Returns the smallest finite number, or infinity if there is none, and whether a number is NaN.
     """
     kinds, type_text = _DTYPE_KINDS[dtype]
     if values.dtype.kind not in kinds:
@@ -96,7 +98,7 @@ def check_values(
 
 
 def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the smallest and the largest number of an array, or NaN if one is NaN.
+    """Return the smallest and the largest number of an array, or NaN twice if the array contains NaN.
 
     Each chunk of the values is read once from memory, because it fits into the cache.
     """
@@ -108,7 +110,7 @@ def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
 
 
 def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, AttributeSpec]) -> None:
-    """Raise a `DamagedFileError` if an attribute is missing or not as declared."""
+    """Raise a `DamagedFileError` if a stored attribute is missing or does not fit its specification."""
     for name, spec in specs.items():
         if name not in attributes:
             if spec.is_required:
@@ -129,16 +131,15 @@ def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, Attribut
 
 
 def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
-    """Raise a `DamagedFileError` if stored numbers do not increase strictly along an axis."""
+    """Raise a `DamagedFileError` if the numbers of a stored variable do not increase strictly along an axis."""
     if not (np.diff(values, axis=axis) > 0).all():
         raise DamagedFileError(f"has {name} with values that do not increase")
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Check that a contact sum is NaN exactly at the loads at which the solver failed.
+    """Raise a `DamagedFileError` unless a contact sum is NaN exactly at the loads for which the solver failed.
 
-    `is_missing` has the shape (..., loads), and `values` may have further axes before the last. Raises a
-    `DamagedFileError`.
+    `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """
     further_axes = tuple(range(is_missing.ndim - 1, values.ndim - 1))
     if not np.array_equal(np.isnan(values), np.broadcast_to(np.expand_dims(is_missing, further_axes), values.shape)):

@@ -1,4 +1,4 @@
-"""Studies: validated descriptions of a computation, read from TOML files or built in."""
+"""Studies: complete descriptions of a computation, read from TOML files or built in."""
 
 from __future__ import annotations
 
@@ -85,13 +85,13 @@ MAX_STUDY_BYTES = 1_000_000  # maximum size of a study file, in bytes
 MAX_PARAMETER_COMBINATIONS = 1000
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Pairs of a section and a key, where the value of the key selects the class of the section."""
+"""Keys whose value selects the class of a section, each as a pair of section and key."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "materials", "young", "poisson",
     "law", "detection", "curvature", "boundary", "hardness", "compliance_share",
 )  # fmt: skip
-"""Keys that are written first in their sections."""
+"""Keys that come first in their sections of a written study file."""
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
@@ -113,7 +113,7 @@ _SURFACE_CLASSES_BY_KIND = {
     "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
     "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
 }
-"""Key that selects the class of a section `[surfaces]`, and the classes, for each value of `kind`.
+"""For each `kind` of surfaces: the key that selects the class of `[surfaces]`, and the classes by value of this key.
 
 The first class is the default.
 """
@@ -145,7 +145,7 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for which figures are drawn."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
@@ -184,11 +184,11 @@ class MeasuredSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 STRENGTH_KEYS = ("mu0", "tau0")
-"""Keys of the section `[friction]` that follow from an interface, if an interface is given."""
+"""Keys of the section `[friction]` whose values follow from the interface, if the section names an interface."""
 
 
 def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Add mu0 and tau0 of an interface to the section `[friction]`."""
+    """Return a section `[friction]` with mu0 and tau0 of the interface that the section names."""
     if (source := section.get("interface")) is None:
         return section
     for key in STRENGTH_KEYS:
@@ -208,18 +208,18 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 FrictionSettings = AsperityFrictionSettings | HalfSpaceFrictionSettings | MeasuredSurfaceFrictionSettings
-"""Section `[friction]` of a study."""
+"""Section `[friction]` of a study: one class for measured surfaces, and one per model for generated surfaces."""
 FRICTION_SETTINGS_CLASSES: tuple[type[FrictionSettings], ...] = get_args(FrictionSettings)
 SHARED_FRICTION_SETTINGS_CLASSES: tuple[type[SettingsSectionVariant], ...] = (
     MeasuredSurfaceFrictionSettings,
     GeneratedSurfaceFrictionSettings,
     HalfSpaceFrictionSettings,
 )
-"""Base classes whose keys several sections `[friction]` share."""
+"""Base classes with keys that several sections `[friction]` have in common."""
 
 
 def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: str) -> type[FrictionSettings]:
-    """Return the class for the section `[friction]`, given surfaces and contact model."""
+    """Return the class of the section `[friction]`, given the kind of surfaces and the contact model."""
     if issubclass(surfaces, get_args(MeasuredSurfaceSettings)):
         return MeasuredSurfaceFrictionSettings
     return HalfSpaceFrictionSettings if mechanics == "half-space" else AsperityFrictionSettings
@@ -250,7 +250,7 @@ def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class FigureSettings(SettingsSection):
-    """Section for the figures of a result of generated surfaces."""
+    """Section with the figures that are drawn from a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
@@ -260,10 +260,10 @@ class FigureSettings(SettingsSection):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Add loads below and above the requested loads to the sections `[contact]` and `[friction]`.
+    """Return sections `[contact]` and `[friction]` with a load below and a load above the requested loads.
 
-    This applies to the half-space of generated surfaces. Returns an empty dictionary if no loads are requested, if the
-    study has its own load curve, or if a section is invalid.
+    This applies to generated surfaces in the half-space model. Returns an empty dictionary if no loads are requested,
+    if the study has its own load curve, or if a section is invalid.
     """
     requested_loads = friction.get("load") or (
         contact.get("load") if isinstance(contact.get("load"), (list, tuple)) else None
@@ -295,18 +295,18 @@ def _add_bracketing_loads(
 
 
 def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
-    """Return the nominal area (µm²) of generated surfaces from the section `[surfaces]`."""
+    """Compute the nominal area (µm²) of generated surfaces from the keys of the section `[surfaces]`."""
     section: Any = select_surface_settings_class(surfaces).model_validate(surfaces)
     return float(section.nominal_area)
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section. Validation replaces it by a section whose class suits the surfaces."""
+    """Return an empty section, which validation replaces by a section with defaults that suit the surfaces."""
     return {}
 
 
 class Study(SettingsSection):
-    """Complete description of a computation: pairs of surfaces, contact model and parameters.
+    """Complete description of a computation: pairs of surfaces, contact model, friction parameters and ensemble.
 
     Missing sections and keys have the values of Fig. 6 of the paper. In files, a quantity is text with a unit, as in
     "10 GPa". In Python, a quantity may also be a number in core units (µm, GPa, mN). Some keys exist only for a single
@@ -329,7 +329,7 @@ class Study(SettingsSection):
     @model_validator(mode="before")
     @classmethod
     def _add_loads_for_interpolation(cls, data: Any) -> Any:
-        """Add loads below and above the requested loads, so that results at all requested loads can be interpolated.
+        """Add loads below and above the requested loads, between which results at the requested loads are interpolated.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -360,7 +360,7 @@ class Study(SettingsSection):
     @field_validator("surfaces", mode="before")
     @classmethod
     def _validate_surfaces_section(cls, value: object) -> SurfaceSettings:
-        """Validate the section `[surfaces]` with the class that its keys determine."""
+        """Validate the section `[surfaces]` with the class that the keys of the section select."""
         if isinstance(value, SURFACE_SETTINGS_CLASSES):
             return value
         if not isinstance(value, Mapping):
@@ -372,7 +372,11 @@ class Study(SettingsSection):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _validate_dependent_section(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate a section with the class that suits the surfaces. With invalid surfaces, return an empty section."""
+        """Validate the section `[contact]` or `[friction]` with the class that suits the surfaces of the study.
+
+        If the section `[surfaces]` is invalid, return a section with defaults, so that only the error in `[surfaces]`
+        is reported.
+        """
         surfaces = info.data.get("surfaces")
         if surfaces is None:
             surfaces, value = GeneratedProfileSettings(), {}
@@ -424,19 +428,22 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain. Intervals would ignore the uncertainty."""
+        """Raise an error if an input of generated surfaces is uncertain.
+
+        The intervals of such a study would not include the uncertainty.
+        """
         for key, value in self.contact:
             if isinstance(value, InputValue) and not value.is_exact:
                 raise ValueError(f"contact.{key}: must be exact for generated surfaces, got {short_repr(value.text)}")
 
     @property
     def is_measured(self) -> bool:
-        """True for measured surfaces, False for generated surfaces."""
+        """True if the surfaces are measured, and False if they are generated."""
         return self.surfaces.kind == "measured"
 
     @property
     def is_gap(self) -> bool:
-        """True if the study presses a measured map of the gap between two surfaces."""
+        """True if the study presses one measured map of the gap, instead of two bodies."""
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
@@ -446,14 +453,14 @@ class Study(SettingsSection):
 
     @property
     def uses_half_space(self) -> bool:
-        """True for the half-space model, False for the asperity model."""
+        """True if contacts are computed in the half-space model, and False in the asperity model."""
         return self.contact.mechanics == "half-space"
 
     @property
     def has_nominal_area(self) -> bool:
-        """True if the contact model has a nominal area.
+        """True if pressures can be related to a nominal area.
 
-        For spheres on a strip of arbitrary thickness, it is not.
+        Profiles in contact as spheres have no nominal area, because the thickness of the strip is arbitrary.
         """
         return self.is_areal or self.uses_half_space or "cylinder" in str(self.contact.law or "").lower()
 
@@ -464,11 +471,11 @@ class Study(SettingsSection):
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Quantity that each loading step prescribes: "approach" or "load"."""
+        """Quantity that is prescribed at each loading step: "approach" or "load"."""
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that a result stores for each member and step."""
+        """Return the names of the contact sums that a result stores for each member and loading step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -478,14 +485,13 @@ class Study(SettingsSection):
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the sliding rules and directions (degrees) that are dimensions of a result."""
+        """Return the coordinates of a result that describe the motion: sliding rules, and directions in degrees."""
         return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return a copy of the study with absolute paths and checksums of all files.
+        """Return a copy of the study with absolute paths and checksums of all scan files.
 
-        Bodies in memory are written to the directory, if a directory is given. Raises a `ValueError` if a file cannot
-        be read.
+        If a directory is given, bodies in memory are written to it. Raises a `ValueError` if a file cannot be read.
         """
         if not isinstance(self.surfaces, MeasuredSurfaceSettings):
             return self
@@ -539,7 +545,7 @@ class Study(SettingsSection):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return a copy of the study with other values of some keys.
+        """Return a copy of the study in which some keys have other values.
 
         Parameters
         ----------
@@ -566,11 +572,11 @@ class Study(SettingsSection):
         return validate_section(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Return the study as TOML text with all keys, from which `Study.from_toml` creates an equal study."""
+        """Format the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections before changes, converted to the classes that the changes require."""
+        """Return the sections of the study, converted to the classes that a change of some keys requires."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -589,10 +595,10 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove keys that a change of another key replaces.
+        """Remove keys from sections if a changed key replaces them.
 
         E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
-        mu0 and tau0; a change of one of them replaces the interface, but not the other value.
+        mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.
         """
         contact, friction = sections["contact"], sections["friction"]
         if changes.get("contact.effective_modulus") is not None:
@@ -612,7 +618,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove loads of generated surfaces that would contradict changed loads.
+        """Remove loads of generated surfaces that would contradict loads that change.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because the validation added these two
@@ -629,7 +635,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another class, and keep each key whose value differs from the old default."""
+    """Convert a section to another class. Keys that differ from the default of the old class keep their values."""
     section_class = type(section)
     changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
     keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
@@ -638,7 +644,7 @@ def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> d
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Return the keys of a section that are not None, in the order of study files."""
+    """Return the keys of a section whose values are not None, in the order of study files."""
     data = section.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, MeasuredMapContactSettings):
@@ -675,7 +681,7 @@ def read_study_description(name: str) -> str:
 
 
 def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
-    """Return the study that the dataset of a result stores.
+    """Parse the study that is stored in the attributes of a result's dataset.
 
     Raises a `StudyError` if the dataset has no attribute 'study'.
     """
@@ -686,14 +692,14 @@ def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of the loading steps: "load" if the study prescribes loads, or else "approach"."""
+    """Return the dimension of a dataset along the loading steps: "load" or "approach"."""
     return "load" if "load" in dataset.dims else "approach"
 
 
 def find_section_differences(
     first: SettingsSection, second: SettingsSection, prefix: str = ""
 ) -> list[StudyDifference]:
-    """List the keys in which two sections differ, in the order of study files."""
+    """List the keys in which two sections differ, with both values as text, in the order of study files."""
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
@@ -714,7 +720,7 @@ def find_section_differences(
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the keys in which two studies differ, if the difference affects the members.
+    """List the keys in which two studies differ, as far as the difference affects the members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
@@ -738,7 +744,7 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
 
 
 def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
-    """Return whether a key is an input whose central value is equal in two studies."""
+    """Return whether a key belongs to an input, and this input has the same central value in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first, second)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]
@@ -747,7 +753,7 @@ def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
 
 
 def format_study_differences(differences: list[StudyDifference]) -> str:
-    """Return lines for a message about the first few differences between two studies."""
+    """Format the first few differences between two studies as lines of an error message."""
     lines = [
         f"{key} = {short_repr(stored)} there, {short_repr(other)} here"
         for key, stored, other in differences[:MAX_LISTED_DIFFERENCES]
@@ -760,7 +766,7 @@ def format_study_differences(differences: list[StudyDifference]) -> str:
 def parse_study(text: str, source: str) -> Study:
     """Parse a study from TOML text.
 
-    Error messages start with the name of the source.
+    Error messages start with `source`, the name of the file or text.
     """
     try:
         data = parse_toml(text)

@@ -1,4 +1,4 @@
-"""Description of a study for people: name, file, and differences from the defaults."""
+"""Description of a study for reports: name, file, and differences from the defaults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stiction.surfaces.pairing import SIDES
 
 @dataclass(frozen=True)
 class StudyDescription:
-    """Description of a study for people.
+    """Description of a study for reports: its name, its file, and its differences from the defaults.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class StudyDescription:
 
 
 def describe_study(study: Study) -> StudyDescription:
-    """Return the description of a study for people."""
+    """Describe a study for reports by its name, its file, and its differences from the defaults."""
     if study.is_measured:
         return StudyDescription(get_pair_name(study), _strip_directories(study).to_toml(), [])
     name, file_text = _find_built_in_name(study), study.to_toml()
@@ -40,7 +40,7 @@ def describe_study(study: Study) -> StudyDescription:
 
 
 def get_pair_name(study: Study) -> str:
-    """Return the file names of a pair, as in "a on b", or of a gap, as in "gap a"."""
+    """Return the name of a measured pair from its files, as in "a on b", or of a gap, as in "gap a"."""
     upper, lower = (getattr(study.surfaces, side).name for side in SIDES)
     if study.is_gap:
         return upper if "gap" in upper.lower() else f"gap {upper}"

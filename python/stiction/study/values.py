@@ -1,4 +1,4 @@
-"""Types of values in a study file: quantities with units, ascending lists, and ranges."""
+"""Types of the values in a study file: quantities with units, ascending lists, and ranges."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ read_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Return quantities and numbers as text, also inside tuples; other values are unchanged."""
+    """Format quantities and numbers as text, also inside tuples. Other values are returned unchanged."""
     if isinstance(value, tuple):
         return tuple(map(format_quantities, value))
     if isinstance(value, Quantity):
@@ -91,7 +91,7 @@ _Item = TypeVar("_Item")
 
 
 def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple if its elements all differ, or else raise a `ValueError`."""
+    """Return a tuple unchanged, or raise a `ValueError` if two elements of the tuple are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two values are equal")
     return values
@@ -121,7 +121,7 @@ Times = Annotated[tuple[Time, ...], *_optional_short_list]
 def _build_one_or_tuple_validator(
     name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]
 ) -> PlainValidator:
-    """Return a validator that accepts one value, or a list of different values."""
+    """Build a pydantic validator that accepts one value, or a list in which no value occurs twice."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -148,7 +148,7 @@ def _parse_direction(value: object) -> Any:
 
 
 def direction_to_degrees(direction: Direction) -> float:
-    """Convert a direction of motion to degrees from +x towards +y, from 0 up to 360."""
+    """Convert a direction of motion, such as "+y" or 30, to degrees from +x towards +y, from 0 up to 360."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -171,12 +171,12 @@ SlidingRules = Annotated[
 
 
 class SettingsSection(BaseModel):
-    """Base class for the sections of a study file. Sections declare their keys, and are immutable."""
+    """Base class for the sections of a study file. A section declares its keys, and is immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
 
     def __init__(self, **values: Any) -> None:
-        """Validate the keys of the section. An invalid value raises a `StudyError` that names its key."""
+        """Validate the values of the section's keys. An invalid value raises a `StudyError` that names the key."""
         try:
             super().__init__(**values)
         except ValidationError as error:
@@ -187,13 +187,13 @@ class SettingsSection(BaseModel):
 
 
 class SettingsSectionVariant(SettingsSection):
-    """Base class for the variants of a section, each of which has its own keys."""
+    """Base class for sections with several variants, each of which is a class with different keys."""
 
     place: ClassVar[str]  # phrase for a variant of a section in error messages
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select the variant of a section, each with the only value that it allows."""
+        """Return the keys that select this variant of a section, each with the only value that the variant allows."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -201,12 +201,12 @@ class SettingsSectionVariant(SettingsSection):
 
 
 def make_key_error(key: str, message: str) -> PydanticCustomError:
-    """Return a validation error about a key of a section."""
+    """Create a validation error about a key of a section."""
     return PydanticCustomError("key", "{message}", {"key": key, "message": message})
 
 
 def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key in a section. If the key is missing, return the first of `cases`.
+    """Return the value of a key that selects the variant of a section; by default, the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -218,7 +218,7 @@ def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, A
 
 
 class _ValueRange(SettingsSection):
-    """Range of equally spaced values, with both limits."""
+    """Range of equally spaced numbers, from a first to a last number."""
 
     start: Any
     stop: Any
@@ -236,7 +236,7 @@ class _ValueRange(SettingsSection):
         return self
 
     def values(self) -> Floats:
-        """Return the values of the range in core units."""
+        """Compute the numbers of the range in core units."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -248,7 +248,7 @@ class FractalDimensionRange(_ValueRange):
 
 
 class _SteppedValueRange(_ValueRange):
-    """Range of values with equal differences (linear) or equal ratios (geometric)."""
+    """Range of quantities with equal differences (linear) or equal ratios (geometric) between neighbours."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -259,21 +259,21 @@ class _SteppedValueRange(_ValueRange):
         return self
 
     def values(self) -> Floats:
-        """Return the values of the range in µm or mN."""
+        """Compute the quantities of the range in µm or mN."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
 
 
 class ApproachRange(_SteppedValueRange):
-    """Range of approaches."""
+    """Range of approaches, given in a study file by both limits, the spacing and the number of approaches."""
 
     start: LengthOrZero
     stop: LengthOrZero
 
 
 class LoadRange(_SteppedValueRange):
-    """Range of normal loads."""
+    """Range of normal loads, given in a study file by both limits, the spacing and the number of loads."""
 
     start: Force
     stop: Force
@@ -304,7 +304,7 @@ LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_TAG)] | Annotated[Loads,
 
 
 def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
-    """Return the values of a range or a list as an array."""
+    """Return the numbers of a range or a list as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
@@ -314,9 +314,9 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 def check_keys(
     section: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
-    """Raise an error if a key belongs to another variant of the section, or if a required key is missing.
+    """Raise an error if a section contains a key of another variant, or if a required key is missing.
 
-    `shared` lists base classes whose keys several classes have. Messages refer to these classes by `place`.
+    `shared` lists base classes whose keys several variants have. Messages name these classes by their `place`.
     """
     for key in section:
         if key in case.model_fields:
@@ -346,7 +346,7 @@ MAX_LISTED_FAULTS = 5  # maximum number of errors in a study that one message li
 
 
 class StudyError(ValueError):
-    """Error raised if a study is invalid. Each line of the message names one key and its fault.
+    """Error raised if a study is invalid. Each line of the message names one key and the error in its value.
 
     Attributes
     ----------
@@ -360,7 +360,7 @@ class StudyError(ValueError):
 
 
 def format_toml_value(value: Any) -> str:
-    """Format a value as TOML text."""
+    """Format a value of a study as TOML text."""
     match value:
         case None:
             return "none"
@@ -382,7 +382,7 @@ def format_toml_value(value: Any) -> str:
 
 
 def format_toml_sections(sections: Mapping[str, Mapping[str, Any]]) -> str:
-    """Format sections as TOML text, without empty sections."""
+    """Format the sections of a study as TOML text, without empty sections."""
     blocks = []
     for name, section in sections.items():
         lines = [f"{key} = {format_toml_value(value)}" for key, value in section.items()]
@@ -391,7 +391,7 @@ def format_toml_sections(sections: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Parse TOML text.
+    """Parse TOML text to a dictionary.
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
@@ -407,9 +407,9 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def validate_section(section_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
-    """Validate a section with a given class, and return it.
+    """Create a section of a given class from its keys, or raise a `StudyError` if a key or value is invalid.
 
-    Error messages start with the name of its source.
+    Error messages start with `source`, the name of the study.
     """
     try:
         return section_class.model_validate(data)
@@ -418,7 +418,7 @@ def validate_section(section_class: type[_SettingsClass], data: Mapping[str, Any
 
 
 def _convert_validation_errors(section_class: type[SettingsSection], error: ValidationError, prefix: str) -> StudyError:
-    """Convert a pydantic error to a `StudyError`: one line per fault, with a prefix."""
+    """Convert a pydantic error to a `StudyError` whose message has one line per invalid key."""
     faults = [_convert_validation_error(section_class, fault) for fault in error.errors(include_url=False)]
     lines = [f"{prefix}{key}: {reason}" if key else f"{prefix}{reason}" for key, reason in faults[:MAX_LISTED_FAULTS]]
     if len(faults) > MAX_LISTED_FAULTS:
@@ -437,11 +437,11 @@ _ERROR_MESSAGE_TEMPLATES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Messages that replace those of pydantic, by error type."""
+"""Error messages that replace the messages of pydantic, by pydantic's error type."""
 
 
 def _convert_validation_error(section_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
-    """Convert a pydantic error to a message, and the key to which it applies."""
+    """Convert an error that pydantic reports to the invalid key and a message about its value."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
@@ -469,7 +469,7 @@ MAX_SUGGESTIONS = 3  # maximum number of similar names that a message suggests f
 
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
-    """Return a hint on similar keys of the section, or on the command that lists all keys."""
+    """Return a hint for an unknown key: similar keys of the section, or the command that lists all keys."""
     classes = [section_class]
     for parent_key in location[:-1]:
         fields = [each.model_fields[str(parent_key)] for each in classes if str(parent_key) in each.model_fields]
@@ -483,7 +483,7 @@ def _suggest_keys(section_class: type[SettingsSection], location: list[int | str
 
 
 def find_section_classes(annotation: Any) -> list[type[SettingsSection]]:
-    """Return the classes of sections that a field of a study accepts."""
+    """Return the section classes that the type annotation of a study field contains."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, SettingsSection) else []
     return [each for argument in get_args(annotation) for each in find_section_classes(argument)]
