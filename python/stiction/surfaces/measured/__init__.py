@@ -1,1 +1,1 @@
-"""Files of measured profiles and surfaces: format readers, interpretation of the content, and writers."""
+"""Files of measured profiles and height maps: readers for each format, interpretation of the content, and writers."""

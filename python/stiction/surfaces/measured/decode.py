@@ -1,4 +1,4 @@
-"""First step of reading text: convert the bytes to UTF-8 and classify the lines."""
+"""First step of reading a text file: convert the bytes to UTF-8, and classify the lines."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stiction.surfaces.measured.raw import FormatError
 
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
-"""Maximum number of lines of a text, and maximum number of cells of a line."""
+"""Largest number of lines in a text file, and largest number of cells in a line."""
 
 # The header of a known file layout is searched for in this many lines, and in this many characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
@@ -20,10 +20,10 @@ PIECE_LENGTH = 250_000  # number of characters of a text whose lines are classif
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that a message shows
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
-"""Kinds of lines. A number line contains only numbers, separators and marks of missing points."""
+"""Codes for the kinds of lines. A number line contains only numbers, separators and marks of missing points."""
 
 _LEGACY_ENCODINGS = ("cp1252", "cp932", "gb18030", "euc-kr", "cp437", "latin-1")
-"""Encodings that are tried, most likely first, for text that is not UTF-8 and has no byte order mark.
+"""Encodings that are tried in this order for text that is not UTF-8 and has no byte order mark.
 
 The last encoding cannot fail.
 """
@@ -31,15 +31,15 @@ The last encoding cannot fail.
 _ENCODING_HINT_PATTERN = re.compile(
     "[µμ]m|[㎛㎚㎜]|単位|高さ|横|縦|位置|データ|幅|单位|高度|水平|垂直|校准|높이|단위|너비|\\bHöhe\\b|\\bÅ\\b|°"
 )
-"""Units and words whose presence shows that a text was decoded with the right encoding."""
+"""Regular expression for units and words that show that a text was decoded with the right encoding."""
 
 MISSING_POINT_WORDS = (
     "nan", "-nan", "n/a", "#n/a", "#wert!", "#value!", "null", "none", "bad", "no data", "nodata", "invalid", "void",
     "inf", "-inf", "+inf", "infinity", "-infinity", "1.#qnan", "-1.#ind", "1.#inf", "-1.#inf", "nan(ind)", "-nan(ind)",
 )  # fmt: skip
-"""Words that mark missing points, in upper or lower case.
+"""Words that mark missing points, regardless of upper and lower case.
 
-Empty cells, asterisks, and two or more dashes mark missing points too.
+Empty cells, asterisks, and two or more dashes also mark missing points.
 """
 
 
@@ -57,7 +57,7 @@ _CHARACTER_KIND_TABLE = _CHARACTER_KINDS.tobytes()
 
 @dataclass(frozen=True)
 class DecodedText:
-    """Text of a file as UTF-8, with line feeds, ASCII minus signs and no spaces as thousands separators."""
+    """Text of a file in UTF-8, with line feeds as line ends, ASCII minus signs, and no spaces inside numbers."""
 
     data: bytes
     encoding: str
@@ -65,12 +65,15 @@ class DecodedText:
 
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
-        """Byte offsets of all line starts and of the end of the text."""
+        """Byte offset of each line's start, and of the end of the text."""
         line_ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], line_ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether lines may contain words that mark missing points, apart from words that look like numbers."""
+        """Return whether any of the given lines may contain a word that marks a missing point.
+
+        Words in `words` that consist of the characters of numbers count as present.
+        """
         has_words_like_numbers = any(not word.encode().translate(None, NUMERIC_CHARACTERS) for word in self.words)
         return has_words_like_numbers or bool((self.character_type_bits[lines] & _NON_NUMBER_CHARACTER_BIT).any())
 
@@ -78,19 +81,19 @@ class DecodedText:
         return self.line_starts.size - 1
 
     def raw_line(self, line_number: int) -> bytes:
-        """Return a line of the text without its line feed; line numbers count from 0."""
+        """Return the bytes of a line without the line feed. Line numbers count from 0."""
         return self.data[self.line_starts[line_number] : self.line_starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
-        """Return a line of the text without surrounding blanks; line numbers count from 0."""
+        """Return a line of the text without leading and trailing blanks. Line numbers count from 0."""
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def nonempty_lines(self, first: int, end: int) -> list[str]:
-        """Return the non-empty lines of the text in a range."""
+        """Return the lines from `first` to before `end` that are not empty."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
-        """Return the number and the start of a line for an error message; line numbers count from 0."""
+        """Return line number and first characters of a line, for an error message. `line_number` counts from 0."""
         text = " ".join(self.line(line_number).split())
         return (
             f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"
@@ -98,7 +101,7 @@ class DecodedText:
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
-        """First non-empty lines of the text."""
+        """First lines of the text that are not empty, by which layouts are recognised."""
         lines = (
             self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
             for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()
@@ -108,14 +111,14 @@ class DecodedText:
 
     @cached_property
     def missing_word_pattern(self) -> re.Pattern[bytes]:
-        """Regular expression for the words that mark a cell as a missing point."""
+        """Regular expression for the words that mark missing points, in this text or in general."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
 
     @cached_property
     def character_type_bits(self) -> NDArray[np.uint8]:
-        """Bit mask of the character types that occur in each line."""
+        """Types of characters that occur in each line, as a bit mask per line."""
         starts, pieces, first = self.line_starts, [], 0
         while first < len(self):  # pieces that fit into the processor's cache reduce the time by a third
             end = max(first + 1, int(np.searchsorted(starts, starts[first] + PIECE_LENGTH, "right")) - 1)
@@ -126,7 +129,7 @@ class DecodedText:
 
     @cached_property
     def line_kinds(self) -> NDArray[np.uint8]:
-        """Kind of each line of the text: blank, numbers or other text."""
+        """Kind of each line of the text: blank, numbers only, or other text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE
@@ -150,7 +153,7 @@ class DecodedText:
 
 
 def is_text(data: bytes) -> bool:
-    """Return whether a file begins with text in any encoding."""
+    """Return whether the first bytes of a file are text in any encoding."""
     first_bytes = data[:4096]
     if first_bytes.startswith((b"\xff\xfe", b"\xfe\xff")) or _detect_utf16(first_bytes):
         return True
@@ -158,7 +161,11 @@ def is_text(data: bytes) -> bool:
 
 
 def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
-    """Convert the bytes of a file to text. Raises `FormatError` if the file is binary or empty."""
+    """Convert the bytes of a file to text with uniform line ends and minus signs.
+
+    `words` are additional words that mark missing points. Raises `FormatError` if the file is binary, empty or too
+    long.
+    """
     encoding, text = _to_utf8(data)
     text = text.rstrip(b"\x1a")  # remove the end-of-file mark of DOS
     if not text or text.isspace():
@@ -184,7 +191,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
 
 
 def _to_utf8(data: bytes) -> tuple[str, bytes]:
-    """Convert text to UTF-8. Return the name of its encoding and the converted bytes."""
+    """Detect the encoding of a text, and convert the text to UTF-8. Returns the name of the encoding and the bytes."""
     for byte_order_mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
         if data.startswith(byte_order_mark):
             return encoding.removesuffix("-sig"), data.decode(encoding, "replace").encode()
@@ -216,9 +223,9 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Detect, from the zero bytes, the byte order of UTF-16 text that has no byte order mark.
+    """Return the encoding of UTF-16 text without a byte order mark, or None for other text.
 
-    Returns None for other text.
+    The byte order follows from the positions of zero bytes.
     """
     half = len(start) // 2
     if half < 4:

@@ -1,4 +1,4 @@
-"""Reading of Excel workbooks (.xlsx) with openpyxl. Every sheet that contains numbers is parsed as text."""
+"""Reader for Excel workbooks (.xlsx), based on openpyxl. Every sheet with numbers is parsed like a text table."""
 
 from __future__ import annotations
 
@@ -30,7 +30,10 @@ _ROW_TAG_PATTERN = re.compile(rb"<(?:[\w.-]{1,40}:)?row[\s/>]")
 
 
 def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
-    """Return the sheets of an Excel workbook as channels. `words` are additional words that mark missing points."""
+    """Read the sheets of an Excel workbook, one channel per sheet.
+
+    `words` are additional words that mark missing points.
+    """
     try:
         with warnings.catch_warnings(action="ignore"):  # ignore openpyxl's warnings about the styles of a workbook
             from openpyxl import load_workbook
@@ -76,7 +79,10 @@ def _record_layout(table: ColumnTable, layout: str) -> ColumnTable:
 def _read_sheets(
     load_workbook: Callable[..., Any], data: bytes, *, data_only: bool
 ) -> dict[str, list[tuple[Any, ...]]]:
-    """Return the rows of each sheet. With `data_only`, formulas are replaced by their stored numbers."""
+    """Return the rows of each sheet, by sheet name.
+
+    With `data_only`, formulas are replaced by the numbers that the file stores for them.
+    """
     with warnings.catch_warnings(action="ignore"):
         workbook = load_workbook(io.BytesIO(data), read_only=True, data_only=data_only)
         sheets = {sheet.title: _read_rows(sheet) for sheet in workbook.worksheets}
@@ -85,7 +91,7 @@ def _read_sheets(
 
 
 def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Replace formulas without a stored number by a word, so that a column of formulas does not count as empty."""
+    """Replace formulas for which the file stores no number by a word, so that their cells do not count as empty."""
     shown_rows = []
     for number, formula_row in enumerate(formulas):
         row = rows[number] if number < len(rows) else ()
@@ -102,9 +108,10 @@ def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
 
 
 def _scan_archive(data: bytes) -> bool:
-    """Return whether a workbook contains formulas without stored values.
+    """Return whether a workbook contains formulas for which it stores no numbers.
 
-    Raises `FormatError` for too much text or too many XML tags, regardless of the sizes that the archive declares.
+    Raises `FormatError` if the workbook contains too much text or too many XML tags, regardless of the sizes that the
+    archive declares.
     """
     has_formulas_without_values = False
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -127,7 +134,7 @@ def _scan_archive(data: bytes) -> bool:
 
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
-    """Return the cells of a sheet up to its last filled row."""
+    """Return the rows of a sheet up to the last row that is not empty."""
     sheet.reset_dimensions()  # the sheet dimensions that a file declares may be wrong
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):

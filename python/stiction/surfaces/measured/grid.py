@@ -1,4 +1,4 @@
-"""Conversion of a list of grid points x, y, z to a matrix of heights."""
+"""Conversion of a list of points x, y, z on a grid to a matrix of heights."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the smallest gap between grid point
 def to_grid(
     x: Floats, y: Floats, z: Floats, digits: Sequence[Callable[[], Floats] | None]
 ) -> tuple[Floats, tuple[float, float], str]:
-    """Return the matrix of heights at listed grid points, the spacings (Δy, Δx), and a history entry.
+    """Convert points x, y, z that lie on a grid to a matrix of heights.
 
-    Rows are in ascending order of y, and columns in ascending order of x. Raises `FormatError` if the points are not on
-    a grid.
+    Returns the matrix, the spacings (Δy, Δx), and a history entry. Rows are in ascending order of y, and columns in
+    ascending order of x. Raises `FormatError` if the points are not on a grid.
     """
     with np.errstate(all="ignore"):
         (dx, columns), (dy, rows) = (
@@ -51,9 +51,10 @@ def fill_grid(
     shape: tuple[int, int], rows: np.ndarray, columns: np.ndarray, heights: Floats,
     describe_position: Callable[[int], str],
 ) -> tuple[Floats, int]:  # fmt: skip
-    """Return the matrix of heights at listed grid nodes, with NaN elsewhere, and the number of nodes not listed.
+    """Write the heights of listed grid nodes to a matrix, with NaN at all other nodes.
 
-    A node may be listed repeatedly with the same height. Raises `FormatError` if its heights differ.
+    Returns the matrix, and the number of nodes that are not listed. A node may be listed repeatedly with the same
+    height. Raises `FormatError` if its heights differ.
     """
     nodes = rows * shape[1] + columns
     matrix = np.full(shape[0] * shape[1], np.nan)
@@ -73,7 +74,7 @@ def fill_grid(
 def _find_step_and_node_indices(
     name: str, positions: Floats, digits: Callable[[], Floats] | None
 ) -> tuple[float, np.ndarray]:
-    """Return the grid step along an axis, and the index of the grid node of each point."""
+    """Return the grid step along one axis, and the index of the grid node at which each point lies."""
     if not (np.abs(positions) <= MAX_DECLARED_NUMBER).all():
         raise FormatError(f"lists a point without a usable {name}")
     step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
@@ -108,9 +109,9 @@ def _find_step_and_node_indices(
 
 
 def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Estimate the step of a grid from positions that were rounded for printing. Every node must occur.
+    """Estimate the grid step from positions that were rounded when they were printed. Every node must occur.
 
-    Returns None if the positions do not fit such a grid.
+    Returns None if the positions do not fit a grid.
     """
     distinct_positions = np.unique(positions)
     if digits is None or distinct_positions.size < 3:
@@ -126,7 +127,10 @@ def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] |
 
 
 def estimate_step(positions: Floats) -> float | None:
-    """Return the median step between positions, counting positions that differ only by rounding as one."""
+    """Return the median distance between neighbouring positions.
+
+    Positions that differ only by rounding count as one position.
+    """
     distinct_positions = np.unique(positions)
     gaps = np.diff(distinct_positions)
     if not gaps.size:

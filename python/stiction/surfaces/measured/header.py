@@ -1,4 +1,4 @@
-"""Declarations in the header of a table: column names, units, spacings, sizes, factors and missing-point codes."""
+"""Parsing of table headers: column names, units, spacings, sizes, factors and codes for missing points."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COMMENT_CHARACTERS = "#%!/ "  # characters at which comment lines start in vario
 _FACTOR_PATTERN = (
     r"(?:[x×*·]\s?)?(?:1/10+|10\s?\^?[-+][0-9]{1,2}|[0-9.,]*e[-+]?[0-9]{1,2}|10+|0[.,]0*1)[\s_]*[x×*·]?[\s_]*"
 )
-"""Pattern of the factor in a unit such as "10 nm", "1e-6m" and "1/100 mm"."""
+"""Regular expression for the factor in a unit such as "10 nm", "1e-6m" or "1/100 mm"."""
 
 _UNIT_WORDS = (
     r"(?:units?|einheit(?:en)?|unités?|unidad(?:es)?(?: de valor)?|unità(?: valore)?|jednotk[ay](?: hodnot)?|"
@@ -48,39 +48,44 @@ _UNKNOWN_UNIT_PATTERN = re.compile(
     r"[\"']?((?:[^\"',;\t]|(?<=[0-9]),(?=[0-9])){1,40}?)[\"']?[\s,;]*",
     re.IGNORECASE,
 )
-"""Pattern of a line that declares the unit of the heights in any words. The unit need not be known."""
+"""Regular expression for a line that declares the unit of the heights in any words, even if the unit is unknown."""
 
 _UNIT_OF_Z_PATTERN = re.compile(
     r"\W*(?:z\s*([:=])\s*|(?:z|(heights?|höhen?))[\s_/]+|(?:z[\s_-]*)?(?:units?|einheit)(\s+))([^:=]{1,16}?)[\s,;]*",
     re.IGNORECASE,
 )
-"""Pattern of a line with a unit after the name of the heights. Its second group is a name that may denote a size."""
+"""Regular expression for a line with a unit after the name of the heights. Its second group is a name that may denote a
+size.
+"""
 
 _UNIT_WITH_FACTOR_PATTERN = re.compile(
     rf"(?:{_FACTOR_PATTERN}|[0-9](?=[^\W\d]))([^\W\d_]+)(?:/10+)?|([^\W\d_]+)\s?[/*×·x]\s?10+", re.IGNORECASE
 )
-"""Pattern of a unit with a factor."""
+"""Regular expression for a unit with a factor."""
 
 _UNIT_OF_Y_PATTERN = re.compile(
     rf"\W*y[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[\s_-]*label)?\s*[:=,;\t]\s*[\"']?([^\"',;\t]{{1,20}}?)[\"']?[\s,;\t]*",
     re.IGNORECASE,
 )
-"""Pattern of a line with the unit along y, which is the unit of the heights of a profile."""
+"""Regular expression for a line with the unit along y, which is the unit of the heights of a profile."""
 
 _PLAIN_UNIT_PATTERN = re.compile(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*[\"']?([^\W\d][^\s\"',;]{{0,11}})[\"']?\W*", re.IGNORECASE
 )
-"""Pattern of a line with a unit that does not name its quantity."""
+"""Regular expression for a line with a unit, but without the name of a quantity."""
 
 _UNIT_IN_RECORD_PATTERN = re.compile(rf"[{{,]\s*{_UNIT_WORDS}\s*[:=]\s*([^\s,;}}\]]{{1,12}})", re.IGNORECASE)
-"""Pattern of the unit of a column in a line such as ``{"name": "x", "unit": "mm"}, {"name": "z", "unit": "um"}``."""
+"""Regular expression for the unit of a column in a line such as ``{"name": "x", "unit": "mm"}, {"name": "z", "unit":
+"um"}``.
+"""
 
 _UNITS_OF_COLUMNS_PATTERN = re.compile(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*(?:[^\W\d][\w ]{{0,20}}[=:]\s*)?([^\s,;=:]{{1,12}})\s*[,;]\s*"
     r"(?:[^\W\d][\w ]{0,20}[=:]\s*)?([^\s,;=:]{1,12})\s*",
     re.IGNORECASE,
 )
-"""Pattern of a line with the units of positions and of heights, as in "Units: mm, um" and "Units: x=mm, z=um"."""
+"""Regular expression for a line with the units of positions and heights, as in "Units: mm, um" or "Units: x=mm, z=um".
+"""
 
 _POSITION_UNIT_PATTERN = re.compile(
     rf"\W*(?:x|lateral|horizontal|position|length)[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}\s*[:=,;\t]\s*"
@@ -91,9 +96,9 @@ _POSITION_QUANTITY_PATTERN = re.compile(
     r"\W*x[\s_-]*(?:axis[\s_-]*)?(?:dimension|quantity|label|name|title|axis)\s*[:=,;\t]\s*[\"']?([^\"',;\t]{1,30}).*",
     re.IGNORECASE,
 )
-"""Pattern of a line that names the quantity of the positions, such as "X_Dimension  Time" of LabVIEW."""
+"""Regular expression for a line that names the quantity of the positions, such as "X_Dimension Time" of LabVIEW."""
 _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", "yes", "no", "on", "off")
-"""Words that a line with the word "unit" may contain instead of a unit."""
+"""Words after "unit" in a header line that are not units."""
 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
@@ -134,7 +139,7 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
     rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
-"""Pattern of a line that describes a factor in words. The factor may apply to the heights."""
+"""Regular expression for a line that describes in words a factor that may apply to the heights."""
 
 _OTHER_FACTOR_PATTERN = re.compile(
     r"objective|objektiv|(?<!vertical )(?<!height )(?<!\bz )magnif|zoom|lens|shape|form|crest|filter|quality|aspect|"
@@ -147,7 +152,8 @@ _HEIGHT_FACTOR_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Pattern of words that indicate a scale from numbers to heights. Without them, a scale is often a colour range."""
+"""Regular expression for words that mark a scale as conversion from numbers to heights, rather than as a colour range.
+"""
 
 _MISSING_CODE_PATTERN = re.compile(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
@@ -182,7 +188,7 @@ NON_LENGTH_UNIT_PATTERN = re.compile(
     r"[nuµmp] m|[NUMCP]M|[Mm][UuYy]m?|µ|\\\\?mum|[Mm]ic|[Aa]ng|µm²|[µu]m\^?2|[nuµm]?m/(?:s|min|h|rev|N|V|nm|um|µm|mm)|"
     r"(?:tenths?|hundredths?|thousandths?) of .{1,12}"
 )
-"""Pattern of units of quantities other than lengths, and of ambiguous units of length."""
+"""Regular expression for units of other quantities than length, and for ambiguous units of length."""
 
 NON_HEIGHT_NAME_PATTERN = re.compile(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
@@ -190,7 +196,7 @@ NON_HEIGHT_NAME_PATTERN = re.compile(
     r"psd|power spectr\w*|spectr(?:um|al density)|acf|autocorrelation|probability|frequency|frequenz|reflect\w*)\b",
     re.IGNORECASE,
 )
-"""Pattern of the names of quantities that are not heights."""
+"""Regular expression for the names of quantities that are not heights."""
 
 _SLOPE_LINE_PATTERN = re.compile(
     r"\W*(?:[^\W\d]+[\s_]+)?slopes?[\s_-]*(?:errors?|profiles?|data|scan|values?)\b(?!.*(?:remov|correct|subtract)).*|"
@@ -199,9 +205,13 @@ _SLOPE_LINE_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _SLOPE_NAME_PATTERN = re.compile(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
-"""Patterns of a header line, and of the line above the numbers, that declare the numbers of a file to be slopes."""
+"""Regular expressions for a header line (`_SLOPE_LINE_PATTERN`) and for the line above the numbers that declare the
+numbers to be slopes.
+"""
 _SLOPE_VALUE_PATTERN = re.compile(r"[:=(]\s*[-+]?[0-9]")
-"""Pattern of a value in a header line. A line with the value of a slope does not declare the numbers to be slopes."""
+"""Regular expression for a value in a header line. A line that gives the value of a slope does not declare the numbers
+to be slopes.
+"""
 
 _NON_POSITION_NAME_PATTERN = re.compile(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
@@ -210,8 +220,8 @@ _NON_POSITION_NAME_PATTERN = re.compile(
     r"speed|velocity|energy|intensity|probability)(?![^\W_])",
     re.IGNORECASE,
 )
-"""Pattern of the names of axes that are not positions. The group matches names that never denote a position, whatever
-their unit.
+"""Regular expression for the names of axes that are not positions. The group matches names that never denote a
+position, whatever their unit.
 """
 
 _LENGTH_AXIS_PATTERN = re.compile(
@@ -221,7 +231,7 @@ _LENGTH_AXIS_PATTERN = re.compile(
     r"距離|距离|位置|座標|坐标|長さ|长度|横|거리|위치|길이|좌표",
     re.IGNORECASE,
 )
-"""Pattern of the names of positions along a profile in several languages."""
+"""Regular expression for the names of positions along a profile, in several languages."""
 
 _CALCULATION_PATTERN = re.compile(
     r"[*×·^√]|(?<![^\W_])x\s?(?:10+(?![0-9])|[0-9]*[.,][0-9])|[0-9]x(?![^\W_])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
@@ -248,7 +258,7 @@ _REMARK_PATTERN = re.compile(
     r"rows?|columns?|ch(?:annel)?|sensor|data|all|maps?|image|matrix|field|signal|surface|values?|werte?|ax[ei]s|achse|coord\w*|points?)[\s_-]*[0-9]*",
     re.IGNORECASE,
 )
-"""Pattern of remarks in a column name that are not units, as in "Height (trace)"."""
+"""Regular expression for remarks in a column name that are not units, as in "Height (trace)"."""
 
 _AXIS_NAME_PATTERN = (
     r"(?:[xyz]|(?:(?:surface|total|measured|profile?)[ _-]?)?(?:heights?|höhen?)|hauteur|altura|altezza|topography|"
@@ -259,15 +269,15 @@ _UNIT_AFTER_NAME_PATTERN = re.compile(
     rf"{_AXIS_NAME_PATTERN}\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|\S{{1,8}}(?: \S{{1,8}})?$)))\s*(\S{{1,12}}(?: \S{{1,12}})?)",
     re.IGNORECASE,
 )
-"""Pattern of a column name with any unit after a stroke, a comma or "in"."""
+"""Regular expression for a column name that ends with a unit after a stroke, a comma or "in"."""
 
 _SHORT_UNIT_AFTER_NAME_PATTERN = re.compile(
     rf"\W*(?:{_AXIS_NAME_PATTERN}|{_HEIGHT_WORDS})\s*[(\[]\s*(?-i:[a-zµ]{{1,4}})\s*[)\]]\W*", re.IGNORECASE
 )
-"""Pattern of the name of a single column with a short word in brackets, as in "Profile (nmi)"."""
+"""Regular expression for the name of a single column that ends with a short word in brackets, as in "Profile (nmi)"."""
 
 _TEXT_AFTER_AXIS_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
-"""Pattern of a column name with further words, which may be its unit."""
+"""Regular expression for a column name with further words, which may be a unit."""
 
 _SCALED_UNIT_PATTERN = re.compile(
     r"(.*?[^\W_])[\s_,.:/|-]+"
@@ -275,18 +285,20 @@ _SCALED_UNIT_PATTERN = re.compile(
     r"[nuµmp] m|(?:tenth|hundredth|thousandth)s? of [^\W\d_]+)",
     re.IGNORECASE,
 )
-"""Pattern of a column name and a unit with a factor or in two parts, as in "z 10 nm", "z mm/100" and "z u m"."""
+"""Regular expression for a column name and a unit with a factor or in two parts, as in "z 10 nm", "z mm/100" or "z u
+m".
+"""
 
 _NUMBERED_NAME_PATTERN = re.compile(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
-"""Pattern of words before the number of a profile, as in "Profile 10 um"."""
+"""Regular expression for words before the number of a profile, as in "Profile 10 um"."""
 
 _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
-"""Last words of column names that are not units, as in "data point" and "z min"."""
+"""Last words of column names that look like units but are none, as in "data point" and "z min"."""
 
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of columns in a table header, and the height unit in a line that is only about heights."""
+    """Names and units of the columns of a table, and the unit of the heights if a header line is only about heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -295,11 +307,14 @@ class ColumnHeadings:
 
 _INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
 _UNPAIRED_INCH_MARK_PATTERN = re.compile(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
-"""Pattern of an inch mark in a line with an odd number of double quotes, as in `Unit: "`."""
+"""Regular expression for an inch mark in a line with an odd number of double quotes, as in `Unit: "`."""
 
 
 def normalise_line(line: str) -> str:
-    """Replace full-width characters, unit ligatures, inch marks and HTML entities, and remove double quotes."""
+    """Replace unusual characters in a header line by common ones, and remove double quotes.
+
+    Unusual characters are full-width characters, unit ligatures, inch marks and HTML entities.
+    """
     line = html.unescape(line) if "&" in line else line
     line = _INCH_MARK_PATTERN.sub(r"\1inch\2", unicodedata.normalize("NFKC", line))
     if line.count('"') % 2:
@@ -310,9 +325,10 @@ def normalise_line(line: str) -> str:
 def parse_declarations(
     header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False, has_names: bool = False
 ) -> HeaderDeclarations:
-    """Parse the declarations above and below the numbers of a table. The first match of each kind counts.
+    """Parse units, spacings, factors and codes that the lines above and below a table declare.
 
-    In the header of a profile, y denotes the heights. With `has_names`, the last line contains column names.
+    Of several declarations of the same kind, the first one counts. In the header of a profile, y denotes the heights.
+    With `has_names`, the last line contains column names.
     """
     header = [line for line in header if not line.startswith(_HISTORY_PREFIX)]
     lines = [normalise_line(line) for line in (*header, *footer) if not line.startswith(_HISTORY_PREFIX)]
@@ -363,9 +379,9 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the header line which declares that the numbers are slopes, or an empty string if no line does.
+    """Return the header line that declares the numbers to be slopes, or an empty string if there is no such line.
 
-    A line with the value of a slope, such as "Rms slope: 0.02", is no such declaration.
+    A line that gives the value of a slope, such as "Rms slope: 0.02", is no such declaration.
     """
     name_line = "" if has_names else _find_last_line_with_letters(lines) or ""
     lines = lines[:-1] if has_names else lines
@@ -377,7 +393,10 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
-    """Return the units of positions and heights, from one line with both units or several lines with equal units."""
+    """Return the units of positions and heights that the header declares, or None.
+
+    One line may contain both units, or several lines may contain the same unit.
+    """
     for line in lines:
         if (match := _UNITS_OF_COLUMNS_PATTERN.fullmatch(line)) is not None:
             return match[1], match[2]
@@ -388,14 +407,15 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """List each header unit that is declared without the name of a quantity, and the line of the unit."""
+    """Return each unit that a header line declares without naming a quantity, with this line."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
-    """Return the unit of the heights and the header line that declares it. An unknown unit is returned unchanged.
+    """Return the unit of the heights that a header declares, and the line that declares it.
 
-    With `has_size`, the header declares the size of a map, and "Height 10 um" is a part of this size.
+    An unknown unit is returned unchanged. With `has_size`, the header declares the size of a map, and "Height 10 um" is
+    a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
     # several units: one for each quantity or column
@@ -419,9 +439,9 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the known or unknown unit after the name of the heights, as in "Z: nm" or "z 10 nm".
+    """Return the unit that follows the name of the heights in a header line, as in "Z: nm" or "z 10 nm", or None.
 
-    Remarks and factors are not units.
+    The unit may be unknown. Remarks and factors are not units.
     """
     if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is None:
         return None
@@ -436,7 +456,7 @@ def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) ->
 
 
 def is_unapplied_factor(text: str) -> bool:
-    """Return whether a header line or a column name contains a factor that may apply to the heights."""
+    """Return whether a header line or column name contains a factor that may apply to the heights."""
     return (
         _UNAPPLIED_FACTOR_PATTERN.fullmatch(text) is not None
         and _OTHER_FACTOR_PATTERN.search(text) is None
@@ -445,7 +465,7 @@ def is_unapplied_factor(text: str) -> bool:
 
 
 def parse_history(header: Sequence[str]) -> list[str]:
-    """Return the processing steps that `write_profile` and `write_surface` list above the numbers."""
+    """Return the processing steps that `write_profile` or `write_surface` has written above the numbers of a file."""
     return [line.removeprefix(_HISTORY_PREFIX) for line in header if line.startswith(_HISTORY_PREFIX)]
 
 
@@ -455,7 +475,7 @@ def _parse_factor_unit(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a header line is a declaration, and not a line of column names."""
+    """Return whether a header line declares a unit, spacing, factor or code, rather than column names."""
     full_patterns = (
         _UNKNOWN_UNIT_PATTERN,
         _POSITION_UNIT_PATTERN,
@@ -472,12 +492,12 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last header line with letters, after removing leading comment characters."""
+    """Return the last header line that contains letters, without comment characters at its start, or None."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
 def _mentions_only_heights(line: str) -> bool:
-    """Return whether a header line names heights with their unit, but neither positions nor other lengths."""
+    """Return whether a header line contains the unit of heights, but neither positions nor other lengths."""
     return bool(
         len(_find_units(line)) == 1
         and not _has_number_outside_brackets(line)
@@ -487,9 +507,9 @@ def _mentions_only_heights(line: str) -> bool:
 
 
 def _find_units(line: str) -> list[str]:
-    """Return the units in a header line.
+    """Return the units of length that a header line contains.
 
-    Units in brackets are returned or, if there are none, units that are separate words.
+    Units in brackets have priority. Without such units, separate words that are units are returned.
     """
     bracketed_units = [word for word in _BRACKETED_WORD_PATTERN.findall(line) if is_unit(word)]
     units = [parse_length_unit(word.strip(" \"'.:")) or word for word in bracketed_units]
@@ -497,22 +517,22 @@ def _find_units(line: str) -> list[str]:
 
 
 def _has_number_outside_brackets(line: str) -> bool:
-    """Return whether a header line has a number outside brackets, as in "Length (um): 1500".
+    """Return whether a header line contains a number outside brackets, as in "Length (um): 1500".
 
-    Such a line does not name columns.
+    Such a line does not contain column names.
     """
     return _VALUE_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", line)) is not None
 
 
 def is_unit(word: str) -> bool:
-    """Return whether a word is a unit, of length or of another quantity."""
+    """Return whether a word is a unit, either of length or of another quantity."""
     return parse_length_unit(word) is not None or NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column of positions contains, or None if it contains lengths.
+    """Return the quantity in a column of positions if it is not a length, such as "time", and None otherwise.
 
-    The result is also None if the column has a unit that is not a length, because such units are rejected elsewhere.
+    The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
     match = _NON_POSITION_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
     if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):
@@ -521,12 +541,12 @@ def find_other_axis(name: str, unit: str | None) -> str | None:
 
 
 def is_length_axis(name: str) -> bool:
-    """Return whether the name of a column denotes positions along a profile."""
+    """Return whether a column name denotes positions along a profile."""
     return _LENGTH_AXIS_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name)) is not None
 
 
 def is_computed_height(name: str) -> bool:
-    """Return whether the name of a column of heights is a calculation, such as "1000*z", "-z" or "log z"."""
+    """Return whether a column name is a calculation from heights, such as "1000*z", "-z" or "log z"."""
     name_without_units = _BRACKETED_WORD_PATTERN.sub(" ", name)
     return bool(_CALCULATION_PATTERN.search(name_without_units) or _FUNCTION_PATTERN.search(name))
 
@@ -535,7 +555,7 @@ def is_computed_height(name: str) -> bool:
 
 
 def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -> ColumnHeadings:
-    """Parse the names and units of columns from the lines above the numbers."""
+    """Parse the names and the units of `width` columns from the lines above the numbers of a table."""
     lines = [line for line in map(normalise_line, header) if not _is_declaration(line)]
     if not lines:
         return ColumnHeadings()
@@ -554,7 +574,10 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
 
 
 def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | None:
-    """Split a line of column names into `width` cells. Its separator may differ from the separator of the numbers."""
+    """Split a line of column names into `width` names, or return None if this is impossible.
+
+    The separator of the names may differ from the separator of the numbers.
+    """
     uncommented_line = line.lstrip(COMMENT_CHARACTERS) if line.lstrip(" ")[:1] in tuple("#%!/") else line
     candidates = [
         dialect.split_line(uncommented_line),
@@ -588,7 +611,7 @@ def _has_unit(cell: str) -> bool:
 
 
 def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
-    """Return the names of columns, and True if the last header line contains only units of the columns."""
+    """Return the column names of a table, and True if the last header line contains only the units of the columns."""
     names = split_column_names(lines[-1], width, dialect) if width > 1 else None
     if names is None:
         return (), False
@@ -611,12 +634,12 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 
 def _names_axes(names: Sequence[str]) -> bool:
-    """Return whether one of several column names denotes positions or heights."""
+    """Return whether at least one column name denotes positions or heights."""
     return any(is_length_axis(name) or _HEIGHT_NAME_PATTERN.search(name) for name in names)
 
 
 def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[str | None, ...]:
-    """Return the unit of each column from the line of names above the data."""
+    """Return the unit of each column (None if unknown) from the line of column names above the numbers."""
     name_line = _find_last_line_with_letters(lines)
     if name_line is None:
         return (None,) * width
@@ -657,9 +680,9 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 
 def unit_in_column_name(cell: str) -> str | None:
-    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" and "z nm".
+    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" or "z nm", or None.
 
-    A unit that is not known is returned as it is written, so that the column is rejected if it is used.
+    An unknown unit is returned unchanged, so that the column is rejected if it is used.
     """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
@@ -696,12 +719,12 @@ def unit_in_column_name(cell: str) -> str | None:
 
 
 def _split_name(name: str) -> list[str]:
-    """Return the words of a column name."""
+    """Split a column name into words."""
     return re.split(r"[\s_]+|(?<=[^\W\d_])[-.:|](?=\S)", name.rstrip(" ."))
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after the name of an axis if they may be a unit, and not a remark or a profile number."""
+    """Return the words after the name of an axis if they may be a unit, and None if they are a remark or a number."""
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
@@ -710,12 +733,12 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit; "point" in "data point" is not a unit."""
+    """Return whether the last word of a column name is a unit. In "data point", for example, "point" is none."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 def _find_scaled_unit(name: str) -> str | None:
-    """Return the scaled unit of length that ends a column name, such as "1e-6m", or None for any other ending."""
+    """Return the unit with a factor at the end of a column name, such as "1e-6m", or None."""
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
     if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
         return None

@@ -1,4 +1,4 @@
-"""Reading of instrument files with the package SurfaceTopography."""
+"""Reader for the files of instruments, based on the package SurfaceTopography."""
 
 from __future__ import annotations
 
@@ -25,17 +25,18 @@ from stiction.surfaces.measured.raw import (
 from stiction.surfaces.profile import MAX_POINTS
 
 _TEXT_FORMATS = ("asc", "xyz")
-"""Plain text formats for which SurfaceTopography ignores units and other declarations in the header."""
+"""Plain text formats in which SurfaceTopography ignores units and other declarations of the header."""
 
 _ARRAY_FORMATS = ("h5", "mat", "npz")
-"""Formats that store named arrays. An array may contain heights, but also a mask, an axis or indices."""
+"""Formats with named arrays, which may contain heights, a mask, an axis or indices."""
 
 _FORMATS_WITHOUT_SIGNATURE = ("hgt", "mat")
-"""Formats without a signature: SurfaceTopography accepts any bytes, so the file must have the extension of the format.
+"""Formats without a signature. SurfaceTopography accepts any bytes as such a format, so the file must have its
+extension.
 """
 
 _UNSUPPORTED_FORMATS = {"nms": "a NanoFocus .nms file, whose spacing has no reliable unit"}
-"""Formats that are rejected, because SurfaceTopography 1.27 computes a wrong spacing for some of their files."""
+"""Formats that are rejected, because SurfaceTopography 1.27 computes a wrong spacing for some files."""
 
 _ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
     r"(?:.*[/_ .-])?(?:[xyt]+|d[xy]|time|ax[ei]s|coord\w*|pos\w*|\w*mask\w*|(?:in)?valid\w*|flags?|ind(?:ex|ic)\w*|idx|"
@@ -43,11 +44,11 @@ _ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
     r"units?|pixel\w*|scale|residuals?|noise|velocit\w*|speed|amplitude|gr[ae]y\w*)\d*",
     re.IGNORECASE,
 )
-"""Pattern of array names that denote something other than heights."""
+"""Regular expression for the names of arrays that do not contain heights."""
 
 
 def _denotes_no_heights(name: str) -> bool:
-    """Return whether an array in an instrument file has a name that denotes something other than heights."""
+    """Return whether the name of an array in an instrument file shows that the array does not contain heights."""
     words = name.replace("_", " ").replace("/", " ")
     return bool(_ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(name) or NON_HEIGHT_NAME_PATTERN.search(words))
 
@@ -58,7 +59,7 @@ def is_reader_installed() -> bool:
 
 
 def read_instrument_file(path: Path) -> HeightChannels:
-    """Read a file with SurfaceTopography, which supports about forty formats of instruments."""
+    """Read the height channels of an instrument file with SurfaceTopography, which supports about forty formats."""
     try:
         # ignore SurfaceTopography's warnings about packages that are not installed
         with warnings.catch_warnings(action="ignore"):

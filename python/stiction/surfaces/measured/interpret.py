@@ -1,4 +1,4 @@
-"""Third step of reading a file: convert heights and spacing to µm, and find missing points."""
+"""Third step of reading a scan file: convert heights and spacing to µm, and find missing points."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ MissingPointTreatment = Literal["error", "interpolate", "mask"]
 OutlierTreatment = Literal["keep", "mask"]
 
 MIN_EXTENT_IN_DIGITS = 1000
-"""Smallest extent of slightly uneven positions that are accepted, in units of the last printed digit.
+"""Smallest accepted extent of slightly uneven positions, in units of the last printed digit.
 
 The spacing then has a relative error of at most 1/1000.
 """
@@ -50,7 +50,7 @@ _Length = TypeVar("_Length", float, Floats)
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """Validated options for reading a file of measured heights."""
+    """Options for reading a scan file, after validation."""
 
     position_unit: str | None
     height_unit: str | None
@@ -71,7 +71,7 @@ def validate_read_options(
     unit: Any, spacing: Any, missing: MissingPointTreatment, channel: Any = None, columns: Any = None,
     outliers: OutlierTreatment = "keep", crop: Any = None, missing_value: Any = None, accept: Any = None,
 ) -> ReadOptions:  # fmt: skip
-    """Validate the options for reading a file of measured heights."""
+    """Validate the options for reading a scan file, and return them as `ReadOptions`."""
     codes, words = _parse_missing_markers(missing_value)
     accepted = [] if accept is None else accept.split(",") if isinstance(accept, str) else parse_names("accept", accept)
     accepted_names = tuple(name.strip() for name in accepted)
@@ -114,7 +114,7 @@ def validate_read_options(
 
 
 def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Separate missing-point markers into numbers and words."""
+    """Separate the markers of missing points that the user gives into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = values_given if isinstance(values_given, (list, tuple, set, np.ndarray)) else (values_given,)
     codes, words = [], []
@@ -132,7 +132,7 @@ def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ..
 
 
 def _flatten_single_line(raw: RawHeights) -> RawHeights:
-    """Return a matrix with a single row or column as a profile."""
+    """Convert a matrix of heights with a single row or column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     profile_axis = int(raw.heights.shape[1] > 1)
@@ -146,7 +146,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or surface read from a file, with the original unit, the number of missing points, and caveats."""
+    """Profile or height map read from a file, with the unit in the file, the number of missing points, and caveats."""
 
     body: _Body
     unit: str  # unit of the heights in a file
@@ -155,14 +155,14 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert the content of a file to a profile or a surface, whichever it contains."""
+    """Convert the content of a scan file to a profile or a height map, depending on the shape of the heights."""
     if _flatten_single_line(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
 
 
 def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile]:
-    """Convert the content of a file to a profile."""
+    """Convert the content of a scan file to a profile."""
     raw = _flatten_single_line(raw)
     if raw.heights.ndim != 1:
         raise FormatError(
@@ -191,7 +191,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
 
 
 def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Surface]:
-    """Convert the content of a file to a surface."""
+    """Convert the content of a scan file to a height map."""
     raw = _flatten_single_line(raw)
     if raw.heights.ndim != 2:
         raise FormatError(f"contains a profile of {raw.heights.size} points; read profiles with read_profile()")
@@ -258,7 +258,7 @@ def _make_profile_or_surface(
 
 
 def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]:
-    """Return the units of the positions and of the heights."""
+    """Return the units of positions and heights that the user gives; a single unit applies to both."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {short_repr(unit)}")
@@ -266,7 +266,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
 
 
 def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
-    """Parse a length, which must be above 0 unless `allows_zero` is set."""
+    """Parse a length above 0. With `allows_zero`, the length may also be 0."""
     try:
         length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
@@ -277,7 +277,10 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
 
 
 def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
-    """Return the unit from the file or the caller. Raises `FormatError` if both are missing or if they disagree."""
+    """Return the unit of positions or heights, taken from the file or else from the caller.
+
+    Raises `FormatError` if both units are missing or disagree.
+    """
     file_unit = None if of_file is None else parse_length_unit(of_file)
     if of_file is not None and file_unit is None:
         raise FormatError(
@@ -294,7 +297,10 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the unit of the positions that the caller gave, or None if the unit in the file takes precedence."""
+    """Return the unit of positions that the caller gives, or None if the unit in the file takes precedence.
+
+    If the caller gives one unit for all lengths, a unit of positions in the file takes precedence.
+    """
     has_own_unit = (
         options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
     )
@@ -308,7 +314,7 @@ def _to_micrometres(values: _Length, unit: str) -> _Length:
 
 
 def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
-    """Return heights in µm with NaN at missing points, the original unit, caveats and history entries."""
+    """Convert the heights of a scan file to µm, with NaN at missing points. Also returns unit, caveats and history."""
     unit, caveats, steps = _choose_height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
@@ -344,7 +350,10 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of the heights, caveats and history entries. A unit with a factor in the file comes first."""
+    """Return the unit of the heights, with caveats and history entries.
+
+    If the file declares a factor with a unit, this unit has priority.
+    """
     if raw.factor is None or given is None or raw.unit is None or parse_length_unit(raw.unit) is None:
         return _resolve_unit("heights", raw.unit, given), [], []
     file_unit, caller_unit = str(parse_length_unit(raw.unit)), str(parse_length_unit(given))
@@ -360,7 +369,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise one error if a file declares neither units nor a spacing."""
+    """Raise a single `FormatError` if a scan file declares neither a unit nor a spacing, and the user gives neither."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
@@ -380,7 +389,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes the header line of an unclear spacing, or "" if there is no such line."""
+    """Return a clause that quotes a header line whose length may be a spacing, or "" if there is no such line."""
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"
@@ -388,7 +397,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Reject a given spacing that contradicts the spacing in the header, whatever its unit of length."""
+    """Raise `FormatError` if a given spacing contradicts the spacing in the header in every unit of length."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -409,7 +418,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
 
 
 def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
-    """Reject a grid (spacings in µm) that contradicts the declared spacings or the declared size."""
+    """Raise `FormatError` if the spacings of grid points (µm) contradict the spacings or the size in the header."""
     for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
         declared_length = declared.to_micrometres()
         if abs(declared_length - step) > max(
@@ -428,7 +437,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Return the spacings that follow from the declared size of a map, and a history entry.
+    """Compute the spacings of a map from the size that its header declares, and return them with a history entry.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -449,7 +458,7 @@ def _spacings_from_size(
 def _profile_spacing(
     raw: RawHeights, unit: str | None, given: Quantity | None
 ) -> tuple[float, list[str], list[FileCaveat]]:
-    """Return the spacing of a profile (µm), history entries, and caveats.
+    """Return the spacing of a profile (µm), with history entries and caveats.
 
     The spacing is negative if the positions decrease.
     """
@@ -517,7 +526,7 @@ def _profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height of a column equals the given spacing, in any unit."""
+    """Return a caveat if the first or last height of a column equals the spacing given by the user, in any unit."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
@@ -533,14 +542,14 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
-    """Return the declared spacing with its tolerance, µm."""
+    """Return the spacing of a profile that its header declares, and the tolerance due to rounding (both in µm)."""
     if raw.stated is None:
         return None
     return raw.stated.to_micrometres(), 0.51 * raw.stated.digit_in_micrometres
 
 
 class _PositionResolution:
-    """Length (µm) of one unit in the last digit of printed positions, computed on first use."""
+    """Place value (µm) of the last printed digit of each position, computed on first use."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -557,14 +566,20 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return the point whose position deviates most from a grid, or None if rounding explains all deviations."""
+    """Return the point whose position deviates most from a uniform grid, with its deviation.
+
+    Returns None if the rounding of the printed positions explains all deviations.
+    """
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
     return _find_worst_position_deviation(x, spacing, digit.values, slack)
 
 
 def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point that deviates most from a grid, with its deviation, or None if rounding explains it."""
+    """Return the point whose position deviates most from a uniform grid, given the last digit of each position.
+
+    Returns the index of the point and its deviation, or None if rounding to this digit explains all deviations.
+    """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding of the printed positions changes the distance of the first and last point by up to one digit.
@@ -577,7 +592,7 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
 
 
 def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionResolution) -> None:
-    """Reject positions that are not uniformly spaced, or that have too few digits for their spacing."""
+    """Raise `FormatError` if positions are not equally spaced, or if they have too few digits for their spacing."""
     if mean_spacing == 0:
         raise FormatError("has its first and last point at the same position")
     worst_point = _find_worst_unexplained_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
@@ -617,7 +632,10 @@ def _validate_spacing(spacing: float) -> float:
 def _crop_and_fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Crop heights, and interpolate or mask missing points. Return heights, mask and history entries."""
+    """Crop heights to the region that the user gives, and interpolate or mask missing points.
+
+    Returns heights, a mask of missing points, and history entries.
+    """
     steps: list[str] = []
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:

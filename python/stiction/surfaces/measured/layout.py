@@ -1,4 +1,4 @@
-"""Base classes of the text and workbook layouts that particular instruments write."""
+"""Base classes for the layouts of text files and workbooks that particular instruments write."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a hea
 def parse_header_number(
     header: Mapping[str, str], name: str, default: float | None = None, *, positive: bool = False
 ) -> float:
-    """Return the number at the start of a header field. With `positive`, it must be above 0.
+    """Parse the number at the start of a header field.
 
-    Raises `FormatError` if there is no such number.
+    Raises `FormatError` if there is no number or, with `positive`, if the number is not above 0.
     """
     text = header.get(name.casefold())
     if text is None:
@@ -32,7 +32,10 @@ def parse_header_number(
 def parse_header_integer(
     header: Mapping[str, str], name: str, minimum: int = 1, maximum: int = MAX_DECLARED_COUNT
 ) -> int:
-    """Return the integer at the start of a header field. Raises `FormatError` if it is out of range."""
+    """Parse the integer at the start of a header field.
+
+    Raises `FormatError` if the integer is missing or out of range.
+    """
     value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
         raise FormatError(
@@ -43,7 +46,7 @@ def parse_header_integer(
 
 @dataclass(frozen=True)
 class TextLayout:
-    """Layout of an instrument's text files: how files are recognised and read."""
+    """Layout of the text files of an instrument: its name, and functions that recognise and read such files."""
 
     name: str
     recognises: Callable[[DecodedText], bool]
@@ -52,7 +55,7 @@ class TextLayout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Layout of an instrument's Excel workbooks: how workbooks are recognised and read."""
+    """Layout of the Excel workbooks of an instrument: its name, and functions that recognise and read workbooks."""
 
     name: str
     recognises: Callable[[WorkbookSheets], bool]

@@ -1,4 +1,4 @@
-"""Checks that a table without column names contains a matrix of heights, and not points, statistics or a profile.
+"""Checks that a table without column names is a matrix of heights, and not a list of points, statistics or a profile.
 
 A matrix of heights has columns of one kind, in rows that follow each other. Tables of another kind are recognised by
 their numbers alone, because nothing else in the file distinguishes them.
@@ -46,7 +46,7 @@ _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
 
 
 def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) -> None:
-    """Raise `FormatError` if a table of three or more columns contains points or statistics instead of heights."""
+    """Raise `FormatError` if a table of three or more columns contains points x, y, z or statistics."""
     if min(values.shape) < 3 and values.shape[1] != 3:
         return
     count = values.shape[1]
@@ -73,7 +73,7 @@ def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) 
 
 
 def reject_coordinates_above_heights(column: Floats) -> None:
-    """Raise `FormatError` if a column of numbers lists grid coordinates first and heights afterwards."""
+    """Raise `FormatError` if a column of numbers lists all x, then all y, and then the heights of grid points."""
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return
     points = column.reshape(3, -1).T
@@ -84,7 +84,10 @@ def reject_coordinates_above_heights(column: Floats) -> None:
 
 
 def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -> None:
-    """Raise `FormatError` if empty lines separate blocks of rows. Empty lines after every row are accepted."""
+    """Raise `FormatError` if empty lines divide the rows of a table into blocks.
+
+    Empty lines after every row are accepted.
+    """
     if len(lengths) < 2 or max(lengths) == 1:
         return
     shown_blocks = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
@@ -96,10 +99,11 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return two columns that contain the coordinates of grid points, or None if there are no such columns.
+    """Return the two columns that contain the coordinates of grid points, or None if there are no such columns.
 
-    The points are different and fill at least half of the grid. If they do not fill all of it, they are listed line by
-    line. Other columns, such as point numbers or colours, may stand before, between and behind these columns.
+    No point may occur twice, and the points must fill at least half of the grid. Points that do not fill the whole grid
+    must be listed line by line. Other columns, such as point numbers or colours, may stand before, between or behind
+    the coordinates.
     """
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
@@ -124,7 +128,10 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column that cannot contain heights: its numbers are integers, equal, or parts of unit vectors."""
+    """Return a phrase for a column that cannot contain heights of a map, or None if there is no such column.
+
+    Such columns contain integers, equal numbers, or components of unit vectors.
+    """
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -145,9 +152,9 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe outer rows or columns that contain statistics of the remaining matrix.
+    """Return a phrase for outer rows or columns that contain statistics of the remaining matrix, or None.
 
-    Returns None if the matrix contains no statistics.
+    An example of such statistics is a last row with the mean of each column.
     """
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
@@ -162,7 +169,10 @@ def _find_statistics(values: Floats) -> str | None:
 
 
 def _find_statistic_name(lines: Floats, count: int) -> str | None:
-    """Return the name of the statistic in the last line, computed from all lines but the last `count`, or None."""
+    """Return the name of the statistic that the last line of a table contains, or None.
+
+    The statistic is computed from all lines except the last `count` lines.
+    """
     heights, last = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None
@@ -177,7 +187,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
 
 
 def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a matrix may be one long profile that continues from the end of each line to the next.
+    """Return a caveat if a matrix may be one long profile that continues from the end of each row to the next row.
 
     The end of a row is usually far from the start of the next row in a matrix, but close to it in a wrapped profile.
     """

@@ -1,4 +1,4 @@
-"""Reading and writing of heights as NumPy arrays (.npy)."""
+"""Reader and writer of heights as NumPy arrays (.npy)."""
 
 from __future__ import annotations
 
@@ -16,21 +16,27 @@ from stiction.surfaces.measured.raw import ColumnTable, FormatError, HeightProve
 from stiction.surfaces.profile import MAX_POINTS
 
 SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
-"""Fields of the second array in a file of `write_surface`. A file of `write_profile` has only the last field."""
+"""Fields of the spacing array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
 # maximum number of characters of the history that an NPY file stores in its third array
 _MAX_STORED_HISTORY_LENGTH = 1_000_000
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
-    """Write heights, spacings (µm) and history as three successive arrays. `numpy.load` returns the heights."""
+    """Write heights, spacings (µm) and history to a file as three successive arrays.
+
+    `numpy.load` returns the heights.
+    """
     np.save(file, heights)
     np.save(file, np.array(spacing, dtype=[(name, np.float64) for name in SPACING_FIELDS[-len(spacing) :]]))
     np.save(file, np.array(history, dtype=np.str_))
 
 
 def read_npy(data: bytes) -> ColumnTable | RawHeights:
-    """Read an array of heights, and the spacings and history if they follow. Pickled objects are not loaded."""
+    """Read an array of heights from a NumPy file, with the spacings and the history if the file contains them.
+
+    Pickled objects are not loaded.
+    """
     file = io.BytesIO(data)
     stored_array = _read_array(file, data)
     if stored_array.dtype.kind not in "iuf" or stored_array.ndim not in (1, 2):
@@ -60,7 +66,7 @@ def read_npy(data: bytes) -> ColumnTable | RawHeights:
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
-    """Return the spacings and the history that follow the heights in a file written by `write_npy`.
+    """Read the spacings and the history that `write_npy` has written after the heights, or return None.
 
     Returns None if other content follows.
     """
@@ -78,7 +84,7 @@ def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tu
 
 
 def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
-    """Return the next array in a file without copying its bytes."""
+    """Read the next array in a NumPy file without copying its bytes."""
     try:
         with warnings.catch_warnings(action="ignore"):
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)

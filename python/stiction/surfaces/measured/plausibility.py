@@ -1,4 +1,4 @@
-"""Named checks for implausible heights and spacings of files and of bodies in memory."""
+"""Checks that report implausible heights and spacings of a scan as named caveats."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
 @dataclass(frozen=True)
 class ScannedHeights:
-    """Heights (µm, NaN at missing points) and spacing of a scan, with the origin of the numbers."""
+    """Heights (µm, NaN at missing points) and spacing of a scan, and whether the heights were read from a text file."""
 
     heights: Floats
     spacing: tuple[float, ...]  # spacing of a scan (µm) along y and x, or of a profile along x
@@ -72,23 +72,23 @@ class ScannedHeights:
 
     @cached_property
     def non_missing_heights(self) -> Floats:
-        """Heights at measured points."""
+        """Heights (µm) at all points that are not missing."""
         is_missing = np.isnan(self.heights)
         return self.heights[~is_missing] if is_missing.any() else self.heights.ravel()
 
     @cached_property
     def extremes(self) -> tuple[float, float]:
-        """Lowest and highest measured height."""
+        """Lowest and highest measured height (µm)."""
         return float(self.non_missing_heights.min()), float(self.non_missing_heights.max())
 
     @property
     def height_range(self) -> float:
-        """Distance from the lowest to the highest measured height."""
+        """Distance (µm) from the lowest to the highest measured height."""
         return self.extremes[1] - self.extremes[0]
 
 
 class PlausibilityCheck(NamedTuple):
-    """Check for implausible data: its name, a function that yields findings, and the remedy for these findings."""
+    """Plausibility check of a scan: its name, a function that yields its findings, and the remedy for a finding."""
 
     name: str
     find: Callable[[ScannedHeights], Iterator[str]]
@@ -96,7 +96,7 @@ class PlausibilityCheck(NamedTuple):
 
 
 def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
-    """Apply all plausibility checks to a scan, and return their caveats."""
+    """Apply all plausibility checks to a scan, and return the caveats that they report."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
@@ -112,7 +112,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Find extreme heights that repeat exactly and are far from all other heights, like codes for missing points."""
+    """Report extreme heights that may be codes for missing points, because they are far from all other heights."""
     for code, count, distance in _find_missing_point_codes(scan):
         number = _to_number_in_file(code, scan)
         yield (
@@ -122,7 +122,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
-    """Return the number in the file that was converted to a height."""
+    """Return the number in the file from which a height (µm) was converted."""
     return float(f"{height / scan.factor:.12g}")
 
 
@@ -202,7 +202,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
 
 
 def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
-    """Find heights that occur much more often than similar heights, such as filled-in zeros and clipped heights."""
+    """Report heights that occur much more often than similar heights, such as filled-in zeros or clipped heights."""
     if not scan.from_file:
         return
     heights = scan.non_missing_heights
@@ -234,9 +234,9 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str | None:
-    """Return a finding if more heights are exactly 0 than frequencies of similar heights explain, or else None.
+    """Return a finding if heights of exactly 0 are more frequent than similar heights suggest, and None otherwise.
 
-    Heights that are rounded towards zero are 0 twice as often as they have another value.
+    Rounding towards zero makes the height 0 twice as frequent as other heights.
     """
     place = int(np.searchsorted(values, 0.0))
     total = int(counts.sum())
@@ -260,7 +260,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Find repeated rows, columns or points of a scan. Repetitions may not have been measured."""
+    """Report repeated rows, columns or points of a scan, which may not have been measured."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
@@ -296,7 +296,10 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return how many times a file repeats its whole list of heights, not counting short periods of a wave."""
+    """Return how many times the list of heights repeats as a whole, or 1 if it does not repeat.
+
+    The repetitions of a wave with a short period are not counted.
+    """
     for copies in (2, 3):
         length = heights.shape[0] // copies
         if (
@@ -314,7 +317,7 @@ def _count_copies(heights: Floats) -> int:
 
 
 def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
-    """Find scans whose heights are all integers in a unit of 1 µm or larger."""
+    """Report a scan whose heights are all integers in a unit of 1 µm or larger."""
     if scan.factor < 1 or not scan.from_text:
         return
     sample = scan.heights.flat[:MIN_CHECKED_POINTS] / scan.factor
@@ -330,7 +333,7 @@ def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_implausible_sizes(scan: ScannedHeights) -> Iterator[str]:
-    """Find scans at least a metre long, spacings of at least a centimetre, and spacings below an ångström."""
+    """Report a scan of at least a metre, a spacing of at least a centimetre, or a spacing below an ångström."""
     for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * step >= MAX_EXTENT:
             yield f"the scan is {points * step / 1e6:.3g} m long along {axis}"
@@ -341,7 +344,7 @@ def _find_implausible_sizes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Find scans whose heights span more than the length of the longest side."""
+    """Report a scan whose height range exceeds its longest side."""
     length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
     if scan.height_range > length:
         height_range = format_with_unit(scan.height_range, "µm")
@@ -349,7 +352,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Find heights whose range is much larger than declared, or would equal the declared range in another unit.
+    """Report a height range that is much larger than declared, or that equals the declared range in another unit.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """
@@ -389,7 +392,7 @@ PLAUSIBILITY_CHECKS = (
         "check the unit of the heights, --unit and --missing-value; accept it if the range is another quantity",
     ),
 )
-"""Checks that are applied to every scan."""
+"""Plausibility checks that are applied to every scan."""
 
 READER_CAVEAT_NAMES = (
     "x3p-increment",
@@ -403,6 +406,6 @@ READER_CAVEAT_NAMES = (
     "scale",
     "wrapped",
 )
-"""Names of the caveats that the file readers add to the caveats of the checks."""
+"""Names of the caveats that file readers report, in addition to those of the plausibility checks."""
 
 FILE_CAVEAT_NAMES = (*(check.name for check in PLAUSIBILITY_CHECKS), *READER_CAVEAT_NAMES)

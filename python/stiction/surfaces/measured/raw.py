@@ -1,4 +1,4 @@
-"""Content of a file of measured heights, before units and missing points are determined."""
+"""Content of a scan file before units and missing points are determined."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LENGTH_UNITS = {
     "millimètre": 1e3, "millimètres": 1e3, "milímetros": 1e3, "millimetri": 1e3,
     "мм": 1e3, "мкм": 1.0, "нм": 1e-3, "毫米": 1e3, "微米": 1.0, "纳米": 1e-3,
 }  # fmt: skip
-"""Factors from units of length to µm.
+"""Factors that convert lengths to µm, by unit of length.
 
 Both Unicode characters for micro and for ångström are included. Upper and lower case are distinguished in symbols, but
 not in words.
@@ -41,12 +41,12 @@ MAX_POINTS_OF_SMALL_MAP = 1_000_000  # maximum number of points of a map that ma
 # smallest and largest spacing or size that a header can declare, µm
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
-"""Range of the factors and lengths that a header can declare, in any unit."""
+"""Smallest and largest factor or length that a header can declare, in any unit."""
 
 _LEADING_NUMBER_PATTERN = re.compile(
     r"\s*([+-]?[0-9]{0,40}(?:[.,][0-9]{0,40})?(?:[eE][+-]?[0-9]{1,5})?)(?![0-9.,_xX]|[eE](?![^\W\d_]))"
 )
-"""Pattern of a decimal number that a unit may follow. A hexadecimal or incomplete number does not match."""
+"""Regular expression for a decimal number, which a unit may follow. Hexadecimal and incomplete numbers do not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
 # ZIP compression methods that can be read in pieces of limited size
@@ -54,7 +54,7 @@ _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error raised if a file is damaged, incomplete, of another kind, or already exists.
+    """Error raised if a file is damaged, incomplete or of another kind, or if a file to write already exists.
 
     Notes
     -----
@@ -72,7 +72,7 @@ class FormatError(ValueError):
 
 
 class FormatWarning(UserWarning):
-    """Warning about a file that contradicts itself, or about implausible heights.
+    """Warning about a file that contradicts itself, or that contains implausible heights.
 
     Notes
     -----
@@ -90,7 +90,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a file, with a remedy: an option, or a change to the file."""
+    """Named caveat about a scan file, with a remedy: an option, or a change to the file."""
 
     name: str
     text: str
@@ -102,7 +102,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class DeclaredLength:
-    """Length that a file declares, with the length of one unit in its last digit."""
+    """Length that a scan file declares, with the place value of its last digit."""
 
     length: float
     digit: float
@@ -110,7 +110,10 @@ class DeclaredLength:
     line: str = ""  # header line that declares a length
 
     def to_micrometres(self) -> float:
-        """Return the length in µm. Raises `FormatError` if no spacing or size of a scan can have this length."""
+        """Convert the length to µm.
+
+        Raises `FormatError` if the length is too small or too large for the spacing or the size of a scan.
+        """
         value = self.length * LENGTH_UNITS[self.unit]
         min_length, max_length = MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH
         if not min_length <= value <= max_length:
@@ -122,13 +125,13 @@ class DeclaredLength:
 
     @property
     def digit_in_micrometres(self) -> float:
-        """Value of one unit in the last digit, µm."""
+        """Place value (µm) of the last digit of the length."""
         return self.digit * LENGTH_UNITS[self.unit]
 
 
 @dataclass(frozen=True)
 class UnclearSpacing:
-    """Header line that may declare a spacing. A single length in the line is used as spacing, with a caveat."""
+    """Header line that may declare a spacing. A single length in this line is used as the spacing, with a caveat."""
 
     line: str
     lengths: tuple[float, ...] = ()  # lengths in a header line (µm): one, or one for each axis in unknown order
@@ -136,7 +139,7 @@ class UnclearSpacing:
 
 @dataclass(frozen=True)
 class HeightProvenance:
-    """Provenance of the heights in a file: layout, column, encoding, separators and line numbers."""
+    """Provenance of the heights in a scan file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
     column: str = ""  # column, channel or block of a file that contains the heights
@@ -153,7 +156,7 @@ PlaceValueFunction = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class RawHeights:
-    """Heights of a file before conversion, with their unit if known. Missing heights are NaN."""
+    """Heights of a scan file before conversion to µm, with unit, positions and spacing as far as they are known."""
 
     heights: Floats  # heights in the unit of the file, with the shape (n,) or (rows, columns)
     unit: str | None = None
@@ -178,7 +181,7 @@ class RawHeights:
 
 @dataclass(frozen=True)
 class WordColumn:
-    """Column of words beside columns of numbers, for example a column of flags."""
+    """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
     place: int  # index of a column of words
     words: str  # most frequent words in a column, with their counts
@@ -189,7 +192,10 @@ class WordColumn:
 
 @dataclass(frozen=True)
 class ColumnTable:
-    """Table of numbers. One or two columns form a profile; all columns together may form a map."""
+    """Table of numbers in a scan file.
+
+    One or two columns form a profile; all columns together may form a map.
+    """
 
     values: Floats  # numbers of a table with the shape (rows, columns), and NaN at missing numbers
     names: tuple[str, ...] = ()  # names of the columns of a table, or empty
@@ -211,14 +217,14 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()  # columns of words in a table of numbers, whose numbers are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
-        """Return a function that computes, for each number in a column, the place value of its last digit."""
+        """Return a function for the place value of the last printed digit of each number in a column."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
 
 @dataclass(frozen=True)
 class HeaderDeclarations:
-    """Lengths, units, factors and missing-point codes that the header of a table declares."""
+    """Declarations in the header of a table: lengths, units, factors and codes for missing points."""
 
     spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
     # declared spacings of the rows and of the columns of a map
@@ -242,7 +248,7 @@ class HeaderDeclarations:
 
 @dataclass(frozen=True)
 class HeightChannels:
-    """Several named sets of heights in one file."""
+    """Named channels of a scan file, each with its own heights."""
 
     names: tuple[str, ...]
     # function that returns the heights or the table of a channel, given its index
@@ -257,13 +263,13 @@ _COMPOSITE_UNIT_PATTERN = re.compile(
     r"(?:(1(?:\.0)?e[+-]?[0-9]{1,2}|10\^?[+-][0-9]{1,2}|0\.0*1|10+|1/10+)\s*[*·×]?\s*)?([^\W\d_]{1,3})(?:\s*/\s*(10+))?",
     re.IGNORECASE,
 )
-"""Pattern of a unit with a power of ten, such as ``1e-3 mm``, ``10^-6 m`` and ``mm/1000``."""
+"""Regular expression for a unit with a power of ten, such as ``1e-3 mm``, ``10^-6 m`` or ``mm/1000``."""
 
 
 def parse_length_unit(text: str) -> str | None:
-    """Return the symbol of a length unit, as in `LENGTH_UNITS`, or None if the unit is no length unit.
+    """Return the symbol of a unit of length, as in `LENGTH_UNITS`, or None if the text is no unit of length.
 
-    A unit with a power of ten is accepted if it equals a unit with a name: ``mm/1000`` is µm, but ``0.1 um`` has none.
+    A unit with a power of ten is accepted if it equals a named unit: ``mm/1000`` is µm, but ``0.1 um`` has no name.
     """
     if text in LENGTH_UNITS:
         return text
@@ -283,15 +289,15 @@ def parse_length_unit(text: str) -> str | None:
 
 
 def check_point_count(points: int, stored_bytes: int) -> None:
-    """Raise `FormatError` if a file has too few bytes for its declared number of points, even if compressed."""
+    """Raise `FormatError` if a file, even if compressed, has too few bytes for its declared number of points."""
     if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
         raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
 
 
 def parse_number(text: str, place: str) -> float:
-    """Return the finite number at the start of a text. Error messages describe the text's origin by `place`.
+    """Parse the finite number at the start of a text.
 
-    Raises `FormatError` if there is no such number.
+    Error messages describe the origin of the text by `place`. Raises `FormatError` if there is no such number.
     """
     match = _LEADING_NUMBER_PATTERN.match(text)
     try:
@@ -304,9 +310,10 @@ def parse_number(text: str, place: str) -> float:
 
 
 def parse_positive_number(text: str, place: str) -> float:
-    """Return the factor or length at the start of a text. Raises `FormatError` if no scan can have this number.
+    """Parse the factor or length at the start of a text.
 
-    A negative factor would turn the heights upside down, and a factor of 0 would make them equal.
+    Raises `FormatError` if the number is not positive, or is too small or too large for a scan. A negative factor would
+    turn the heights upside down, and a factor of 0 would make them equal.
     """
     value = parse_number(text, place)
     if not MIN_DECLARED_NUMBER <= value <= MAX_DECLARED_NUMBER:
@@ -320,7 +327,7 @@ def parse_positive_number(text: str, place: str) -> float:
 
 
 def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield the content of an archive member in pieces, up to `max_bytes` in total.
+    """Yield the content of a file in a zip archive piece by piece, up to `max_bytes` in total.
 
     The size that the archive declares is not trusted.
     """

@@ -1,4 +1,4 @@
-"""Reading of measured profiles and surfaces: choice of a reader, and interpretation of the content."""
+"""Reading of measured profiles and height maps: choice of a file reader, and interpretation of the content."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ READERS: dict[str, Callable[[bytes], ReaderResult]] = {
     ".xlsx": read_excel,
     **dict.fromkeys(TEXT_SUFFIXES, read_text),
 }
-"""Readers by file name extension in lower case.
+"""File readers by file name extension, in lower case.
 
 SurfaceTopography reads all other files, and binary files with the extension of a text file.
 """
@@ -63,7 +63,7 @@ _FILE_SIGNATURES = {
     b"\x93NUMPY": ((".npy",), "a NumPy array (.npy)"),
     b"PK": ((".x3p", ".xlsx"), "a zip archive, as X3P and workbooks are"),
 }
-"""First bytes of certain file types, with the usual file name extensions and a description of each type."""
+"""First bytes of some types of files, with the usual file name extensions and a description of each type."""
 
 MAX_DESCRIPTION_BYTES = 100_000  # maximum size, in bytes, of a text file that describes a data file
 # dabam files with format number 1 or 3 contain slopes, and with 2 or 4 heights.
@@ -75,7 +75,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface)
 
 @dataclass(frozen=True)
 class FileReading(Generic[_Body]):
-    """Profile or surface read from a file, with a record of how the file was interpreted."""
+    """Profile or height map read from a file, with a record of how the file was interpreted."""
 
     body: _Body
     file: str
@@ -83,7 +83,7 @@ class FileReading(Generic[_Body]):
     unit: str
     """Unit of the heights in the file."""
     missing: int
-    """Number of points without a height in the file."""
+    """Number of points in the file that have no height."""
     points: int
     """Number of points in the file."""
     caveats: tuple[FileCaveat, ...]
@@ -121,7 +121,7 @@ class FileReading(Generic[_Body]):
         return "; ".join(parts)
 
     def to_json_fields(self) -> dict[str, Any]:
-        """Return fields for JSON that describe how the file was interpreted."""
+        """Return the record of the interpretation (layout, column, units, caveats and others) as fields for JSON."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -357,9 +357,9 @@ def read_measurement(
 
 
 def read_with_interpretation(path: str | os.PathLike[str], **options: Any) -> FileReading[Profile | Surface]:
-    """Read a profile or surface, and record how its file was interpreted.
+    """Read a measured profile or height map, and record how the file was interpreted.
 
-    Options are the same as for `read_measurement`. Caveats are returned in `caveats`, and no warning is issued.
+    The options are those of `read_measurement`. Caveats are returned in `caveats`, and no warning is issued.
     """
     option_names = ("unit", "spacing", "missing", "channel", "columns", "outliers", "crop", "missing_value", "accept")
     given_options = {"missing": "error", "outliers": "keep"} | {
@@ -376,7 +376,7 @@ def _read_body(
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
-    """Read a profile or surface from a file, and issue the caveats about the file as warnings."""
+    """Read a profile or height map from a file, and issue a `FormatWarning` for each caveat that is not accepted."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
         # With stack level 3, the warning refers to the line that calls a public function such as `read_profile`.
@@ -389,7 +389,10 @@ def _interpret_file(
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> FileReading[_Body]:
-    """Read a file and interpret its content. Every error message starts with the path."""
+    """Read a file, and convert its content to a profile or height map with a record of the interpretation.
+
+    Every error message starts with the path.
+    """
     path = parse_path("path", path)
     try:
         raw = select_heights(_read_content(path, options.words), options.channel, options.columns)
@@ -412,7 +415,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with the reader that matches its name and its first bytes."""
+    """Read a file with the reader that suits its file name extension and its first bytes."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
@@ -451,7 +454,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a file of the mirror database dabam if the description beside it declares slopes."""
+    """Raise `FormatError` for a file of the mirror database dabam if its description file declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return
@@ -464,7 +467,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file with SurfaceTopography, although its name has the extension of a text file."""
+    """Read a binary file that has the extension of a text file with SurfaceTopography."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)
@@ -477,7 +480,7 @@ def _read_binary_file(path: Path) -> ReaderResult:
 
 
 def _read_instrument_or_text_file(path: Path, start: bytes, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with SurfaceTopography, or as a table of text if SurfaceTopography cannot read it."""
+    """Read a file with SurfaceTopography or, if SurfaceTopography cannot read it, as a table of text."""
     try:
         return read_instrument_file(path)
     except FormatError as error:

@@ -1,4 +1,4 @@
-"""Second step of reading a table: select the columns of heights, by options or by inspecting the numbers."""
+"""Second step of reading a table: selection of the columns of heights, by options or from the numbers."""
 
 from __future__ import annotations
 
@@ -43,8 +43,7 @@ from stiction.surfaces.measured.raw import (
 MAX_STEP_UNEVENNESS = 1e-3
 """Largest accepted deviation of a point from a uniform grid, as a fraction of the spacing.
 
-Such a deviation has no visible effect on the heights. Positions that were stored in single precision have such
-deviations.
+Positions stored in single precision have such deviations, which have no visible effect on the heights.
 """
 
 MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
@@ -86,7 +85,10 @@ _HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|a
 def select_heights(
     content: ReaderResult, channel: NameOrIndex | None, columns: Sequence[NameOrIndex] | None
 ) -> RawHeights:
-    """Return the heights in the selected channel or columns, which by default depend on the shape of the table."""
+    """Return the heights in the channel or columns that the caller selects.
+
+    Without a selection, the shape of the table determines the columns of heights.
+    """
     if isinstance(content, HeightChannels):
         index = _find_channel_index(content, channel)
         raw = select_heights(content.read(index), None, columns)
@@ -120,7 +122,7 @@ def _find_channel_index(channels: HeightChannels, selected: NameOrIndex | None) 
 def _find_column_or_channel_index(
     names: Sequence[str], selected: NameOrIndex, numbers: Sequence[int], kind: str
 ) -> int:
-    """Return the index of a column or a channel with a given name or number."""
+    """Return the index of the column or channel that the caller selects by name or number."""
     text = str(selected).strip()
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
     # "Height (trace)" ends with a remark, not with a unit
@@ -146,12 +148,12 @@ def _find_column_or_channel_index(
 
 
 def _name_without_unit(name: str) -> str:
-    """Return the name of a column without its unit."""
+    """Remove the unit from a column name."""
     return re.sub(r"\s*[(\[{<].{0,40}$|\s*/\s*\S{0,12}$", "", name).casefold()
 
 
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Return the first names of a list with their numbers, as text for a message."""
+    """Format the first few names of columns or channels, with their numbers, for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -166,7 +168,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
-    """Return the selected columns: heights alone, positions and heights, or x, y and heights."""
+    """Return the heights in the columns that the caller selects: z alone, positions and z, or x, y and z."""
     numbers = _column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -183,7 +185,7 @@ def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIn
 
 
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
-    """Combine the heights of a table with the declarations in its header."""
+    """Combine heights with the units, factors and codes that the header of their table declares."""
     declared = table.declared
     # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
@@ -214,7 +216,7 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
 
 
 def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tuple[FileCaveat, ...]:
-    """Return a caveat if header and column name declare different units of the heights, such as "nm" and "0.1 um"."""
+    """Return a caveat if header and column name declare different height units, such as "nm" and "0.1 um"."""
     declared = table.declared
     if declared.factor is not None or declared.unit is None or unit not in LENGTH_UNITS:
         return ()
@@ -230,20 +232,20 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the numbers have the declared height range, which must have at least three digits."""
+    """Return whether the range of the heights equals the declared range, which must have at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
 
 def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
-    """Return the unit that several columns of heights share, or the unit declared in the header."""
+    """Return the unit of several columns of heights: their common unit, or the unit that the header declares."""
     unit = units[0] if len(set(units)) == 1 else None
     declared = table.declared
     return declared.unit if declared.unit is not None and (unit is None or declared.factor is not None) else unit
 
 
 def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = False) -> RawHeights:
-    """Read heights from one column, or positions and heights from two columns.
+    """Read a profile from one column of heights, or from a column of positions and a column of heights.
 
     Rows in which the position or the height is not a number are left out.
     """
@@ -304,7 +306,10 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _find_height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a column of heights. Raises `FormatError` if the column name denotes another quantity."""
+    """Return the unit of a column of heights, or None if it is unknown.
+
+    Raises `FormatError` if the column name denotes another quantity.
+    """
     unit = _column_units(table)[place]
     if unit is not None and parse_length_unit(unit) is None:
         return unit
@@ -318,7 +323,7 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
 
 
 def _reject_positions_above_heights(column: Floats) -> None:
-    """Raise `FormatError` if a column of numbers lists all positions first and all heights afterwards."""
+    """Raise `FormatError` if a column of numbers lists all positions first, and all heights afterwards."""
     reject_coordinates_above_heights(column)
     positions, heights = column[: column.size // 2], column[column.size // 2 :]
     is_divisible = positions.size == heights.size >= MIN_JITTERED_POSITIONS
@@ -327,7 +332,10 @@ def _reject_positions_above_heights(column: Floats) -> None:
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a column of heights if it counts the heights below it."""
+    """Remove the first number of a column of heights if it is the number of the heights that follow.
+
+    Returns the heights and, if a number was removed, a history entry.
+    """
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
         # number of leading numbers that may be counts or sizes instead of heights
         for leading_number_count in range(place + 1, 4):
@@ -350,7 +358,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number has too few decimals, or if a number at the end may be a count."""
+    """Return a caveat if the first number has fewer decimals than the others, or if a last number may be a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -386,7 +394,7 @@ def _find_calculated_column_caveat(table: ColumnTable, place: int) -> tuple[File
 def _find_position_caveat(
     table: ColumnTable, positions: Floats, places: Sequence[int], is_chosen: bool
 ) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a column of positions may contain point numbers or another quantity."""
+    """Return a caveat if a column used as positions may contain point numbers or another quantity."""
     if caveats := _find_numbering_caveat(table, positions, places[0]):
         return caveats
     name = table.names[places[0]] if table.names else ""
@@ -406,7 +414,7 @@ def _find_position_caveat(
 
 
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a column of positions may contain point numbers."""
+    """Return a caveat if a column used as positions may contain point numbers."""
     name = table.names[place] if table.names else ""
     if _column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
@@ -429,7 +437,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove columns of words from a table. In rows where a word marks a missing point, set the height to NaN.
+    """Remove columns of words from a table, and set heights to NaN in rows in which a word marks a missing point.
 
     If all words of a column are one unit of length, this is the unit of the column before it. Raises `FormatError` for
     a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
@@ -469,7 +477,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
 
 
 def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
-    """Return numbers with NaN in the missing rows, except in columns of positions."""
+    """Return the numbers of a table with NaN in rows of missing points. Columns of positions are not changed."""
     masked_values = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
         if has_equal_steps(values[:, place]):
@@ -478,7 +486,7 @@ def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], plac
 
 
 def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove a column of flags from a table, and mark heights with an invalid flag as missing.
+    """Remove a column of flags from a table, and set heights to NaN in rows whose flag marks a missing point.
 
     Raises `FormatError` if the meaning of the flags is unknown, unless the caller chose the columns.
     """
@@ -515,7 +523,7 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
 
 
 def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
-    """Return a table with only the selected columns."""
+    """Return a table that consists of selected columns of another table."""
     digits, numbers = table.digits, _column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
@@ -531,7 +539,7 @@ def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: 
 
 @dataclass(frozen=True)
 class TableLayout:
-    """Layout of a table, with functions that recognise and read a table of this layout."""
+    """Layout of a table, such as "positions and heights", with functions that recognise and read such a table."""
 
     name: str
     recognises: Callable[[ColumnTable], bool]
@@ -539,7 +547,7 @@ class TableLayout:
 
 
 def _read_by_layout(table: ColumnTable) -> RawHeights:
-    """Read the heights of a table with the first matching `TableLayout`."""
+    """Read the heights of a table with the first `TableLayout` that recognises the table."""
     table, numbering_history = _remove_numbering(table)
     is_empty_column = np.isnan(table.values).all(axis=0)
     if table.places is not None and is_empty_column.any() and not is_empty_column.all():
@@ -551,7 +559,10 @@ def _read_by_layout(table: ColumnTable) -> RawHeights:
 
 
 def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove the row and column numbers that a program has added to a table of heights."""
+    """Remove row and column numbers from a table of heights.
+
+    Returns the table and, if numbers were removed, a history entry.
+    """
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first = table.values[0, 0]
@@ -580,7 +591,10 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
 
 
 def _read_matrix(table: ColumnTable) -> RawHeights:
-    """Return a matrix of heights. Raises `FormatError` if a table contains other numbers, such as positions."""
+    """Return all numbers of a table as a matrix of heights.
+
+    Raises `FormatError` if the table contains other numbers, such as positions or statistics.
+    """
     reject_separate_blocks(table.block_lengths, table.block_lines)
     reject_points_and_statistics(table.values, _column_numbers(table))
     is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
@@ -597,7 +611,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]:
-    """Remove the first column of a table if it contains positions with the declared spacing.
+    """Remove the first column of a table if it contains positions with the spacing that the header declares.
 
     Raises `FormatError` if the first row or column contains other positions. A single row or column contains heights.
     """
@@ -631,7 +645,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line of a table contains positions, and not heights of an evenly rising surface."""
+    """Return whether the first line of a table contains positions, rather than heights of an evenly rising surface."""
     first = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _has_equal_steps_as_printed(first, digits):
@@ -646,7 +660,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
 
 
 def _correlation_with_index(values: Floats) -> float:
-    """Return the absolute correlation between heights and point index."""
+    """Return the absolute correlation coefficient between heights and point index."""
     filled_rows = np.flatnonzero(np.isfinite(values))
     if filled_rows.size < 3 or np.ptp(values[filled_rows]) == 0:
         return 0.0
@@ -654,7 +668,10 @@ def _correlation_with_index(values: Floats) -> float:
 
 
 def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether numbers change in equal steps. The first number is ignored, as a possible table corner."""
+    """Return whether numbers rise or fall in equal steps, like positions.
+
+    The first number is ignored, because it may be the corner of a table.
+    """
     following = values[1:]
     if following.size < 4 or not np.isfinite(following).all():
         return False
@@ -669,7 +686,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether printed numbers rise or fall in steps that are equal within their digits."""
+    """Return whether printed numbers rise or fall in steps that are equal within their last digit."""
     if has_equal_steps(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
@@ -682,7 +699,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 
 
 def _is_labelled_matrix(table: ColumnTable) -> bool:
-    """Return whether a table has positions in its first row and first column, and an empty corner."""
+    """Return whether a table has positions in its first row and its first column, and an empty corner."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -705,7 +722,10 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the columns of x, y and z in a list of points, by their names or because only three columns exist."""
+    """Return the indices of the x, y and z columns in a list of points, or None if there are no such columns.
+
+    The columns are found by their names. Without names, a table must have exactly three columns.
+    """
     columns = table.values.shape[1]
     if not any(table.names):
         return (0, 1, 2) if columns == 3 else None
@@ -751,7 +771,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether points x, y, z with a single y form a profile along x."""
+    """Return whether a table lists points x, y, z with a single y, which form a profile along x."""
     places = _find_xyz_columns(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False
@@ -772,7 +792,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return a clause for messages about a table without unit or spacing, or an empty string."""
+    """Return a clause for error messages about a unit or spacing that the user must also give, or ""."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

@@ -1,4 +1,4 @@
-"""Largest table of numbers in an Excel worksheet."""
+"""Parsing of the largest table of numbers in an Excel sheet."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stiction.surfaces.measured.text_table import parse_table
 
 
 def parse_sheet(rows: Sequence[Sequence[Any]], words: tuple[str, ...] = ()) -> ColumnTable:
-    """Parse the largest table of numbers in a sheet, and the header above it."""
+    """Parse the largest table of numbers in an Excel sheet, with the header above the table."""
     columns = _find_table_columns(rows)
     lines = [_join_row_cells(row, columns) for row in rows]
     content = parse_table(decode_text(("\n".join(lines) + "\n").encode(), words))
@@ -29,7 +29,10 @@ def _is_number_cell(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns with at least two numbers and a quarter of the numbers in the fullest column."""
+    """Return the indices of the columns that contain numbers.
+
+    Such a column has at least two numbers, and at least a quarter of the numbers in the fullest column.
+    """
     number_counts: Counter[int] = Counter(
         index for row in rows for index, cell in enumerate(row) if _is_number_cell(cell)
     )
@@ -38,7 +41,7 @@ def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
 
 
 def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> range:
-    """Return the longest run of worksheet rows with a number in at least one of the given columns."""
+    """Return the longest range of sheet rows that have a number in at least one of the given columns."""
     has_number = [any(map(_is_number_cell, _select_cells(row, columns))) for row in rows]
     runs = [list(run) for is_run, run in itertools.groupby(range(len(rows)), has_number.__getitem__) if is_run]
     longest_run = max(runs, key=len)
@@ -46,7 +49,7 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the columns of a table: columns of numbers, and adjoining columns that are not empty.
+    """Return the indices of a table's columns: columns of numbers, and columns next to them that are not empty.
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """
@@ -69,7 +72,10 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join cells of a worksheet row with tabs. Rows of data and headings keep only the columns of the table."""
+    """Join the cells of a sheet row with tabs.
+
+    In rows of numbers and of column names, only the columns of the table are kept.
+    """
     selected_cells = _select_cells(row, columns)
     if any(map(_is_number_cell, selected_cells)) or (
         selected_cells and all(isinstance(cell, str) for cell in selected_cells)

@@ -1,4 +1,4 @@
-"""Spacings and sizes of a scan in the lines of its header.
+"""Parsing of header lines that declare the spacing or the size of a scan.
 
 A spacing is used only if its line contains nothing but a number with a unit of length, and perhaps the axis or the
 points to which it applies. ``Pixel size: 0.5 µm`` is the spacing of a map, ``Pitch: 0.25 mm`` may be that of a grating,
@@ -27,13 +27,16 @@ _T = TypeVar("_T")
 
 DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
 DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{DECIMAL_PATTERN})"
-"""Pattern of a number in a declaration. It also matches numbers that make a declaration invalid, such as nan."""
+"""Regular expression for a number in a declaration, including numbers that make the declaration invalid, such as nan.
+"""
 
 SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Pattern between a number and its unit: blanks, or a separator if the next cell contains only a unit of length."""
+"""Regular expression for the text between a number and its unit: blanks, or a separator if the next cell is a unit of
+length.
+"""
 
 _BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
 _STEP_NAMES = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"
@@ -44,7 +47,7 @@ _SPACING_PATTERN = re.compile(
     re.IGNORECASE,
 )
 _UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
-"""Pattern of names that may also denote lengths of a specimen or of a path, such as the pitch of a grating."""
+"""Regular expression for names that may also denote other lengths, such as the pitch of a grating."""
 
 MIN_SPECIMEN_DISTANCE = 100.0  # a "sample spacing" above this limit (µm) may be the distance between specimens
 
@@ -52,7 +55,7 @@ _POINTS_REMARK_PATTERN = re.compile(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
     re.IGNORECASE,
 )
-"""Pattern of remarks in brackets after the name of a spacing that leave no doubt that it is along x."""
+"""Regular expression for remarks in brackets after the name of a spacing that show that the spacing is along x."""
 
 _POINT_WORDS = r"px|pix|pixels?|points?|pts?|punkte?|samples?|steps?"
 _LENGTH_PATTERN = (
@@ -81,13 +84,13 @@ _NEXT_DECLARATION_PATTERN = re.compile(
     rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_STEP_NAMES})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
     re.IGNORECASE,
 )
-"""Pattern of the text between two spacings with their axes in a line, as in "dx = 0.5 um, dy = 10 um"."""
+"""Regular expression for the text between two spacings in one line, as in "dx = 0.5 um, dy = 10 um"."""
 
 _STICTION_SPACING_PATTERNS = tuple(
     re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
-"""Patterns of the header lines with spacings that `write_surface` writes above a matrix."""
+"""Regular expressions for the header lines with spacings that `write_surface` writes above a matrix."""
 
 _SIZE_PATTERNS = tuple(
     re.compile(
@@ -101,12 +104,12 @@ _SIZE_PATTERNS = tuple(
         "x[ _-]?(?:length|size|range|amplitude)|length x",
     )
 )
-"""Patterns of header lines with the physical height and width of a matrix, as in files of Gwyddion."""
+"""Regular expressions for header lines with the physical height and width of a matrix, as in files of Gwyddion."""
 
 
 @dataclass(frozen=True)
 class SpacingDeclarations:
-    """Spacings and size of a scan that a header declares."""
+    """Spacings and size of a scan that the header of a file declares."""
 
     spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
     # declared spacings of the rows and of the columns of a map
@@ -118,7 +121,10 @@ class SpacingDeclarations:
 
 
 def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
-    """Parse spacings and size in header lines. The first line of each kind counts."""
+    """Parse the spacings and the size of a scan from header lines.
+
+    Of several lines of the same kind, the first one counts.
+    """
     lines = [part for line in lines for part in _NEXT_DECLARATION_PATTERN.split(line)]
     spacing: DeclaredLength | None = None
     pixel_sizes: tuple[DeclaredLength, DeclaredLength] | None = None
@@ -159,7 +165,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
 
 
 def is_spacing_declaration(line: str) -> bool:
-    """Return whether a header line has the name of a spacing or a size, and a number."""
+    """Return whether a header line begins with the name of a spacing or size, and contains a number."""
     patterns = (_SPACING_PATTERN, *_AXIS_SPACING_PATTERNS.values(), *_SIZE_PATTERNS)
     return any(pattern.match(line) for pattern in patterns)
 
@@ -167,7 +173,7 @@ def is_spacing_declaration(line: str) -> bool:
 def _parse_spacing_line(
     line: str,
 ) -> DeclaredLength | tuple[DeclaredLength, DeclaredLength] | float | UnclearSpacing | None:
-    """Parse a header line that begins with the name of a spacing.
+    """Parse a header line that begins with the name of a spacing, or return None for any other line.
 
     Returns a spacing, a pair (Δy, Δx) if the line is about both axes, a number without unit, an `UnclearSpacing`, or
     None for a line about something else.
@@ -227,7 +233,10 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Parse the header lines that begin with a pattern, and return the first result that is not None."""
+    """Return the first parsed result of header lines that begin with a pattern, or None.
+
+    Lines that `parse_match` rejects by returning None are skipped.
+    """
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := parse_match(match)) is not None), None)
 
@@ -244,7 +253,7 @@ def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length whose unit stands behind the number, or in brackets behind the name."""
+    """Parse a length whose unit follows the number, or stands in brackets after the name of the length."""
     return parse_length(match[2], match[3] or match[1], line=match.string)
 
 
@@ -253,7 +262,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse a spacing without a unit, or return None if no scan can have this spacing."""
+    """Parse a spacing without a unit, or return None if the number is not a possible spacing."""
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:  # ignore an invalid length, because headers often contain unused lengths
@@ -261,7 +270,7 @@ def _parse_bare_number(number: str) -> float | None:
 
 
 def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
-    """Parse a length in a header line, or return None if its unit is not a unit of length."""
+    """Parse a length with a unit in a header line, or return None if the unit is not a unit of length."""
     if unit is None or parse_length_unit(unit) is None:
         return None
     try:

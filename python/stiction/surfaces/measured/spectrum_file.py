@@ -1,4 +1,4 @@
-"""Files of spectra joined from several scans: one line for each scan, and a CSV table."""
+"""Files of spectra that were joined from several scans: a header with one line per scan, and a CSV table."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
-"""Columns of a spectrum file. Tables from other programs lack the last column."""
+"""Column names of a spectrum file. Tables from other programs need not have the last column."""
 
 # In a spectrum file, the names of the two columns of each scan start with these texts.
 FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
@@ -32,7 +32,7 @@ _RATIO_TOLERANCE = 1e-3
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
-    """Write a joined spectrum as a table of density, slope and curvature at each wavelength.
+    """Write a spectrum joined from several scans to a CSV file: density, slope and curvature at each wavelength.
 
     All numbers are preserved exactly.
 
@@ -89,7 +89,7 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
 
 
 def _format_scan_name(name: str) -> str:
-    """Return the name of a scan as one line of text, written as a JSON string if necessary."""
+    """Format the name of a scan as one line of text, or as a JSON string if plain text would not preserve the name."""
     is_plain = name == printable_text(name, len(name)) and name == " ".join(name.split()) and name[:1] not in ("", '"')
     return name if is_plain else json.dumps(name)
 
@@ -103,7 +103,7 @@ def _parse_scan_name(text: str) -> str:
 
 
 def is_spectrum_file(path: Path) -> bool:
-    """Return whether a file was written by `write_spectrum`, or has the same columns."""
+    """Return whether a file is a CSV table of a spectrum, written by `write_spectrum` or with the same columns."""
     if path.suffix.lower() != ".csv" or not path.is_file():  # reading a pipe would block, so only a file is read
         return False
     try:
@@ -116,7 +116,7 @@ def is_spectrum_file(path: Path) -> bool:
 
 
 def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
-    r"""Read a surface spectrum from a table.
+    r"""Read the spectrum of a surface from a CSV file.
 
     `write_spectrum`, ``stiction characterise --together`` or another program may have written the file.
 

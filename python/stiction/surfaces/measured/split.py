@@ -1,4 +1,4 @@
-"""Conversion of lines of numbers to a matrix, with detection of separators, decimal marks and quotes."""
+"""Conversion of text lines to a matrix of numbers, with detection of separators, decimal marks and quotes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LineNumbers = NDArray[np.int64]
 
 
 def split_cells(line: str, separator: str | None) -> list[str]:
-    """Split a line into all of its cells, including empty cells at its end."""
+    """Split a line into cells at a separator. Empty cells at the end of the line are kept."""
     if separator is None:
         return line.replace('"', " ").split()
     if '"' in line:
@@ -51,7 +51,7 @@ def split_cells(line: str, separator: str | None) -> list[str]:
 
 @dataclass(frozen=True)
 class Dialect:
-    """Separator of cells (None for white space), decimal mark and thousands separator of a table."""
+    """Number format of a table: cell separator (None for white space), decimal mark and thousands separator."""
 
     separator: str | None
     point: str
@@ -63,7 +63,7 @@ class Dialect:
         return names[self.separator]
 
     def split_line(self, line: str) -> list[str]:
-        """Split a line into cells, without the empty cells that some programs append."""
+        """Split a line into cells. Empty cells at the end of the line, which some programs append, are omitted."""
         cells = split_cells(line, self.separator)
         if self.pairs and len(cells) % 2 == 0:
             cells = [
@@ -75,7 +75,7 @@ class Dialect:
 
     @cached_property
     def number_pattern(self) -> re.Pattern[str]:
-        """Pattern of a number, with groups for sign, integer digits, decimals and exponent."""
+        """Regular expression for a number, with groups for sign, integer digits, decimals and exponent."""
         point = "." if self.pairs else self.point
         integer_digits = "[0-9]{0,400}"
         if self.thousands:
@@ -101,7 +101,7 @@ _QUOTED_THOUSANDS_DIALECTS = [Dialect(",", ".", ","), Dialect(",", ",", ".")]
 
 @dataclass(frozen=True)
 class NumberBlock:
-    """Matrix of numbers in a text, with the line numbers of its rows."""
+    """Matrix of numbers in a text file, with the line number of each row."""
 
     text: DecodedText
     lines: LineNumbers  # line numbers of the table rows, counted from 0
@@ -112,7 +112,7 @@ class NumberBlock:
     omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
 
     def row_cells(self, line: int) -> list[str]:
-        """Return the cells of a row of the table."""
+        """Return the cells of a table row as text."""
         return self.dialect.split_line(self.text.line(int(self.lines[line])))
 
     def column_last_digit_values(self, column: int) -> Floats:
@@ -152,7 +152,7 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the place value of the last printed digit, given the counts of decimals and significant digits."""
+    """Return the place value of each number's last printed digit, from its decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits
@@ -160,7 +160,7 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
-    """Return the first and the last line of each run of numeric lines. A run may contain blank lines."""
+    """Return the first and the last line of each run of number lines. Blank lines do not end a run."""
     kinds = text.line_kinds
     nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
     is_number_line = kinds[nonblank_lines] == NUMBER_LINE_CODE
@@ -169,9 +169,9 @@ def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
 
 
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
-    """Find the separator and decimal mark with which most lines of a run consist of numbers.
+    """Detect the separator and the decimal mark with which most lines in a range consist of numbers.
 
-    Raises `FormatError` if there is no such dialect, or if there are two.
+    Raises `FormatError` if there is no such format, or if there are two.
     """
     sample_lines = np.unique(
         np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
@@ -207,7 +207,7 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
 
 
 def is_numeric_row(line: str, dialect: Dialect, text: DecodedText) -> bool:
-    """Return whether all cells of a line are numbers or missing-point markers, and at least one is a number."""
+    """Return whether all cells of a line are numbers or marks of missing points, and at least one cell is a number."""
     has_number = False
     for cell in dialect.split_line(line):
         if (kind := cell_kind(cell, dialect, text)) is None:
@@ -217,7 +217,10 @@ def is_numeric_row(line: str, dialect: Dialect, text: DecodedText) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: DecodedText) -> str | None:
-    """Return the kind of a cell: "number", "word" (such as NaN) or "mark" (empty, dashes or stars), or None."""
+    """Return the kind of a cell: "number", "word" (such as NaN), "mark" (empty, dashes or stars), or None.
+
+    None stands for any other text.
+    """
     match = dialect.number_pattern.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
         return "number"
@@ -231,11 +234,11 @@ _DATE_PATTERN = re.compile(
     r"[0-9]{1,2}/[0-9]{1,2}|[0-9]{1,2}:[0-9]{2}(?::[0-9.]+)?|"
     r"[0-9]{1,2}[-. ]{1,2}[^\W\d_]{3,5}\.?(?:[-. ]{1,2}[0-9]{2,4})?|[^\W\d_]{3,5}\.?[-. ]{1,2}[0-9]{2,4}"
 )
-"""Pattern of a date or a time, into which a spreadsheet program converts numbers such as 3.10."""
+"""Regular expression for a date or a time, to which spreadsheet programs convert numbers such as 3.10."""
 
 
 def describe_remedy_of_word(word: str) -> str:
-    """Return advice on a cell that is not a number; only a word without digits may mark a missing point."""
+    """Return advice for an error message about a cell that is not a number, such as a date or a word."""
     if _DATE_PATTERN.fullmatch(word):
         return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
     if re.search(r"[\[\]{}]", word):
@@ -246,12 +249,12 @@ def describe_remedy_of_word(word: str) -> str:
 
 
 def _truncate_line(line: str, width: int) -> str:
-    """Shorten a long line after a complete cell."""
+    """Shorten a long line at the end of a cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
 def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Decide whether commas in lines are cell separators, decimal marks or both, and return the dialect."""
+    """Decide whether commas separate cells, mark decimals, or both, and return the resulting dialect."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
     odd_cells = [cell for row in rows for cell in row[1::2]]
@@ -273,12 +276,12 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
 
 
 def _find_line_above(text: DecodedText, first: int) -> str:
-    """Return the last line above line `first` that is not empty."""
+    """Return the last line before line `first` that is not empty, or ""."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
 def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: Dialect) -> None:
-    """Reject a text in which every comma may be a thousands separator ("1,250" is 1.25 or 1250)."""
+    """Raise `FormatError` if every comma may also be a thousands separator, so that "1,250" is 1.25 or 1250."""
     ambiguous_pattern = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example_line, example_cell = -1, ""
     for line in range(first, last + 1):
@@ -302,7 +305,7 @@ def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: 
 def parse_number_block(
     text: DecodedText, first: int, last: int, dialect: Dialect, *, ragged: bool = False
 ) -> NumberBlock:
-    """Parse a run of numeric lines as a matrix.
+    """Parse a range of number lines as a matrix with one row per line.
 
     Lines of at most `MAX_COUNT_LINE_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines
     with an unusual number of cells are rejected. Missing cells are filled with NaN in two cases: if only the height at
@@ -362,7 +365,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first `count` rows begin with positions, which continue in equal steps below."""
+    """Return whether the first `count` rows begin with positions that continue in equal steps in the later rows."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False
@@ -371,7 +374,7 @@ def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -
 
 
 def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
-    """Return all numbers in a range of lines, separated by blanks or line breaks."""
+    """Parse all numbers in a range of lines, in which blanks or line breaks separate the numbers."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing_word_pattern.sub(b"nan", blob)
@@ -382,7 +385,7 @@ def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
 
 
 def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) -> LineNumbers:
-    """Find the rows of a table in a run of lines, including rows whose cells are all empty."""
+    """Return the line numbers of the table rows in a range of lines, including rows in which all cells are empty."""
     kinds = text.line_kinds[first : last + 1]
     is_nonblank = kinds != BLANK_LINE_CODE
     if dialect.separator is not None and not is_nonblank.all():
@@ -392,9 +395,10 @@ def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) 
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert lines to rows with decimal points and without quotes or blanks. Return rows and separator.
+    """Convert table rows to a plain form, with decimal points and without quotes or blanks.
 
-    Each row ends with a line feed. A text that contains only rows in this form is returned without a copy.
+    Returns the rows and the cell separator. Each row ends with a line feed. A text that already has this form is
+    returned without a copy.
     """
     first, last = int(lines[0]), int(lines[-1])
     if lines.size == last - first + 1:
@@ -436,13 +440,13 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number 
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes, faster than a text search."""
+    """Return whether a text contains two adjacent dashes. The test is faster than a text search."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
     return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
 
 
 def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:
-    """Raise `FormatError` if a number has a decimal point in a table with decimal commas."""
+    """Raise `FormatError` if a table with decimal commas contains a number with a decimal point."""
     for line in lines.tolist():
         for cell in dialect.split_line(text.line(line)):
             if re.fullmatch(rf"[+-]?[0-9]*\.[0-9]*{_EXPONENT_PATTERN}", cell):
@@ -462,7 +466,7 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
 
 
 def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
-    """Parse rows of numbers, rounded correctly, with NaN for empty cells."""
+    """Parse the rows of a table to correctly rounded numbers, with NaN for empty cells."""
     values = np.empty(rows.count(b"\n") * width)
     failed_cells = stiction._core.convert_cells(rows, cell_separator.decode(), values, threads=num_usable_cores())
     if failed_cells:

@@ -1,4 +1,4 @@
-"""Second step of reading text: find an instrument's layout, or else read a table with header and footer."""
+"""Second step of reading a text file: parse it as an instrument's layout, or else as a table with header and footer."""
 
 from __future__ import annotations
 
@@ -12,22 +12,25 @@ from stiction.surfaces.measured.raw import HeightChannels, ReaderResult
 from stiction.surfaces.measured.text_table import parse_table
 
 _STICTION_FIRST_LINE_PATTERN = re.compile(r"# spacing(?: along y)?: [0-9.e+-]{1,30} um")
-"""Pattern of the first line that `write_profile` and `write_surface` write."""
+"""Regular expression for the first line of files that `write_profile` and `write_surface` write."""
 
 
 def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
-    """Parse the text of a file. `words` are additional words that mark missing points."""
+    """Decode and parse a text file.
+
+    `words` are additional words that mark missing points.
+    """
     return parse_content(decode_text(data, words))
 
 
 def parse_content(text: DecodedText) -> ReaderResult:
-    """Parse a text with the first instrument layout that recognises it, or else as a table."""
+    """Parse a text with the first instrument layout that recognises the text, or else as a table."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else record_layout_and_encoding(layout.read(text), text, layout.name)
 
 
 def find_layout(text: DecodedText) -> TextLayout | None:
-    """Return the instrument layout that recognises a text, or None if no layout does."""
+    """Return the instrument layout that recognises a text, or None if no layout recognises it."""
     # A file written by stiction is not an instrument's file, even if its history looks like the header of one.
     if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None
@@ -35,7 +38,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
 
 def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
-    """Record the layout and the encoding of a text file in `content.source`, and return the content."""
+    """Return the content of a text file with layout and encoding in `source`, where these are not yet recorded."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

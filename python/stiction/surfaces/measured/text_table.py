@@ -1,4 +1,4 @@
-"""Second step of reading text: convert a table of any kind to columns or channels."""
+"""Second step of reading a text file: convert a table to columns of numbers, or several tables to channels."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the longest run of numeric lines and its header as a table.
+    """Parse the longest run of number lines in a text as a table, with the header above it.
 
     If other runs have as many columns as the longest, each run is a channel.
     """
@@ -90,7 +90,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
-    """Raise `FormatError` if many lines of numbers above a table are neither counts nor sizes."""
+    """Raise `FormatError` if there are many lines of numbers above a table that are neither counts nor sizes."""
     lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
     if len(lines) <= max_rows:
@@ -104,10 +104,9 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if a separate row of two cells above a profile is a point of the profile.
+    """Raise `FormatError` if a line above a profile is a further point of the profile, from which words separate it.
 
-    Such a row is separated from the block by words, and its position precedes the first position of the block by whole
-    steps.
+    Such a line has two cells, and its position precedes the first position of the profile by whole steps.
     """
     start = int(block.lines[0])
     if block.values.shape != (block.lines.size, 2) or block.lines.size < 2:
@@ -128,7 +127,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a block of numbers, its header from line `header_start` and its footer to a table."""
+    """Convert a matrix of numbers, with the header from line `header_start` on and the footer, to a table."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -181,7 +180,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the last number of a text has fewer decimals than all numbers above it."""
+    """Return a caveat if the last number of a text has fewer decimals than all numbers above it in the column."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()
@@ -195,13 +194,13 @@ def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the units of length in a column of words, or an empty tuple if it contains other words."""
+    """Return the different units of length in a column of words, or () if a word is not a unit of length."""
     units = [parse_length_unit(word) for word in words]
     return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
-    """Return the place of a number block in the text, and the format of the numbers."""
+    """Return line range, encoding, separator and decimal mark of a matrix of numbers in a text."""
     text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightProvenance(
@@ -212,7 +211,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a run of rows, or the line above if it labels every column."""
+    """Return the first line of a table, including the line above the numbers if it gives a position per column."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -226,7 +225,7 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Reject a table if a cell directly above or below its numbers cannot be read.
+    """Raise `FormatError` if a line directly above or below a table is a row with a cell that cannot be read.
 
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
     line beyond it has the same words.
@@ -268,7 +267,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether all cells of a line except the first contain positions."""
+    """Return whether all cells of a line except the first are positions."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -279,7 +278,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of numeric lines with as many columns as the main run.
+    """Return the runs of number lines that have as many columns as the main run.
 
     Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
     """
@@ -304,7 +303,7 @@ def _find_runs_of_equal_width(
 def _to_channels(
     text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> HeightChannels:
-    """Convert blocks with equal numbers of columns to channels. Each channel has its own header."""
+    """Convert several tables with equal numbers of columns to channels, each with its own header."""
     header_starts = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), header_start in zip(runs, header_starts, strict=False):

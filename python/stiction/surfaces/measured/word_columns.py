@@ -1,4 +1,4 @@
-"""Columns of words, such as flags "OK" and "NG", beside columns of numbers in a text."""
+"""Columns of words next to columns of numbers in a text, such as flags "OK" and "NG"."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 @dataclass(frozen=True)
 class LocatedWordColumn:
-    """Column of words in a text, with the lines in which a word marks a missing point."""
+    """Column of words in a text: how often each word occurs, and the lines in which a word marks a missing point."""
 
     place: int
     counts: Mapping[str, int]
@@ -32,7 +32,10 @@ class LocatedWordColumn:
 
 
 def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedWordColumn, ...]]:
-    """Replace the words in columns without numbers by ``nan``. Return the new text and the columns of words."""
+    """Replace the words in columns without numbers by ``nan``, so that the text can be parsed as numbers.
+
+    Returns the new text and the columns of words.
+    """
     runs = find_numeric_line_runs(text)
     if not (text.words or _may_mix_words_and_numbers(text, runs)):
         return text, ()
@@ -69,7 +72,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
 
 
 def describe_words(counts: Mapping[str, int]) -> str:
-    """Return the most frequent words of a column with their counts, as in ``'OK' (58) and 'NG' (2)``."""
+    """Format the most frequent words of a column with their counts, as in ``'OK' (58) and 'NG' (2)``."""
     words = sorted(counts.items(), key=lambda item: -item[1])
     shown_words = [f"{printable_text(word, 20)!r} ({count})" for word, count in words[:MAX_LISTED_WORDS]]
     if len(words) > MAX_LISTED_WORDS:
@@ -78,7 +81,7 @@ def describe_words(counts: Mapping[str, int]) -> str:
 
 
 def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]]) -> bool:
-    """Return whether words may stand between the numbers of a text."""
+    """Return whether a text may contain columns of words next to columns of numbers."""
     if not runs:
         return True
     kinds = text.line_kinds[text.line_kinds != BLANK_LINE_CODE]
@@ -90,7 +93,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _WordTable:
-    """Rows of a text with columns of words and of numbers, and the words for missing points."""
+    """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
 
     numeric: set[int] = field(default_factory=set)  # indices of columns that contain numbers
     lines: list[int] = field(default_factory=list)
@@ -101,7 +104,10 @@ class _WordTable:
 
 
 def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _WordTable:
-    """Find the rows of a table with columns of words: rows of equal width, with numbers in the same columns."""
+    """Find the table with columns of words in a text, given a cell separator.
+
+    The rows of the table have the same number of cells, and numbers in the same columns.
+    """
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL_PATTERN.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))

@@ -1,4 +1,4 @@
-"""Writing of profiles and surfaces to files that preserve all numbers exactly."""
+"""Writers of profiles and height maps to files that preserve every bit of the numbers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from stiction.surfaces.surface import Surface
 
 
 def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
-    """Write a profile with its spacing, unit and history. All numbers are preserved exactly.
+    """Write a profile with its spacing, unit and history to a .csv or .npy file.
+
+    All numbers are preserved exactly.
 
     Parameters
     ----------
@@ -55,7 +57,9 @@ def write_profile(profile: Profile, path: str | os.PathLike[str]) -> None:
 
 
 def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
-    """Write a surface with its spacings, unit and history. All numbers are preserved exactly.
+    """Write a height map with its spacings, unit and history to a .csv or .npy file.
+
+    All numbers are preserved exactly.
 
     Parameters
     ----------
@@ -97,7 +101,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 
 
 def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
-    """Write a body to a .csv file with header and history, or to a .npy file with arrays."""
+    """Write a profile or height map to a .csv file with header and history, or to a .npy file with several arrays."""
     path = parse_path("path", path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

@@ -1,4 +1,4 @@
-"""Reading of X3P files (ISO 25178-72), which are zip archives with main.xml and binary data."""
+"""Reader for X3P files (ISO 25178-72), which are zip archives of main.xml and binary data."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MAIN_XML_FILE = "main.xml"
 _XML_NUMBER_PATTERN = re.compile(
     r"[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[+-]?[0-9]{1,9})?|[+-]?inf|nan", re.I
 )
-"""Pattern of numbers in XML Schema, which have ASCII digits and no underscores."""
+"""Regular expression for numbers in XML Schema, which have ASCII digits and no underscores."""
 
 _MAX_MAIN_XML_BYTES = 4_000_000  # maximum size of main.xml in bytes, without the points that it lists
 _MAX_XML_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, without the points that it lists
@@ -42,7 +42,10 @@ _MAX_XML_DEPTH = 6
 
 
 def read_x3p(data: bytes) -> RawHeights:
-    """Read an X3P file. Lengths in the file are in metres."""
+    """Read the heights of an X3P file, with positions or spacings.
+
+    Lengths in the file are in metres.
+    """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             return _read_archive(archive)
@@ -112,7 +115,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Content of main.xml in an X3P file: the text of each element by element path, and listed points."""
+    """Content of main.xml in an X3P file: the text of each XML element by path, and the lines of listed points."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -164,7 +167,7 @@ class _MainXml:
 
 
 class _StoredAxis:
-    """Storage of the positions or heights along one axis of an X3P file: type, increment and offset."""
+    """Storage of positions or heights along one axis of an X3P file: data type, increment and offset."""
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
@@ -206,7 +209,7 @@ class _StoredAxis:
 
 
 def _read_shape(root: _MainXml) -> tuple[int, int]:
-    """Return the numbers of rows and columns of an X3P map."""
+    """Return the number of rows and the number of columns of the heights in an X3P file."""
     if (list_dimension := _get_element_text(root, "Record3/ListDimension", "")) != "":
         return 1, _parse_count(list_dimension)
     x, y, z = (_parse_count(_get_element_text(root, f"Record3/MatrixDimension/Size{name}")) for name in "XYZ")
@@ -218,7 +221,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Return the stored numbers of all points along each axis of an X3P file."""
+    """Read the stored numbers of all points for each axis of an X3P file."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))
@@ -239,7 +242,10 @@ def _read_columns(
 
 
 def _parse_listed_points(rows: list[str], absolute_axes: list[str], points: int) -> dict[str, NDArray[Any]]:
-    """Parse points that are listed as text. Semicolons separate axes, and empty strings mark missing points."""
+    """Parse points that an X3P file lists as text, one line per point.
+
+    Semicolons separate axes, and empty strings mark missing points.
+    """
     if len(rows) != points:
         raise FormatError(f"declares {points} points, but lists {len(rows)}")
     columns: dict[str, NDArray[Any]] = {name: np.full(points, np.nan) for name in absolute_axes}

@@ -1,4 +1,4 @@
-"""Text and workbook layouts of instruments, one per module.
+"""Layouts of the text files and workbooks that instruments write, one layout per module.
 
 Each module defines `LAYOUT`, a `TextLayout`, or `WORKBOOK_LAYOUT`, a `WorkbookLayout`. Its docstring contains an
 example.

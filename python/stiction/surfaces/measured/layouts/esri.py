@@ -1,4 +1,6 @@
-"""Esri ASCII grid, written by GIS programs and some microscopes. The first line of numbers has the largest y.
+"""Layout of Esri ASCII grids, written by GIS programs and some microscopes.
+
+The first line of numbers has the largest y.
 
 ::
 

@@ -1,4 +1,6 @@
-"""Text export of Gwyddion in any interface language. The first line of numbers is the top of the image.
+"""Layout of text files that Gwyddion exports, in any interface language.
+
+The first line of numbers is the top of the image.
 
 ::
 
@@ -6,7 +8,7 @@
     # Breite: 4.000 µm
     # Höhe: 3.000 µm
     # Einheiten: nm
-    0.7369	-0.2650	-1.7248
+    0.7369      -0.2650 -1.7248
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ _COMMENT_LINE_PATTERN = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
-    """Return the header comments of a channel: name, width, height and unit. All languages have this order."""
+    """Return the comments above a channel: name, width, height and unit. The order is the same in all languages."""
     comments = []
     for line in map(normalise_line, lines):
         if not line.startswith("#"):

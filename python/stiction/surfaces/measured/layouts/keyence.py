@@ -1,4 +1,6 @@
-"""CSV export of Keyence VK and VR microscopes in any language. The header has calibration, point counts and unit.
+"""Layout of CSV files from Keyence VK and VR microscopes, in any language.
+
+The header contains calibration, point counts and unit.
 
 ::
 
@@ -40,7 +42,7 @@ def _split_cells(line: str) -> list[str]:
 
 
 def _split_header_rows(text: DecodedText) -> list[list[str]]:
-    """Return the cells of the header lines above the heights."""
+    """Split the header lines above the heights into cells."""
     rows = []
     for line in text.first_lines[:60]:
         quoted_cells = re.findall(r'"([^"]*)"', line)
@@ -53,7 +55,7 @@ def _split_header_rows(text: DecodedText) -> list[list[str]]:
 
 
 def _find_calibration_row(rows: list[list[str]]) -> int | None:
-    """Return the index of the calibration row, which consists of a name, a number and a unit of length."""
+    """Return the index of the header line with the calibration: a name, a number and a unit of length."""
     for index, row in enumerate(rows):
         if len(row) == 3 and parse_length_unit(row[1]) is None and parse_length_unit(row[2]) is not None:
             return index
@@ -102,7 +104,10 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights of the only image in a file. Raises `FormatError` if the file contains another image."""
+    """Return the heights of an image, which must be the only image in its file.
+
+    Raises `FormatError` if the file contains another image.
+    """
     if (text.line_kinds[last + 1 :] == NUMBER_LINE_CODE).any():
         line_number = last + 1 + int(np.argmax(text.line_kinds[last + 1 :] == NUMBER_LINE_CODE))
         raise FormatError(

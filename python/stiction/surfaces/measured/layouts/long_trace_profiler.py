@@ -1,4 +1,4 @@
-"""Recognition of slope profiles from a long trace profiler, which are rejected.
+"""Recognition of files from a long trace profiler, which are rejected because they contain slopes.
 
 Three numbers follow the header: the focal length, the step (mm) and the number of points. The rows are positions and
 slopes, without names or units.
@@ -11,7 +11,7 @@ slopes, without names or units.
     817.099976
     -1.000000
     1001
-    -500.0000000	2.7114492
+    -500.0000000        2.7114492
 """
 
 from __future__ import annotations

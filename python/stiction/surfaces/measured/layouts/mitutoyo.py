@@ -1,4 +1,6 @@
-"""Mitutoyo SurfTest workbooks: sheet DATA has parameters in column A, positions in column E, heights in column F.
+"""Layout of Mitutoyo SurfTest workbooks.
+
+Sheet DATA has parameters in column A, positions in column E, and heights in column F.
 
 The parameters contain the unit of heights. The cutoff, on the sheet Certificate or in column B, contains the unit of
 positions. Material ratio curves may be in columns C and D, and in columns G and H.

@@ -1,4 +1,6 @@
-"""ASCII export of SPIP (Image Metrology) and similar programs. Sizes are in nm unless units are given.
+"""Layout of ASCII files from SPIP (Image Metrology) and similar programs.
+
+Sizes without a unit are in nm.
 
 ::
 
@@ -9,7 +11,7 @@
     # y-length = 1000
     # z-unit = nm
     # Start of Data:
-    0.1	0.2	0.3
+    0.1 0.2     0.3
 """
 
 from __future__ import annotations

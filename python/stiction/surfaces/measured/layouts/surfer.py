@@ -1,4 +1,6 @@
-"""Surfer ASCII grid. The header has the counts and the limits of x and y; the first heights are at the smallest y.
+"""Layout of Surfer ASCII grids.
+
+The header contains the numbers of points and the limits of x and y. The first heights are at the smallest y.
 
 ::
 

@@ -1,17 +1,17 @@
-"""Text maps of KLA and Tencor stylus profilers. Each row is a trace that begins with the trace number.
+"""Layout of text maps from KLA and Tencor stylus profilers. Each row is a trace that begins with its number.
 
 Profiles of these instruments, with columns such as Raw, RawLevel, Normal, Rough and Wavi, are ordinary tables. The
 file contains no units: by default, resolutions are in µm and heights in Å.
 
 ::
 
-    Number of Points	301
-    Number of Traces	21
-    X-Resolution	1.000000
-    Y-Resolution	50.000000
+    Number of Points    301
+    Number of Traces    21
+    X-Resolution        1.000000
+    Y-Resolution        50.000000
 
-    Trace	Data
-    1	-36205.8	-35834	-35041
+    Trace       Data
+    1   -36205.8        -35834  -35041
 """
 
 from __future__ import annotations

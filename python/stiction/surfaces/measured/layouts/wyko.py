@@ -1,19 +1,21 @@
-"""ASCII export of Wyko and Veeco interferometers, in blocks. Each line of the height block is a map column.
+"""Layout of ASCII files from Wyko and Veeco interferometers, which consist of blocks.
+
+Each line in the block of heights is a column of the map.
 
 Values in a line run from the bottom of the map to its top. The second number of the first line is 1 if heights are in
 nm, and otherwise they are in wavelengths. Pixel sizes are in mm, wavelengths in nm.
 
 ::
 
-    Wyko ASCII Data File Format 0	1	1
-    X Size	8
-    Y Size	10
-    Block Name	Type	Length	Value
-    Pixel_size	7	4	0.002
-    Wavelength	7	4	632.8
-    Mult	7	4	2
-    RAW_DATA	3	320
-    -189.9246	-90.4410	Bad
+    Wyko ASCII Data File Format 0       1       1
+    X Size      8
+    Y Size      10
+    Block Name  Type    Length  Value
+    Pixel_size  7       4       0.002
+    Wavelength  7       4       632.8
+    Mult        7       4       2
+    RAW_DATA    3       320
+    -189.9246   -90.4410        Bad
 """
 
 from __future__ import annotations
@@ -33,7 +35,7 @@ _FIRST_LINE_START = "Wyko ASCII Data File"
 
 
 def _find_block_name(text: DecodedText, index: int) -> str | None:
-    """Return the name of the block of heights that starts at a line, or None if no block starts there."""
+    """Return the name of the block of heights that begins at line `index`, or None if no such block begins there."""
     line = text.line(index)
     return next((name for name in _HEIGHT_BLOCK_NAMES if re.match(rf"{name}(?:\t|\s{{2,}}|$)", line)), None)
 

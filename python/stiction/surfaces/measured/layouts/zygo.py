@@ -1,4 +1,6 @@
-"""XYZ text of Zygo instruments: fourteen header lines, then lines of column number, row number and height in µm.
+"""Layout of XYZ text files from Zygo instruments.
+
+Fourteen header lines precede one line per point with column number, row number and height in µm.
 
 ::
 
