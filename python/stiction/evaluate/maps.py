@@ -328,8 +328,8 @@ class _EnsembleQuantities:
     ) -> list[Floats]:
         """Return the normal load (mN) and each quantity along the loading steps, for some members of one cell.
 
-        `cell` indexes sliding rule, direction and surfaces, and `_compute_sums` returned `sums`. The first axis of each
-        array runs over all pairs of mu0 and tau0.
+        `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
+        each array runs over all pairs of mu0 and tau0.
         """
         contact_sums, *quantity_sums = (
             each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
@@ -348,7 +348,7 @@ class _EnsembleQuantities:
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
         """Return one dataset per quantity, from the means and intervals in all cells.
 
-        `_average_sums` returned `averages` and `ratio_operands`. The threads of `pool` evaluate the cells.
+        `averages` and `ratio_operands` come from `_average_sums`. The threads of `pool` evaluate the cells.
         """
         import xarray
 

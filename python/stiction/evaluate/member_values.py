@@ -324,7 +324,7 @@ def _grow_contacts(
     """Return the loads and statuses of members after contacts have grown or lost area under shear.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
-    and tau0 multiply. `compute_onset_factors` returned `growth` and `fraction`.
+    and tau0 multiply. `growth` and `fraction` come from `compute_onset_factors`.
     """
     growth, fraction = (each[:, np.newaxis, np.newaxis, np.newaxis] for each in (growth, fraction))
     added_area = np.where(law.tau0 > 0, growth * fraction - 1, 0.0)

@@ -305,7 +305,7 @@ class ContactResponse:
         """Return the closure at the load, relative to the closure with the central inputs.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
-        heights. `closures_at_computed_loads` returned `closures`.
+        heights. `closures` comes from `closures_at_computed_loads`.
         """
         curve = self.closure_curve
         assert curve is not None, "the closure is known"

@@ -168,7 +168,7 @@ def collect_report_data(
 ) -> MeasuredReportData | GeneratedReportData:
     """Collect the data of a report that belong to single loads, mu0 and tau0 of the study.
 
-    `contact_picture` returned `picture`; by default it is the picture that is stored with the result.
+    `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """
     return _collect_measured_data(result, picture) if result.study.is_measured else _collect_generated_data(result)
 

@@ -1,4 +1,4 @@
-"""Assessment of a result as text: caveats, remedies, and the most useful further measurement."""
+"""Assessment of a result as text: caveats with remedies, and the measurement that would help most."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def assessment_paragraph(
     points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> Paragraph:  # fmt: skip
-    """Return the assessment, the most useful measurement, and the caveats with their remedies.
+    """Return the assessment of result points, the most useful measurement, and the caveats with their remedies.
 
-    Caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at
-    most `max_groups` groups. Faults come first and are always printed. `complete_command` names the option, command or
-    method that shows all caveats.
+    Similar caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without
+    `max_lines`, at most `max_groups` groups. Faults come first and are always printed. `complete_command` names the
+    option, command or method that shows all caveats.
     """
     if len({(point.assessment, point.caveats) for point in points}) == 1:
         caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
@@ -49,7 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment of points with equal caveats and, for one point, the most useful measurement."""
+    """Return the common assessment of result points, and the most useful measurement if there is only one point."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -58,18 +58,18 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
 
 
 def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
-    """Return the number of points with each assessment, starting with "Do not quote"."""
+    """Return how many result points have each assessment, starting with "Do not quote"."""
     counts = Counter(point.assessment for point in points)
     return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
-    """Return each assessment with the number of its points as text."""
+    """Return a text with each assessment and the number of result points that have it."""
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Return groups of caveats that differ only in numbers, with faults first."""
+    """Group the caveats of result points that differ only in their numbers. Groups of faults come first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -83,20 +83,20 @@ _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e
 
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
-    """Merge a group of caveats into one, with ranges for numbers that differ."""
+    """Merge a group of similar caveats into one caveat. Numbers that differ become ranges."""
     numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
     range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
     return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return a number in the base unit, given the number and its prefixed unit."""
+    """Return a number in the base unit, given the number and its unit with prefix as texts."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
-    """Return ascending numbers with units as a range, as in "95 to 116 MPa"."""
+    """Return the range of ascending numbers with units as text, as in "95 to 116 MPa"."""
     (low, low_unit), (high, high_unit) = numbers[0], numbers[-1]
     if (low, low_unit) == (high, high_unit):
         return f"{low}{low_unit}"
@@ -109,7 +109,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence about the measurement that would narrow the interval most, and about the new interval."""
+    """Return a sentence on the measurement that would narrow the interval most, with the narrower interval."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""
@@ -130,4 +130,4 @@ _CONDITION_TEXTS = {
     UPPER_SCANS_INPUT_NAME: "With scans of more places of the upper part",
     LOWER_SCANS_INPUT_NAME: "With scans of more places of the lower part",
 }  # fmt: skip
-"""Conditions (as phrases) under which a source other than an uncertain input would contribute little."""
+"""Condition, as a phrase, under which each source other than an uncertain input would contribute little."""

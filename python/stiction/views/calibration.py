@@ -64,7 +64,7 @@ def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> st
 
 
 def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
-    """Return the caveats that forbid quoting friction of tested pairs, and the lays of their profiles.
+    """Return the caveats that forbid quoting the friction of tested pairs, and notes on the lay of their profiles.
 
     A caveat names the pair and the loads of the tests to which it applies.
     """
@@ -90,7 +90,7 @@ def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionT
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return text about A/F of the tests: its mean with an interval, and its range."""
+    """Return a sentence on A/F of the tests: mean with interval, and range."""
     area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
     is_exact = not np.isfinite(area_per_load).all() or _is_constant(area_per_load)
     low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
@@ -128,7 +128,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence about the junction growth of the tests, with its fitted interval."""
+    """Return a sentence on the junction growth α of the tests, with its fitted interval."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
@@ -200,7 +200,7 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
 
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
-    """Return one paragraph of text per interface."""
+    """Return the description of interfaces as text, one paragraph per interface."""
     paragraphs = []
     for record in interfaces:
         kind_and_motion = ", ".join(record[name] for name in ("kind", "motion") if name in record)
@@ -224,11 +224,11 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _FRICTION_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
-"""Keys of an interface for which only the value is printed, without the key."""
+"""Properties of an interface that are printed without their names."""
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw coefficients of tests against A/F, and the joint distribution of mu0 and tau0 (170 mm wide).
+    """Draw a figure 170 mm wide: measured coefficients against A/F, and the joint distribution of mu0 and tau0.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface as rows for text, JSON, CSV and report."""
+"""Characterisation of a profile or surface as rows of a table, for text, JSON, CSV and report."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, whic
 
 
 class TableRow(NamedTuple):
-    """Row of a table: label, text (or two texts, for x and y), and numbers for JSON and CSV."""
+    """Row of a characterisation: label, text (or one text each for x and y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -71,7 +71,7 @@ class CharacterisationTable:
 
     @cached_property
     def rows(self) -> list[TableRow]:
-        """Rows of the table for the body as a whole."""
+        """Rows of the table with the parameters of the whole body."""
         points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
@@ -171,7 +171,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return text for an autocorrelation parameter (Sal or Str) that cannot be computed without a larger map."""
+        """Return the reason why Sal or Str is missing: the map is too small."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -306,7 +306,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the density at the longest wavelength of a band, divided by the density at longer wavelengths.
+        """Return the spectral density at the longest wavelength of a band, divided by that at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
@@ -321,7 +321,7 @@ class CharacterisationTable:
 
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
-        """Rows of the table for lines of a surface along x and along y."""
+        """Rows of the table with the parameters of a surface's lines along x and along y."""
         if not self.scan.line_roughnesses:
             return []
         line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
@@ -373,9 +373,10 @@ class CharacterisationTable:
 def find_outlier_caveats(
     scans: Sequence[Characterisation], names: Sequence[str], *, consequence: str, option: str
 ) -> list[Caveat]:
-    """Return a caveat for each scan whose spectrum excludes outliers.
+    """Return one caveat for each scan with outliers that its spectrum excludes.
 
-    `consequence` is a clause about the values without these outliers, and `option` removes them from the scan.
+    `consequence` is a clause about the numbers that exclude the outliers. `option` is the option that removes the
+    outliers from the scan.
     """
     counts = [int(scan.excluded_outliers.sum()) for scan in scans]
     return [
@@ -395,7 +396,7 @@ def _describe_outliers(count: int) -> str:
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
-    """Return the characterisation of a body, or an existing `Characterisation` unchanged."""
+    """Return the characterisation of a body. An existing `Characterisation` is returned unchanged."""
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
 
 
@@ -441,7 +442,7 @@ def characterisation_text(
 
 
 def length_text(value: float) -> str:
-    """Return a length (µm) as text, in a unit with one to three digits before the decimal point."""
+    """Return a length (µm) as text in the unit that gives one to three digits before the decimal point."""
     for unit, unit_length in (("pm", 1e-6), ("nm", 1e-3), ("µm", 1.0), ("mm", 1e3)):
         if value < 999.95 * unit_length or unit == "mm":
             break
@@ -454,7 +455,7 @@ def _json_unit(parameter: ParameterDefinition) -> str:
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Return text about the wavelengths that a tip does not resolve, given pixels, noise and tip.
+    """Return a sentence on the wavelengths that the tip does not resolve, besides the limits by pixels and noise.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """
@@ -469,7 +470,7 @@ def _tip_limit_text(limit: InstrumentLimit) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return text about the filters and the evaluation length."""
+    """Return the filters and the evaluation length of a characterisation as text."""
     filters = result.filters
     short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -532,7 +533,7 @@ def _list_estimates(result: Characterisation) -> list[Estimate]:
 
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
-    """Return the characterisations of files as JSON, with how each file was read."""
+    """Return the characterisations of files as JSON, including how each file was read."""
     values = [value.to_record({"file": file}) for file, result in files for value in _list_estimates(result)]
     return record_json(
         "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)

@@ -1,4 +1,4 @@
-"""Output of results to files in the format of the file extension."""
+"""File output of results. The file extension selects the format."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from stiction.views.style import FIGURE_FILE_SIGNATURES
 
 RESULT_TABLE_NAME = "result.csv"
 REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""Start of every report, by which the program recognises reports that it may replace."""
+"""First bytes of every report, by which the program recognises reports that it may replace."""
 
 OUTPUT_FILE_SIGNATURES = {
     RESULT_TABLE_NAME: b"coefficient of static friction: lower",
@@ -29,7 +29,7 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the bytes that mark it as replaceable."""
+    """Raise a `ValueError` if one of several existing files lacks the bytes that mark it as replaceable."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
@@ -41,13 +41,13 @@ def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
 
 
 def write_new_text_file(path: Path, text: str) -> None:
-    """Write a new text file. Raises a `ValueError` if it exists or cannot be written."""
+    """Write a new text file. Raises a `ValueError` if the file exists or cannot be written."""
     with create_file_atomically(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return a result at the loads of its study as CSV."""
+    """Return friction and other quantities of a result, at the loads of its study, as CSV."""
     return frame_to_csv(summary_table(result.complete_summary()))
 
 
@@ -71,9 +71,9 @@ JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json
 
 
 def write_result(result: Evaluation, path: Path) -> None:
-    """Write a result to a new file in the format of the file extension.
+    """Write a result to a new file. The file extension selects the format.
 
-    Raises a `ValueError` if the file exists, if it cannot be written, or if its ending is not in `EXPORT_WRITERS`.
+    Raises a `ValueError` if the file exists, if it cannot be written, or if the extension is not in `EXPORT_WRITERS`.
     """
     _check_ending(path, {ending: description for ending, (description, _) in EXPORT_WRITERS.items()})
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
@@ -91,14 +91,14 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Raise the errors of `write_joint_table` about a file name or units before the table is computed."""
+    """Raise the errors of `write_joint_table` about a file name or about units, before the table is computed."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
 
 def is_card(path: Path) -> bool:
-    """Return whether a file has the extension of an input card of another program."""
+    """Return whether the extension of a file belongs to an input card of another program."""
     return path.suffix.lower() in CARD_FORMATS
 
 

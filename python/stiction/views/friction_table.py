@@ -28,7 +28,7 @@ _COLUMN_TITLES = {
     "normal_stiffness": (f"stiffness over area ({STIFFNESS_PER_AREA_UNIT})", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": (f"b of k/A0 = b p^c ({STIFFNESS_PER_AREA_UNIT} at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Titles that replace those of `column_title_and_factor`, each with the factor that converts values to its unit."""
+"""Titles that replace those of `column_title_and_factor`, each with the conversion factor to its unit."""
 
 MAX_LISTED_REMEDIES = 3  # maximum number of remedies that are printed below a table
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
@@ -39,9 +39,9 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return a `friction_table` as CSV with units, one row per combination of inputs.
+    """Return the dataset of `friction_table` as CSV with units, one row per combination of inputs.
 
-    Tables of earlier versions have no assessments.
+    Tables that an earlier version computed have no column of assessments.
     """
     names = [name for name in (*_LOAD_QUANTITIES, "assessment") if name in table]
     return _table_csv(table[names], _COORDINATE_COLUMNS)
@@ -76,7 +76,7 @@ def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> s
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Return the fitted laws of each roughness, and the range of friction under each sliding rule, as text."""
+    """Return the laws fitted for each roughness, and the range of friction under each sliding rule, as text."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
@@ -105,9 +105,10 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return the number of coefficients with each assessment, and the most frequent remedies, as text.
+    """Return how many coefficients of a table have each assessment, and the most frequent remedies, as text.
 
-    `summary` contains the caveats of the points of the table. The text is empty if every coefficient may be quoted.
+    `summary` contains the caveats about the coefficients in the table. The text is empty if every coefficient may be
+    quoted.
     """
     assessments = table["assessment"].values.ravel().tolist()
     if set(assessments) <= {ASSESSMENTS_BY_SEVERITY[""]}:

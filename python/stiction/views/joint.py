@@ -49,7 +49,7 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return a joint table as CSV, without its source and notes."""
+    """Return a joint table as CSV, without source and notes."""
     del source
     return frame_to_csv(joint_frame(table))
 
@@ -121,7 +121,7 @@ def abaqus_card(table: JointTable, source: str) -> str:
 
 
 def ansys_card(table: JointTable, source: str) -> str:
-    """Return material tables for Ansys: a gasket with the closure curve, and pressure-dependent friction."""
+    """Return the input card for Ansys: a gasket material with the closure curve, and pressure-dependent friction."""
     row, rows = table.reference, _list_increasing_rows(table)
     stiffness = row.estimates["tangential_stiffness_per_area"]
     lines = [
@@ -157,7 +157,7 @@ def ansys_card(table: JointTable, source: str) -> str:
 
 
 def liggghts_card(table: JointTable, source: str) -> str:
-    """Return material properties for LIGGGHTS at the pressure `JointTable.reference`."""
+    """Return the material properties for LIGGGHTS, at the pressure of `JointTable.reference`."""
     row = table.reference
     stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
     lines = [
@@ -182,7 +182,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows of a joint table whose closure exceeds all earlier closures, as other programs require."""
+    """Return the rows of a joint table whose closure exceeds that of all earlier rows, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
@@ -225,7 +225,7 @@ _CARD_COLUMNS = (
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of a joint table, with intervals, as comment lines.
+    """Return the main columns of a joint table as comment lines, with intervals.
 
     The card itself contains the estimates named in `given`, so only their intervals are listed.
     """

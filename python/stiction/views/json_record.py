@@ -1,9 +1,9 @@
-"""JSON records of commands, all with the same schema.
+"""JSON records of commands, which all have the same schema.
 
 A record contains ``schema`` (a number that increases with every incompatible change), ``stiction`` (the version),
-``command``, a description of the inputs, and ``values``. Each value, here and elsewhere in a record, is the object of
-`Estimate.to_record`: ``name``, ``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval),
-``kind`` (of the interval), ``at`` (its coordinates in µm, mN, GPa and degrees) and ``status``. Missing values are null.
+``command``, a description of the inputs, and ``values``. Each value is the object that `Estimate.to_record` returns:
+``name``, ``value``, ``unit`` ("1" if dimensionless), ``lower`` and ``upper`` (the 95 % interval), ``kind`` (of the
+interval), ``at`` (its coordinates in µm, mN, GPa and degrees) and ``status``. Missing values are null.
 """
 
 from __future__ import annotations
@@ -26,5 +26,5 @@ def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> st
 
 
 def caveat_record(caveat: Caveat) -> dict[str, str]:
-    """Return a caveat as fields of a JSON record."""
+    """Return a caveat as the fields of a JSON object."""
     return {"text": caveat.text, "remedy": caveat.remedy, "severity": caveat.severity}

@@ -1,4 +1,4 @@
-"""LaTeX table of a result, with one row per point."""
+"""LaTeX table of a result, with one row per result point."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _SYMBOL_PATTERN = re.compile("|".join(map(re.escape, sorted(_LATEX_SYMBOLS, key=
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the quoted points of a result as a LaTeX ``table``: conditions, coefficients and assessment.
+    r"""Return the reported coefficients of a result as a LaTeX ``table``, with their conditions and assessments.
 
-    The caption contains the conditions that all points have in common, with the ranges of the inputs; comments above
-    the table contain their central values. Numbers have the same digits as on the terminal. The table requires the
+    The caption contains the conditions that all rows share, with the ranges of the inputs. Comments above the table
+    contain the central values of the inputs. Numbers have the same digits as on the terminal. The table requires the
     LaTeX package booktabs.
     """
     points = summary.reported_points
@@ -85,7 +85,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
-    """Return the caption of the table: bodies, inputs that all points share, means and intervals."""
+    """Return the caption of the table: bodies, inputs that all rows share, and what the intervals are."""
     version = summary.at.attrs.get("stiction_version")
     intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
     bodies = "" if summary.study.is_measured else " of generated surfaces"
@@ -100,12 +100,12 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
 
 
 def _to_latex(text: str) -> str:
-    """Return text as one line in which LaTeX typesets all symbols."""
+    """Escape text for LaTeX, as one line in which LaTeX typesets all symbols."""
     return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], printable_text(text, sys.maxsize))
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the cells of a point: coefficients under all sliding rules, area fraction and assessment."""
+    """Return the cells of a table row: coefficients under all sliding rules, area fraction and assessment."""
     texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
@@ -115,7 +115,7 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
 
 
 def _column_heading(name: str) -> str:
-    """Return the heading of a column with its unit."""
+    """Return the heading of a table column, with the unit of the quantity."""
     return _COORDINATE_HEADINGS.get(name, _to_latex(column_title_and_factor(name)[0].replace("tau0", "τ0")))
 
 

@@ -39,8 +39,8 @@ class Table:
 class ShortenedList:
     """List whose first lines are printed, followed by the number of omitted lines.
 
-    Up to `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines. None
-    means that there is no limit.
+    At most `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines.
+    There is no limit if `max_shown` or `max_height` is None.
     """
 
     lines: Sequence[WrappedText]
@@ -52,7 +52,7 @@ class ShortenedList:
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
-"""Items that follow one another without an empty line. A `str` is one line that is not indented."""
+"""Lines, wrapped texts, tables and lists of one paragraph, without empty lines between them. A `str` is one line."""
 
 
 def terminal_width() -> int:
@@ -61,12 +61,12 @@ def terminal_width() -> int:
 
 
 def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
-    """Return paragraphs, separated by empty lines, within the width of the terminal."""
+    """Return paragraphs as one text, separated by empty lines, within the width of the terminal."""
     return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
 
 
 def format_paragraph(paragraph: Paragraph) -> str:
-    """Return lines and tables as one paragraph within the width of the terminal."""
+    """Return the lines and tables of a paragraph as one text within the width of the terminal."""
     return "\n".join(filter(None, map(_format_item, paragraph)))
 
 
@@ -83,7 +83,7 @@ def _format_item(item: str | WrappedText | Table | ShortenedList) -> str:
 
 
 def wrap_text(text: str, width: int | None = None, *, indent: str = "", hanging_indent: str = "") -> str:
-    """Wrap a paragraph to the width of the terminal."""
+    """Wrap a text to a width, by default the width of the terminal."""
     unbreakable_text = _NO_BREAK_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
     return textwrap.fill(
         unbreakable_text, width or terminal_width(), initial_indent=indent, subsequent_indent=indent + hanging_indent,
@@ -112,7 +112,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
 
 
 def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 1) -> str:
-    """Return rows as a table with aligned columns, by default within the width of the terminal.
+    """Format rows as a table with aligned columns, by default within the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
     `num_labels` columns. Rows that are empty in a table are omitted. A first column that is too wide is wrapped.
@@ -145,7 +145,7 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width, and return the resulting rows."""
+    """Wrap the first cell of a row to a width, and return the rows into which the row is split."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 

@@ -17,7 +17,7 @@ _PROPERTY_UNITS = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GP
 
 
 def materials_text(materials: Sequence[Material]) -> str:
-    """Return the ranges of material properties as tables by kind of material, with numbered sources."""
+    """Return the property ranges of materials as tables, one per kind of material, with numbered sources."""
     sources: dict[str, int] = {}
 
     def value_cell(value: MaterialValue | None) -> str:
@@ -45,7 +45,7 @@ def materials_text(materials: Sequence[Material]) -> str:
 
 
 def materials_json(materials: Sequence[Material]) -> str:
-    """Return materials with their ranges as JSON."""
+    """Return materials with the ranges of their properties as JSON."""
     entries: list[dict[str, Any]] = []
     for material in materials:
         entries.append({"name": material.name, "kind": material.kind, "aliases": list(material.aliases)})

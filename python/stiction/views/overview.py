@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 def overview_text(
     summary: Summary, max_lines: int | None = None, *, complete_command: str = COMPLETE_OUTPUT_METHOD
 ) -> str:
-    """Return mu_s of generated surfaces as tables, one per sliding rule and amplitude.
+    """Return the coefficients of generated surfaces as tables, one per sliding rule and amplitude.
 
-    A table has one row per cell of the study and one column per load, and columns for mu0 and tau0 if the study has
-    several values of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option
-    that shows all others.
+    A table has one row per fractal dimension and one column per load, and separate rows for mu0 and tau0 if the study
+    has several of them. Caveats follow in at most `max_lines` lines; `complete_command` names the option that shows all
+    caveats.
     """
     if summary.no_points_reason:
         return no_values_text(summary)
@@ -57,7 +57,7 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Select the points that an overview shows: of many, the middle mu0, and the first and the last tau0."""
+    """Select the result points of an overview: if there are many, the middle mu0, and the first and last tau0."""
     names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
     if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
         return points
@@ -68,7 +68,7 @@ def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSum
 
 
 def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Sequence[str]) -> Table:
-    """Return the coefficients under a sliding rule, by mu0, tau0 and cell (rows) and load (columns)."""
+    """Return a table of coefficients under one sliding rule, with rows by mu0, tau0 and D, and columns by load."""
     row_names = ("mu0", "tau0", "fractal_dimension")
     cells_by_row: dict[tuple[float, ...], list[str]] = {
         key: [] for key in itertools.product(*(dict.fromkeys(point.at[name] for point in points) for name in row_names))
@@ -90,7 +90,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return text about omitted coefficients, and the command that prints all; "" if none is omitted."""
+    """Return a sentence on omitted coefficients and the command that prints them, or "" if none is omitted."""
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [

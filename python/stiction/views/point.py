@@ -1,4 +1,4 @@
-"""Texts about one point of a result: sliding rules, materials, load and directions."""
+"""Texts about a result point: sliding rules, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ SLIDING_RULE_DESCRIPTIONS = {"all": "friction at all contacts", "opposing": "fri
 """Descriptions of the sliding rules."""
 
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
-"""Shorter descriptions of the sliding rules, for column headings."""
+"""Short descriptions of the sliding rules, for column headings."""
 
 COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cutoff"}
-"""Labels of the coordinates of a point. The label of any other coordinate is its name."""
+"""Labels of the coordinates of a result point. The label of any other coordinate is its name."""
 
 _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
 def coordinate_text(name: str, value: float) -> str:
-    """Return a coordinate of a point with its unit, as in "50 MPa"."""
+    """Return a coordinate of a result point with its unit as text, as in "50 MPa"."""
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a point with its unit, or both cutoffs if the bodies have different cutoffs."""
+    """Return a coordinate of a result point as text, or both cutoffs if the bodies have different cutoffs."""
     if name == "cut_off" and point.cutoffs is not None:
         return cutoff_text(point.cutoffs)
     return coordinate_text(name, point.at[name])
 
 
 def cutoff_text(cut_offs: ScanCutoffs, format_length: Callable[[float], str] | None = None) -> str:
-    """Return the cutoffs of a pair, as in "2 µm", "2 µm (upper) and 5 µm (lower)" or "5 µm (lower only)".
+    """Return the cutoffs of a pair as text: "2 µm", "2 µm (upper) and 5 µm (lower)" or "5 µm (lower only)".
 
     `cut_offs` contains the cutoffs (µm, 0 for no filter) of all scans of the upper and of the lower body. The scans of
     a body may have different cutoffs, as in "1 µm to 2 µm". Without a filter, the text is "none".
@@ -62,7 +62,7 @@ def cutoff_text(cut_offs: ScanCutoffs, format_length: Callable[[float], str] | N
 
 
 def nominal_area_text(area: float) -> str:
-    """Return a nominal area (µm²) with four digits and a suitable unit, as in "2304 mm²"."""
+    """Return a nominal area (µm²) as text with four digits and a suitable unit, as in "2304 mm²"."""
     factor, unit = choose_prefixed_unit(area, "um^2")
     return f"{area / factor:.4g} {unit}"
 
@@ -74,20 +74,20 @@ def material_names_text(study: Study) -> str:
 
 
 def load_text(load: float, nominal_pressure: float) -> str:
-    """Return a load (mN) with its nominal pressure (GPa), as in "10 mN (100 MPa)"."""
+    """Return a load (mN) and its nominal pressure (GPa) as text, as in "10 mN (100 MPa)"."""
     pressure_text = "" if math.isnan(nominal_pressure) else f" ({format_with_unit(nominal_pressure, 'GPa')})"
     return f"{format_with_unit(load, 'mN')}{pressure_text}"
 
 
 def point_load_text(point: PointSummary) -> str:
-    """Return the load of a point with its nominal pressure, or "no load" for a negligible load."""
+    """Return the load of a result point with its nominal pressure as text, or "no load" if the load is negligible."""
     return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return the coefficient of a point with its interval, or the reason why it is missing.
+    """Return the coefficient of a result point with its interval, or the reason why the coefficient is missing.
 
-    A coefficient that is only a lower limit starts with "≥".
+    The text starts with "≥" if the coefficient is only a lower limit.
     """
     if math.isfinite(coefficient.value):
         return f"≥ {coefficient}" if coefficient.status == STATUS_BULK_SHEAR else str(coefficient)
@@ -95,7 +95,7 @@ def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -
 
 
 def averaged_directions_text(directions: Any) -> str:
-    """Return the directions (degrees) over which a coefficient is averaged, in words."""
+    """Describe in words the directions (degrees) over which a coefficient is averaged."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_direction_text(float(degrees[0]))}"
@@ -110,6 +110,6 @@ def averaged_directions_text(directions: Any) -> str:
 
 
 def motion_direction_text(direction: float) -> str:
-    """Return a direction in words, as in "to +x" or "at 30°"."""
+    """Describe a direction of motion (degrees) in words, as in "to +x" or "at 30°"."""
     axis_names = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axis_names[direction]}" if direction in axis_names else f"at {direction:g}°"

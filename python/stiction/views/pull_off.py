@@ -11,9 +11,9 @@ from stiction.evaluate.pull_off import MIN_STICKING_PRESSURE, PullOffValues
 
 
 def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
-    """Return a sentence about adhesion at zero load: pull-off force, pull-off pressure and friction.
+    """Return a sentence on adhesion at zero load: pull-off force, pull-off pressure and friction.
 
-    `inputs` describes mu0 and tau0 of the friction if the result has several values of them.
+    `inputs` describes mu0 and tau0 of the friction if the result has several mu0 or tau0.
     """
     bound_text = "at least " if estimate.is_bound else ""
     threshold_value_text = f"{format_with_unit(MIN_STICKING_PRESSURE, 'GPa')}, the weight of 1.3 mm of steel"
@@ -36,7 +36,7 @@ def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
 
 
 def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
-    """Return pull-off force, pull-off pressure and friction at zero load as fields of a JSON record."""
+    """Return pull-off force, pull-off pressure and friction at zero load as the fields of a JSON object."""
     return {
         "sticks": estimate.sticking_assessment,
         "force_is_bound": estimate.is_bound,
@@ -47,6 +47,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 
 def _text_with_unit(estimate: Estimate) -> str:
-    """Return a quantity with its interval in the unit with the fewest zeros."""
+    """Return a quantity with its interval as text, in the unit with the fewest zeros."""
     scaled_estimate = estimate.in_prefixed_unit()
     return "none" if math.isnan(estimate.value) else f"{scaled_estimate.text()} {scaled_estimate.unit}"

@@ -1,4 +1,4 @@
-"""Quantities at the points of a result, as a sentence or a table."""
+"""Text output of a result's quantities: a sentence for one result point, or a table."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """Quantity at several points of a result, in core units."""
+    """One quantity at several result points, in core units."""
 
     name: str
     label: str
@@ -42,11 +42,10 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return means and 95 % intervals of quantities under the quoted sliding rule.
+    """Return the quantities under the reported sliding rule, with 95 % intervals, as a sentence or a table.
 
-    The quantities of a single point are a sentence, or a table with one row per quantity if `verbose` is True or if the
-    surfaces are generated. The table of several points has one row per point. `cell` starts the heading of the first
-    column.
+    A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
+    per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.
     """
     is_sentence = len(points) == 1 and points[0].study.is_measured and not verbose
     selected_rows = _select_rows(points, verbose=verbose, is_sentence=is_sentence)
@@ -69,7 +68,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield each quantity to print, at several points."""
+    """Yield each quantity to print, with its estimates at all result points."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -92,7 +91,7 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
 
 
 def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence: bool) -> list[str]:
-    """Return the quantities to print, in the order of the table of all quantities."""
+    """Return the names of the quantities to print, in the order of `QUANTITIES`."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
         "mean_pressure": is_sentence,  # a sentence leaves out the mean pressure, which follows from load and area
@@ -108,18 +107,21 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
 
 
 def percent_text(fraction: float) -> str:
-    """Return a fraction as a percentage with three digits, as in "10.9 %"."""
+    """Return a fraction as a percentage with three significant digits, as in "10.9 %"; "none" for NaN."""
     return "none" if math.isnan(fraction) else f"{format_significant(100 * fraction, 3)} %"
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the computed quantile of a distribution closest to a fraction."""
+    """Return the computed quantile of a distribution whose probability is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity, which for the onset of sliding includes mu0 and tau0."""
+    """Return the label of a quantity in a study's output.
+
+    Quantities of the onset of sliding are labelled with mu0 and tau0.
+    """
     onset, text = study.contact.onset, QUANTITIES[name].table_label
     if name == "normal_stiffness" and study.contact.hardness is not None:
         return f"{text} while loading"
@@ -132,7 +134,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return label, unit and numbers of a row, in the unit with the fewest zeros.
+    """Return the label, unit and numbers of a table row, in the unit with the fewest zeros.
 
     A missing interval is stated only in tables.
     """

@@ -1,4 +1,4 @@
-"""Effect of the scan resolution as text and JSON: cutoffs, plastic limit and extrapolation."""
+"""Effect of the scan resolution on friction as text and JSON: cutoffs, plastic limit and extrapolation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return resolved wavelengths, friction at cutoffs and, without a hardness, estimates of yielding."""
+    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, yield wavelengths."""
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
     if scan is not None:
@@ -36,7 +36,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence about resolved wavelengths and the shortest octave's contribution to h'²."""
+    """Return a sentence on the resolved wavelengths, with the shortest octave's contribution to h'²."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -49,7 +49,7 @@ def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
-    """Return a table of friction at each cutoff, for the first load, mu0 and tau0.
+    """Return a table of friction at each cutoff, at the first load, mu0 and tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
@@ -97,7 +97,7 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table of yield wavelengths by hardness, or an empty list if there are no estimates."""
+    """Return a table of yield wavelengths, one row per hardness, or an empty list if there are no estimates."""
     rows = []
     for estimate in estimates:
         wavelength = estimate.wavelength

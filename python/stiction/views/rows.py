@@ -1,7 +1,7 @@
 """Results as CSV and JSON for other programs, from the same data frame.
 
-Records of results have the schema of `json_record`, and also contain ``points``: the values to quote for each point,
-with their caveats.
+Records of results have the schema of `json_record`, and also contain ``points``: the coefficient to quote at each
+result point, with its caveats.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ COORDINATE_ORDER = (
     "dwell_time",
     "percentile",
 )
-"""Coordinates of a value, in the order of their columns."""
+"""Coordinates of a number in a result, in the order of their columns."""
 
 _COEFFICIENT_COLUMNS = {
     "mean_friction": "all directions",
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Coefficients that have rows in a CSV file, each with the coordinate or the label of the motion."""
+"""Coefficients that have rows in a CSV file, each with the name of its motion coordinate or a fixed motion label."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 
@@ -67,7 +67,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row per number of a dataset: name, number, interval, status, coordinates.
+    """Return a data frame with one row per number of a dataset: name, number, interval, status and coordinates.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a row for each number of a quantity.
+    """Return a data frame with one row for each number of a quantity.
 
     The rows are created from NumPy arrays, because xarray datasets are ten times slower.
     """
@@ -106,7 +106,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Return a variable of a dataset, broadcast to all rows."""
+        """Return a variable of the dataset as a flat array with one element per row."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -144,12 +144,12 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table with one row per cell, load, mu0, tau0, sliding rule and motion.
+    """Return a table of coefficients, one row per surfaces, load, mu0, tau0, sliding rule and motion.
 
-    The header of the table contains the units. Each row has the coefficient of static friction for its motion (all
-    directions, an axis or a direction), the quantities at its load, and the assessment and caveats of its point. The
-    combined interval exists only for the mean over all directions. The interval of the mean over members has
-    separate columns. Rows of the default rule come first.
+    The column titles contain the units. Each row has the coefficient of static friction for its motion (all directions,
+    an axis or a direction), the quantities at its load, and the assessment and caveats. The combined interval exists
+    only for the mean over all directions. The interval of the mean over members has separate columns. Rows of the
+    default rule come first.
     """
     import pandas
 
@@ -205,7 +205,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the quantities in a CSV file: all that do not depend on the direction."""
+    """Return the names of the quantities in a CSV file: all that do not depend on the direction."""
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -214,9 +214,9 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns for coefficients after dwell times, and for the contribution of roughness.
+    """Return columns for coefficients after dwell times, and for the contribution of roughness, by column title.
 
-    Each column has one value per rule and point. Values for rules other than the quoted rule are NaN.
+    Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
     rows = [(point, rule is point.rules[0]) for point in points for rule in point.rules]
     coefficients_after_dwell = {
@@ -258,7 +258,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return the longest cutoff (µm) of each body as columns, or {} if both bodies have the same cutoffs."""
+    """Return columns with the longest cutoff (µm) of each body, or {} if the cutoffs of both bodies are the same."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
@@ -271,7 +271,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a command: points, caveats, cutoff study and onset of sliding."""
+    """Return the JSON record of a command: result points, caveats, cutoff study and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
@@ -288,7 +288,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
-    """Convert a data frame to the field `values` of a JSON record."""
+    """Convert the rows of a data frame to the field `values` of a JSON record."""
     values = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
@@ -299,7 +299,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
 
 
 def point_record(point: PointSummary) -> dict[str, Any]:
-    """Return the JSON record of a point: quoted friction, intervals, assessment and caveats."""
+    """Return the JSON record of a result point: reported friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
         # Cutoffs (µm) of all scans of each body.
@@ -345,12 +345,12 @@ def point_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return b and D_c of rate-and-state friction as JSON, or None if the study has no dwell times."""
+    """Return the rate-and-state parameters b and D_c as JSON, or None if the study has no dwell times."""
     if not math.isfinite(point.ageing):
         return None
     return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return a property of both bodies as fields of a JSON record."""
+    """Return a property of the upper and the lower body as two fields of a JSON record."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

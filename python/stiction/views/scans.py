@@ -49,7 +49,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figu
 
 
 def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> str:
-    """Return slopes, caveats and the contribution of each scan to a joined spectrum as text."""
+    """Return a joined spectrum as text: slopes, caveats, and the contribution of each scan."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -83,7 +83,7 @@ def _caveat_lines(caveats: Sequence[Caveat]) -> str:
 
 
 def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return a joined spectrum and its caveats as fields of a JSON record. Lengths are in µm."""
+    """Return a joined spectrum and its caveats as the fields of a JSON record, with lengths in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -109,7 +109,7 @@ def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = (
 
 
 def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
-    """Draw a joined spectrum, cumulative slope and curvature, and contact pressure (170 mm wide).
+    """Draw a figure 170 mm wide: joined spectrum, cumulative slope and curvature, and contact pressure.
 
     The pressure is computed for contact with a second surface of the same kind. The elastic pressure divided by E* is
     h'/κ of the gap, as in `spectral_resolution`. A material yields where this ratio reaches its hardness divided by E*;
@@ -197,7 +197,7 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
-    """Return the noise of two scans in each octave, their shift, the cutoff against noise, and caveats as text."""
+    """Return the comparison of two scans as text: noise in each octave, shift, cutoff against noise, and caveats."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -224,7 +224,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
-    """Return a sentence about the noise in the mean of two scans, and the cutoff that limits this noise to a tenth."""
+    """Return a sentence on the noise in the mean of two scans, and on the cutoff that limits the noise to a tenth."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.slope_fraction <= MAX_UNATTRIBUTED_FRACTION:
@@ -236,7 +236,7 @@ def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return the comparison of two scans and its caveats as fields of a JSON record. Lengths are in µm."""
+    """Return the comparison of two scans and its caveats as the fields of a JSON record, with lengths in µm."""
     octaves = {"wavelength_um": comparison.wavelength, "noise_um": comparison.noise, "common_um": comparison.common}
     return {
         "shift_um": list(comparison.shift), "correlation": comparison.correlation, "noise_um": comparison.noise_rms,
@@ -248,7 +248,7 @@ def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] =
 
 
 def octave_noise_csv(comparison: RepeatedScans) -> str:
-    """Return the noise of two scans in each octave as CSV, with the cutoff that limits noise in their mean."""
+    """Return the noise of two scans in each octave as CSV, with the cutoff that limits the noise of their mean."""
     import pandas
 
     columns = {
@@ -260,7 +260,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw the spectra of noise and of roughness that two scans share (85 mm wide)."""
+    """Draw a figure 85 mm wide: spectra of the noise, and of the roughness that two scans have in common."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

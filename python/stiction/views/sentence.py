@@ -1,4 +1,4 @@
-"""Sentences about a result: the sentence to quote, its phrases, and details of one point."""
+"""Sentences on a result: the sentence to quote, its phrases, and details of one result point."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a phrase about the coefficient that finer scans would give, or "" if this coefficient is unknown."""
+    """Return a phrase on the coefficient that finer scans would give, or "" if it is unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -55,7 +55,7 @@ def finer_scan_text(point: PointSummary) -> str:
 
 
 def quotable_sentence(point: PointSummary) -> str:
-    """Return the sentence to quote with all inputs, or the reason why the result must not be quoted."""
+    """Return the sentence to quote, with all inputs, or the reason why the coefficient must not be quoted."""
     assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [
@@ -84,9 +84,9 @@ def quotable_sentence(point: PointSummary) -> str:
 
 
 def quotable_sentences(summary: Summary) -> list[str]:
-    """Return the sentences to quote, one per point or, for generated surfaces, per load of the first cell.
+    """Return the sentences to quote: one per result point or, for generated surfaces, per load of the first surfaces.
 
-    A point whose coefficient must not be quoted has a sentence with the reason, so that no load is left out.
+    If a coefficient must not be quoted, the sentence contains the reason, so that no load is left out.
     """
     points = summary.reported_points
     if not summary.study.is_measured:
@@ -96,7 +96,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a phrase about the inputs that the 95 % interval covers, or "" if there is no interval."""
+    """Return a phrase on the inputs that the 95 % interval covers, or "" if there is no interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
@@ -106,7 +106,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return the assessment with its caveats and, for stored results, the version of stiction that computed it."""
+    """Return the assessment of a result point with its caveats and, for stored results, the version of stiction."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -114,7 +114,7 @@ def point_assessment_text(point: PointSummary) -> str:
 
 
 def roughness_contribution_text(point: PointSummary) -> str:
-    """Return text about the contribution of roughness to friction, or "" if it is unknown."""
+    """Return a clause on the contribution of roughness to friction, or "" if the contribution is unknown."""
     if point.roughness_contribution is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.roughness_contribution, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -124,9 +124,9 @@ def roughness_contribution_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
-    """Return text about load, materials and resolution of a point.
+    """Return the inputs at a result point as text: load, roughness, mu0, tau0, materials and resolution.
 
-    If the text is for one of several points, it has the range of the contact hardness over these points.
+    If `points` is given, the text contains the range of the contact hardness over these points.
     """
     study, items = point.study, [point_load_text(point)]
     if "fractal_dimension" in point.at:
@@ -164,7 +164,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
 
 
 def junction_growth_text(growth: UncertainInput) -> str:
-    """Return text about the growth of contacts under shear: slip-line theory or α."""
+    """Describe how contacts grow under shear: by slip-line theory, or with α."""
     if not growth.uses_slip_lines:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
@@ -172,10 +172,10 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return text about the depth (µm) of the indentation and the hardness of the contacts.
+    """Describe the hardness of the contacts, and the depth (µm) of the indentation that measured the hardness.
 
-    The hardness increases with decreasing load. For several points, the text has the range of the hardness, and the
-    interval encloses the intervals of all points.
+    The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
+    the interval encloses the intervals of all points.
     """
     values, lower, upper = zip(
         *(point.values["contact_hardness"].values.ravel().tolist() for point in points), strict=True
@@ -188,19 +188,19 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
-    """Return text about the true area that elastic bodies lose under shear."""
+    """Describe how much of their true area elastic bodies lose under shear."""
     is_soft = find_default_area_loss(float(study.contact.effective_modulus)) is not None
     return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets if a point is at the central value, or else ""."""
+    """Return the range of mu0 or tau0 in brackets, or "" if the result point is not at the central value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
 
 def _has_values_of_interface(point: PointSummary) -> bool:
-    """Return True if mu0 and tau0 of a point are the medians of an interface."""
+    """Return whether mu0 and tau0 of a result point are the medians of an interface."""
     has_interface = point.study.friction.interface is not None
     return has_interface and all(_is_central_value(point, name) for name in ("mu0", "tau0"))
 
@@ -210,7 +210,7 @@ def _is_central_value(point: PointSummary, name: str) -> bool:
 
 
 def _interface_text(study: Study) -> str:
-    """Return text about the interface that defines mu0 and tau0: name, kind and conditions."""
+    """Describe the interface that defines mu0 and tau0: name, kind and conditions."""
     interface, name = find_interface(study), study.friction.interface.name if study.friction.interface else ""
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
@@ -264,7 +264,7 @@ def point_note_text(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return text about the inputs that all points share, the averaged members and assumptions."""
+    """Return the inputs that all result points share as text, with the averaged members and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -274,7 +274,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 
 
 def _averaged_members_text(point: PointSummary) -> str:
-    """Return the number of averaged members as text, as in "8 positions"."""
+    """Return how many members are averaged as text, as in "8 positions"."""
     study = point.study
     # A study with positions and surrogates evaluates the members of one kind at a time.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
@@ -286,7 +286,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are
 
 
 def lay_assumption(study: Study) -> str:
-    """Return text about the assumed lay of measured profiles and surrogates, or "" for other surfaces."""
+    """Return the assumed lay of measured profiles or surrogates as text, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -310,7 +310,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions at a point, for the sentence to quote."""
+    """Return all assumptions at a result point, for the sentence to quote."""
     study = point.study
     if not study.is_measured:
         return ()
@@ -330,7 +330,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scan_count_text(study: Study) -> str:
-    """Return the number of scans per body as text, with a remark if only one body has a single scan."""
+    """Return how many scans each body has as text, with a remark if only one of them has a single scan."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -344,7 +344,7 @@ def _scan_count_text(study: Study) -> str:
 
 
 def small_slope_estimate_text(point: PointSummary) -> str:
-    """Return a sentence with the small-slope estimate and why it may not apply, or "" if there is no estimate."""
+    """Return a sentence on the small-slope estimate and why it may not apply, or "" if there is no estimate."""
     study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
@@ -363,7 +363,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences about a point: contributions, a single test, dwell times, finer scans and inputs."""
+    """Return sentences on a result point: contributions, a single test, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )
@@ -375,7 +375,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans could change friction appreciably, compared with the width of the interval."""
+    """Return whether finer scans could change friction by an amount that matters compared with the interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
@@ -383,7 +383,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return text about the contribution of roughness, and the inputs that determine the rest of friction.
+    """Return a sentence on the contribution of roughness, and on the inputs that determine the rest of friction.
 
     The text is empty if the contribution is unknown.
     """
@@ -394,7 +394,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return text about the contributions of mu0, adhesion and slopes, or "" if they are unknown."""
+    """Return a sentence on the contributions of mu0, adhesion and slopes, or "" if they are unknown."""
     if point.contributions is None:
         return ""
     mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)
@@ -406,7 +406,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return text about the prediction interval of a single test and the interval of the mean."""
+    """Return a sentence on the prediction interval of a single test, and on the interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""
@@ -417,7 +417,7 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return text about friction after dwell times, or "" if the study has no dwell times."""
+    """Return a sentence on friction after dwell times, or "" if the study has no dwell times."""
     estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
@@ -431,7 +431,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return text about b and D_c of rate-and-state friction, or "" if they are unknown."""
+    """Return a sentence on b and D_c of rate-and-state friction, or "" if they are unknown."""
     size = point.contact_size
     if not (math.isfinite(point.ageing) and math.isfinite(size.value)):
         return ""

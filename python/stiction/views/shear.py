@@ -63,7 +63,7 @@ _NO_PEAK_REASONS: dict[str, str] = {
 
 
 def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
-    """Return a quantity of a shear test at one displacement, as an estimate."""
+    """Return one quantity of a shear test at one displacement, as an estimate."""
     limits = [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
@@ -75,7 +75,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
 
 
 def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return the coefficients of a shear test at peak and end, and the displacement, angle and stress of the peak."""
+    """Return peak and final coefficient of a shear test, and displacement, dilation angle and stress at the peak."""
     attributes = test.attrs
     return {
         name: Estimate(
@@ -94,7 +94,7 @@ def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
 
 
 def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return a shear test as JSON: peak, end, and the numbers at each displacement."""
+    """Return the results of a shear test as JSON: peak, end, and all quantities at each displacement."""
     return [
         *(estimate.to_record() for estimate in headline_estimates(test).values()),
         *(
@@ -180,7 +180,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a caveat if the faces fit poorly, or if their gap is larger than noise explains."""
+    """Return a caveat if the faces fit poorly, or if their gap is larger than noise can explain."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:
@@ -205,7 +205,7 @@ def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
 
 
 def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a shear test as text: peak, end, caveats, and a table against displacement."""
+    """Return a shear test as text: peak, end, caveats, and a table over the displacement."""
     lines = [wrap_text(line, hanging_indent="  ") for line in headline_lines(test)]
     lines += ["", format_table(curve_rows(test, _select_rows(test, verbose=verbose)))]
     caveats = list_caveats(test)
@@ -215,7 +215,7 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def headline_lines(test: xarray.Dataset) -> list[str]:
-    """Return lines about peak, end, intervals, lower face, closure and registration of a shear test."""
+    """Return lines on a shear test: peak, end, intervals, lower face, closure and registration."""
     values, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
     if values["peak_friction_coefficient"].status == STATUS_OK:
@@ -260,7 +260,7 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
 
 
 def _interval_text(attributes: Mapping[Any, Any]) -> str:
-    """Return a line about the sources of uncertainty in the intervals of a shear test."""
+    """Return a line on the sources of uncertainty that the intervals of a shear test cover."""
     inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
     sources = [inputs] * bool(inputs) + [f"scatter between {strips} strips of the faces"] * bool(strips)
     return f"95 % intervals: {', '.join(sources)}"
@@ -307,7 +307,7 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
 
 
 def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
-    """Return the displacements to print, by index: all, or some that are evenly spread, with the peak."""
+    """Return the indices of the displacements to print: all, or evenly spaced ones and the peak."""
     count = test.sizes["displacement"]
     if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
         return list(range(count))
@@ -318,7 +318,7 @@ def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
 
 
 def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
-    """Return a table of a shear test at given displacements, titles first."""
+    """Return the rows of a table of a shear test at given displacements. The first row contains the titles."""
     columns = [
         _format_column(
             test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values)))
@@ -344,7 +344,7 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
 
 
 def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
-    """Return title and numbers of a column, in the unit that suits the largest number."""
+    """Return the title and the numbers of a table column, in the unit that suits the largest number."""
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
     numbers = [format_significant(value / factor, 3) for value in test[name].values]
     return f"{name.replace('_', ' ')} ({unit})", numbers

@@ -40,7 +40,7 @@ _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy per area, at least 0"),
 )
-"""Description of the allowed values of each type of quantity in a study file."""
+"""Text for the allowed values of a key, by the type of its quantity."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DIRECTION_DEGREES} to {values.MAX_DIRECTION_DEGREES}"
 _ALLOWED_VALUE_TEXTS = {
@@ -61,7 +61,7 @@ _ALLOWED_VALUE_TEXTS = {
     "upper": "a section, see below",
     "lower": "a section, see below",
 }
-"""Descriptions of the allowed values of keys that have their own parsers."""
+"""Texts for the allowed values of keys that have their own parsers."""
 
 _UNCERTAIN_VALUE_TEXT = "a range or a value with its uncertainty"
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
@@ -89,7 +89,7 @@ _KEY_TABLES: tuple[
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
-    """Return title, description and rows of each table of keys, with one row per key."""
+    """Return the title, the description and the rows of each table of keys, with one row per key."""
     tables = []
     for title, phrases, section_classes, base_classes in _KEY_TABLES:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
@@ -124,7 +124,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the classes that have a key, or a base class if all of its classes have the key."""
+    """Return the names of the classes that have a key, or a base class if all of its classes have the key."""
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
         for item in base_classes
@@ -142,7 +142,7 @@ def _models_with_key(
 
 
 def study_keys_markdown() -> str:
-    """Return all keys of study files as Markdown tables."""
+    """Return the tables of all keys in study files as Markdown."""
     lines = []
     for title, phrases, rows in list_key_tables():
         lines += [f"## {title}", "", phrases, "", "| key | value | meaning |", "|---|---|---|"]
@@ -153,7 +153,7 @@ def study_keys_markdown() -> str:
 
 
 def _value_text(default: str, allowed_values: str) -> str:
-    """Return the allowed values of a key with its default, in one cell that fits on a narrow screen."""
+    """Return the allowed values and the default of a key as one table cell that fits on a narrow screen."""
     match default:
         case "none":
             return allowed_values
@@ -164,7 +164,7 @@ def _value_text(default: str, allowed_values: str) -> str:
 
 
 def study_keys_text() -> str:
-    """Return all keys of study files as text, one paragraph per key."""
+    """Return all keys in study files as text, one paragraph per key."""
     blocks = []
     for title, _, rows in list_key_tables():
         lines = [title.replace("`", "")]
@@ -180,7 +180,7 @@ def study_keys_text() -> str:
 def _key_row(
     key: str, default_value: Any, field_info: Any, section_classes: tuple[Any, ...]
 ) -> tuple[str, str, str, str]:
-    """Return the row of a key of study files: key, default, allowed values and meaning.
+    """Return the table row of a key in study files: key, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
@@ -212,7 +212,7 @@ def _allowed_values_text(key: str, field_info: Any) -> str:
 
 
 def _accepts_type(annotation: Any, kind: type) -> bool:
-    """Return whether a type annotation is, or contains, a given type."""
+    """Return whether a type annotation is a given type or contains it."""
     return kind in (annotation, get_origin(annotation)) or any(
         _accepts_type(argument, kind) for argument in get_args(annotation)
     )
@@ -284,7 +284,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return a default as written in a study file."""
+    """Return the default of a key as it is written in a study file."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

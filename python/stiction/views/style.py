@@ -61,7 +61,7 @@ SELF_LOCKED_COLOUR = "#7a0019"  # colour of chart cells in which the pair is sel
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients at the ends of the colour scale, which excludes a few very high values."""
+"""Quantiles of the friction coefficients at the ends of the colour scale. It excludes a few very high coefficients."""
 COLOUR_BAR_TICKS = (
     0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
 )  # fmt: skip
@@ -87,18 +87,18 @@ _AXIS_LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Axis labels of quantities that are missing in results, or that figures show in another unit."""
+"""Axis labels of quantities that results do not contain, or that figures show in another unit."""
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure of a given height (millimetres) and width (inches)."""
+    """Return an empty figure with a given height (mm) and width (inches)."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes of a figure with its layout engine, and remove the engine to fix the positions.
+    """Place the axes of a figure with its layout engine. Then remove the engine, so that the axes stay there.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """
@@ -108,7 +108,7 @@ def place_axes(figure: Figure) -> None:
 
 
 def axis_label(name: str) -> str:
-    """Return the label of an axis with symbol and unit of a quantity."""
+    """Return the axis label of a quantity, with symbol and unit."""
     if name in _AXIS_LABELS:
         return _AXIS_LABELS[name]
     quantity = QUANTITIES[name]
@@ -117,33 +117,33 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Return text of a file or a user for a figure, in which "$" and a leading "_" have no effect."""
+    """Return the text of a file or user for a figure, such that "$" and a leading "_" are drawn literally."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
     # a legend omits labels that start with "_"
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return colours for curves of several fractal dimensions: viridis without its yellow end."""
+    """Return one colour for the curve of each fractal dimension: viridis without its yellow end."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
 def direction_text(degrees: float) -> str:
-    """Return the direction of motion of the upper body (degrees) as text for a figure."""
+    """Describe the direction of motion of the upper body (degrees) as text for a figure."""
     axis_names = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axis_names.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return E*, mu0 and tau0 (GPa) as text for the heading of a figure."""
+    """Return E*, mu0 and tau0 (GPa) as text for a figure heading."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
-    """Return positions of labels in a given order, with a minimum distance between them."""
+    """Spread the positions of labels, in their order, to a minimum distance between them."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     ascending_order = np.argsort(target_positions)
     spread_positions = target_positions[ascending_order].copy()
@@ -168,7 +168,7 @@ FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", 
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the formats of figure files without duplicates. Raises a `ValueError` for an unknown format."""
+    """Return the file formats of figures without duplicates. Raises a `ValueError` for an unknown format."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FIGURE_FORMATS):
         raise ValueError(
@@ -204,7 +204,7 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
 
 
 def write_figure_file(content: bytes, path: Path) -> None:
-    """Write the bytes of a figure to a file.
+    """Write the encoded image of a figure to a file.
 
     Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
     another file has the name, or if the file cannot be written.

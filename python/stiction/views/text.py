@@ -1,6 +1,6 @@
 """Results as text for a terminal: friction and assessment first, then a table.
 
-The points to print are selected first. Paragraphs of lines and tables are then composed, and laid out at the end.
+The module selects the result points to print, composes paragraphs of lines and tables, and finally lays them out.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def study_result_text(
     """Return a result at the loads of its study as text for a terminal.
 
     The text is `result_text` for measured surfaces and `overview_text` for generated surfaces. Generated surfaces have
-    many cells and loads, so their text contains only coefficients and caveats.
+    many fractal dimensions and loads, so their text contains only coefficients and caveats.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return the note above the tables, which names the intervals that include the uncertain inputs."""
+    """Return the note above the tables, which names the intervals that cover the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -172,7 +172,7 @@ def _join_paragraphs(*paragraphs: Paragraph) -> str:
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return text about the onset of sliding and, if `verbose`, about friction at cutoffs."""
+    """Return the text on the onset of sliding and, if `verbose`, on friction at several cutoffs."""
     if not any(math.isfinite(point.value) for point in summary.points):
         return ""
     paragraphs: list[Paragraph] = []
@@ -184,7 +184,7 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with a preview of the friction coefficient from the first members."""
+    """Return a line that previews the friction coefficient, from the first members that were computed."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
     return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence about loads without a coefficient, and about how to compute the coefficient.
+    """Return a sentence on loads without a coefficient, and on how to compute the coefficient.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """
@@ -233,9 +233,10 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return a sentence for each interpolated load, with the assessments at the computed loads on both sides.
+    """Return a sentence for each interpolated load, with the assessments at the computed loads around it.
 
-    `neighbours` contains the two computed loads by load (mN), and `points` all points at the computed loads.
+    `neighbours` contains the two computed loads by interpolated load (mN), and `points` all result points at computed
+    loads.
     """
 
     def describe_load(load: float) -> str:
@@ -257,7 +258,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return the content of `interpolation_text` as JSON records."""
+    """Return the interpolated loads, their neighbours and assessments as JSON records."""
     return [
         {
             "load": load,
@@ -277,7 +278,7 @@ def interpolation_records(
 
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return at most `MAX_PRINTED_POINTS` points, evenly spaced along each coordinate."""
+    """Return at most `MAX_PRINTED_POINTS` result points, evenly spaced along each coordinate."""
     values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
     if "hurst_exponent" in values:
         values.pop("fractal_dimension", None)
@@ -296,7 +297,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the points at given loads that have the cell, mu0 and tau0 of the first point."""
+    """Return the result points at given loads (mN) that have the surfaces, mu0 and tau0 of the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -310,19 +311,19 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first cell as text, as in "H = 0.9", or "" if there is only one cell."""
+    """Return the coordinates of the first surfaces as text, as in "H = 0.9", or "" if there are no others."""
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the coordinates in which points differ, with H instead of D for self-affine surfaces."""
+    """Return the coordinates in which result points differ, with H instead of D for self-affine surfaces."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
 
 def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
-    """Return coordinates of a point as text, as in "μ0 = 0.2, τ0 = 50 MPa"."""
+    """Return coordinates of a result point as text, as in "μ0 = 0.2, τ0 = 50 MPa"."""
     return ", ".join(f"{COORDINATE_LABELS.get(name, name)} = {point_coordinate_text(point, name)}" for name in names)
 
 
@@ -330,7 +331,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a sentence about adhesion at zero load, or an empty list if the bodies do not adhere."""
+    """Return a list with one sentence on adhesion at zero load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
@@ -339,7 +340,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return one line per sliding rule for a single point, or else a table of the points."""
+    """Return one line per sliding rule if there is one result point, or else a table of all points."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -366,7 +367,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a sentence about grooves and, if `verbose`, coefficients along each axis and direction."""
+    """Return a sentence on grooves and, if `verbose`, coefficients along each axis and direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -377,15 +378,18 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients of a point in the order of tables over axes and directions.
+    """Return the coefficients under all sliding rules, in the order of their columns in tables of directions.
 
-    These tables start with friction at all contacts, unless an interface was fitted under the other rule.
+    The first column is for the rule "all", unless an interface was fitted under the other rule.
     """
     return list(point.rules) if point.study.is_measured else sorted(point.rules, key=lambda rule: rule.rule)
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence about grooves if friction depends on the axis, with coefficients if `verbose`."""
+    """Return a sentence on grooves, or nothing if friction does not depend on the axis of motion.
+
+    With `verbose`, the sentence is always returned, below a table of the coefficients along each axis.
+    """
     coefficients = {rule.rule: rule.by_axis for rule in _sort_rules_of_directions(point)}
     by_axis = next(iter(coefficients.values()))
     if len(by_axis) < 2:
@@ -397,7 +401,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence about the effect of grooves on friction.
+    """Return a sentence on the effect of grooves on friction along different axes.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """
@@ -420,7 +424,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with intervals of the mean, by coordinate and sliding rule."""
+    """Return a table of coefficients with intervals of the mean: one row per axis or direction, one column per rule."""
     rows = [
         [
             format_coordinate(coordinate),
@@ -433,7 +437,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Return a coefficient with its interval, or with the words "no interval"."""
+    """Return a coefficient with its interval as text, or with the words "no interval"."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 
@@ -445,7 +449,7 @@ def _axis_label(degrees: float) -> str:
 
 
 def _history_paragraph(point: PointSummary) -> Paragraph:
-    """Return lines about the preparation of the surfaces and the contact model."""
+    """Return lines on the preparation of the surfaces and on the contact model."""
     dataset, study = point.values, point.study
     descriptions = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs

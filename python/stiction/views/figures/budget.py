@@ -25,7 +25,7 @@ MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw contributions to friction, combined interval and uncertainty budget (80 mm wide)."""
+    """Draw a figure 80 mm wide: contributions to friction, combined interval and uncertainty budget."""
     width = point.upper - point.lower
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
         :MAX_DRAWN_INPUTS
@@ -66,7 +66,7 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
 
 
 def dwell_time_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw the coefficient with its 95 % interval against the dwell time (80 mm wide)."""
+    """Draw a figure 80 mm wide: the coefficient and its 95 % interval against the dwell time."""
     estimate = point.rules[0]
     rows = [(1.0, estimate.value, estimate.lower, estimate.upper)]
     rows += [

@@ -45,8 +45,8 @@ _MIN_PROFILE_ZOOM_HALF_WIDTH = 60
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw two profiles in contact, with the forces on the upper profile at the contact with the largest load.
 
-    `forces` is a result of `build_contact_forces`. The load and the shift of the upper profile are in the heading if
-    the dataset contains them.
+    `forces` comes from `build_contact_forces`. The heading contains the load and the shift of the upper profile if the
+    dataset has them.
     """
     x, contact_force = forces["height_x"].values, forces["contact_force"].values
     centre_x, centre_z = forces["contact_centre"].values.T
@@ -106,7 +106,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
-    """Return the heading of a figure of forces: title, number of contacts, approach, and any load and shift."""
+    """Return the heading of a figure of contact forces: title, number of contacts, approach, load and shift."""
     attributes, num_contacts = forces.attrs, forces.sizes["contact"]
     contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
     load_captions = []
@@ -132,7 +132,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _make_room_for_arrows(axes: Axes, highest: float) -> float:
-    """Extend the axes for arrows above the highest contact. Return the longest arrow (inches)."""
+    """Extend the axes upwards for arrows above the highest contact, and return the longest arrow length (inches)."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -153,7 +153,7 @@ def _draw_forces(
     magnification: float,
     max_arrow_length: float,
 ) -> None:
-    """Draw the elastic forces on the upper body and friction at opposing contacts, on one scale.
+    """Draw the elastic forces on the upper body, and friction at opposing contacts, on the same scale.
 
     Slopes are magnified by the same factor as heights.
     """
@@ -198,10 +198,10 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the marker for the contact wi
 def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the contacts on a map of the lower body, and the pressure around the contact with the largest load.
+    """Draw a figure 80 mm wide: contacts on a map of the lower body, and pressure around the largest contact load.
 
-    `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees from +x towards
-    +y). The hardness (GPa) is marked on the colour bar of the pressures. The figure is 80 mm wide.
+    `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees from
+    +x towards +y). The hardness (GPa) is marked on the colour bar of the pressures.
     """
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
@@ -245,7 +245,7 @@ def contacts_and_pressure_figure(
 
 
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
-    """Draw heights of the lower body in grey, with a colour bar; `box` has the sides of the map in µm."""
+    """Draw the heights of the lower body in grey with a colour bar; `box` contains the sides of the map in µm."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
@@ -258,7 +258,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 
 
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Label the axes of a map in µm, or in mm for a long map; `box` has the sides of the map in µm."""
+    """Label the axes of a map in µm, or in mm if the map is long; `box` contains the sides of the map in µm."""
     left, right, bottom, top = box
     in_millimetres = max(right - left, top - bottom) >= MIN_MILLIMETRE_LENGTH
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
@@ -309,11 +309,10 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw the contacts of two maps or profiles.
+    """Draw a figure 80 mm wide: the contacts of two maps or profiles, coloured by their friction.
 
     Three colours mark contacts that oppose the motion, contacts that assist it, and contacts cut by an edge.
-    `picture` is a result of `contact_picture`, and `direction` is the motion of the upper body (degrees). The figure is
-    80 mm wide.
+    `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees).
     """
     is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
     colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
@@ -395,7 +394,7 @@ def _draw_profile_contacts(
 
 
 def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
-    """Return the limits of the range to magnify around the contact with the largest load."""
+    """Return the limits of the range that is magnified around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))

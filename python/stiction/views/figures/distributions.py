@@ -27,9 +27,9 @@ MAX_COMPASS_RINGS = 5
 
 
 def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw friction against the direction of motion for each sliding rule (80 mm wide).
+    """Draw a figure 80 mm wide: friction against the direction of motion, for each sliding rule.
 
-    `points` is a result of `at_load` at one load, cell, mu0 and tau0. A smooth curve connects the directions.
+    `points` is a dataset of `at_load` at one load, cutoff, mu0 and tau0. A smooth curve connects the directions.
     """
     dataset = points.sortby("direction")
     degrees = np.asarray(dataset["direction"].values, dtype=np.float64)
@@ -88,7 +88,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate friction over directions by a periodic cubic spline, with negative results set to 0."""
+    """Interpolate friction over directions (degrees) by a periodic cubic spline. Negative results become 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -115,10 +115,10 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw friction of each member in each direction (80 mm wide).
+    """Draw a figure 80 mm wide: friction of each member in each direction.
 
-    `point` is a result of `evaluate_positions`. Members of a single traverse are drawn against the offset, other
-    members in ascending order. Directions are not averaged, because a test slides in one direction.
+    `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in
+    ascending order. Directions are not averaged, because a test slides in one direction.
     """
     values = point["member_friction"]
     figure = new_figure(62)
@@ -159,7 +159,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _has_single_profile_pair(values: xarray.DataArray) -> bool:
-    """Return whether all members are one pair of profiles at different offsets."""
+    """Return whether all members are the same two profiles at different offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -169,10 +169,10 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw the distributions of contact sizes and of pressure over the contact area (80 mm wide).
+    """Draw a figure 80 mm wide: distributions of the contact size, and of the pressure over the contact area.
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
-    thin lines. `points` contains the means of a single cell, as returned by `at_load`. The hardness (GPa) is marked.
+    thin lines. `points` contains the means for a single cutoff, as returned by `at_load`. The hardness (GPa) is marked.
     """
     figure = new_figure(96)
     axes: Sequence[Any] = figure.subplots(2, 1)

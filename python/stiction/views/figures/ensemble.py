@@ -45,7 +45,7 @@ from stiction.views.style import (
 )
 
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
-"""Relative interval widths at which the fading of a cell begins and ends, and the strongest fading."""
+"""Relative interval widths at which the fading of a map cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
 # Largest ratio of an axis limit to the extreme mean: wider bands are cut off.
@@ -60,7 +60,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines about a model or motion that differs from the paper, and about an unfinished ensemble."""
+    """Return heading lines that name deviations from the paper's model and motion, and an unfinished ensemble."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -88,7 +88,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return a figure (170 mm wide), its height (mm), and a function that adds axes to a row."""
+    """Return an empty figure 170 mm wide, its height (mm), and a function that adds axes to one of its rows."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -105,8 +105,8 @@ def create_figure_with_axes_rows(
 def friction_figure(values: FrictionOverDimension) -> Figure:
     """Draw friction as maps against fractal dimension and load, and as curves against fractal dimension.
 
-    There is one map for each tau0, and a row for each amplitude. Cells are hatched if the model is not valid, and grey
-    if the 95 % interval is wide.
+    There is one map for each tau0, and one row of panels for each amplitude. Map cells are hatched if the model is not
+    valid, and grey if the 95 % interval is wide.
     """
     study, maps, curves, strengths = values.study, values.map_points, values.curve_points, values.strengths
     mu0, load, amplitudes = float(maps["mu0"]), float(curves["load"]), maps["amplitude"].values
@@ -172,9 +172,9 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the fraction of the load on contacts beyond Hertz's theory, at each point of a quantity.
+    """Return the fraction of the load on contacts with too much overlap for Hertz's theory, in a quantity's shape.
 
-    The half-space model has no asperities; the fraction is then NaN.
+    The fraction is NaN in the half-space model, which has no asperities.
     """
     if "share_beyond_hertz" in points:
         return np.asarray(points["share_beyond_hertz"].values)
@@ -182,7 +182,7 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction curves for the lowest and the highest tau0, dotted where the model is invalid."""
+    """Draw friction curves for the lowest and the highest tau0, dotted where the asperity model is invalid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -228,7 +228,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale over the valid numbers, or over all numbers if few are valid."""
+    """Return a logarithmic colour scale over the valid coefficients, or over all coefficients if few are valid."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(values) & (values > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
@@ -290,7 +290,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each map cell, which increases with the relative width of the interval."""
+    """Return the fading of each map cell, from 0, which increases with the relative width of the interval."""
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -300,7 +300,7 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to grey of equal luminance, so that no faded colour looks like that of another coefficient."""
+    """Fade colours to grey of equal luminance, so that no faded colour resembles the colour of another coefficient."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -347,7 +347,7 @@ def _cell_edges(centres: Floats) -> Floats:
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
     """Draw true area and area/load against load with 95 % intervals, one row of panels per amplitude.
 
-    `points` is a result of `evaluate_area_over_load`.
+    `points` comes from `evaluate_area_over_load`.
     """
     amplitudes, lines = points["amplitude"].values, heading_lines(points, study)
     height = 50.0 if amplitudes.size == 1 else 38.0
@@ -382,7 +382,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
 
 
 def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
-    """Draw true area and area/load for each fractal dimension, with labels at the left ends of curves."""
+    """Draw true area and area/load against load for each fractal dimension, with labels at the left curve ends."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
@@ -433,7 +433,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
     """Draw profiles for several fractal dimensions, in full length and over one length scale.
 
-    `profiles` is a result of `generate_profiles`.
+    `profiles` comes from `generate_profiles`.
     """
     surfaces: Any = study.surfaces
     shown_length = min(float(surfaces.length_scale), float(surfaces.extent))
@@ -457,7 +457,7 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
 def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]], study: Study) -> Figure:
     """Draw unscaled profiles and surfaces for several length scales.
 
-    `bodies` is a result of `generate_bodies_by_length_scale`.
+    `bodies` comes from `generate_bodies_by_length_scale`.
     """
     surfaces: Any = study.surfaces
     extent = float(surfaces.extent)

@@ -21,7 +21,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw friction and true contact area against the rms gradient (80 mm wide).
+    """Draw a figure 80 mm wide: friction and true contact area against the rms gradient of scaled heights.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Figures of friction and contact area against load or cutoff, of closure, and of adhesive loading."""
+"""Figures of friction and contact area against load or cutoff, of joint closure, and of adhesive loading."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from stiction.views.style import (
 )
 
 MAX_FRICTION_AXIS_RATIO = 4.0
-"""Maximum ratio of the friction axis limit to the highest mean; wide intervals from few members are cut off."""
+"""Maximum ratio of the friction axis limit to the highest mean. Wider intervals are cut off."""
 
 # Maximum number of single directions that a figure shows besides the mean over all directions.
 MAX_DRAWN_DIRECTIONS = 2
@@ -47,11 +47,10 @@ INTERVAL_BAND_LEGENDS = {
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw friction coefficient and true contact area against load (80 mm wide).
+    """Draw a figure 80 mm wide: friction coefficient and true contact area against load.
 
-    `points` is a result of `add_uncertainty` for one cell, mu0 and tau0. The loads of the study (mN) are marked. The
-    bands of friction are the combined interval and, in a darker colour, the interval of the mean over
-    positions.
+    `points` is a dataset from `add_uncertainty` for one cutoff, mu0 and tau0. The loads of the study (mN) are marked.
+    The bands of friction are the combined interval and, in a darker colour, the interval of the mean over positions.
     """
     loads = np.asarray(points["load"].values, dtype=np.float64)
     figure = _friction_and_area_figure(points, "load", loads, title)
@@ -69,7 +68,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw closure and closure stiffness of an `at_load` dataset against nominal pressure (80 mm wide)."""
+    """Draw a figure 80 mm wide: closure and closure stiffness against nominal pressure."""
     pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure divided by the load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -85,9 +84,9 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against approach and true contact area, for adhesive loading and unloading (80 mm wide).
+    """Draw a figure 80 mm wide: load against approach and against true area, for adhesive loading and unloading.
 
-    `branches` is a result of `loading_cycle`. The pull-off force is marked.
+    `branches` is `Result.loading_cycle`. The pull-off force is marked.
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
@@ -129,11 +128,11 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
-    """Draw friction coefficient and true area at one load against the cutoff (80 mm wide).
+    """Draw a figure 80 mm wide: friction coefficient and true area at one load against the cutoff.
 
     Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
     below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed
-    extrapolated values, and grey unresolved wavelengths.
+    lines for extrapolated friction and area, and a grey band over unresolved wavelengths.
     """
     cut_off = np.asarray(limits.points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
@@ -278,7 +277,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
 
 
 def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
-    """Mark points of a curve at which members have no coefficient."""
+    """Mark the points of a curve at which some members have no coefficient."""
     if not {"ok", "members"} <= set(points.variables):
         return
     num_solved = points["ok"].min([dim for dim in points["ok"].dims if dim != dimension])

@@ -43,9 +43,9 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw load against displacement, load cycles, and slipping fractions against load (80 mm wide).
+    """Draw a figure 80 mm wide: load against displacement, load cycles, and slipping fractions against load.
 
-    `onset` is a result of `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
+    `onset` comes from `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
     mean_onset = onset.sel(statistic="mean")
     displacement, load = (_prepend_zero(mean_onset[name].values) for name in ("displacement", "tangential_load"))
@@ -102,7 +102,7 @@ NUM_CURVE_POINTS = 200  # number of points of a curve between the computed point
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
-    """Return the curve of first loading up to a tangential load, interpolated by a monotone cubic."""
+    """Return the curve of first loading up to a tangential load (mN), interpolated by a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
     fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)
@@ -110,7 +110,7 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return a load cycle, whose branches are the doubled loading curve (Masing's rule)."""
+    """Return displacements and loads of a load cycle, whose branches are the doubled loading curve (Masing's rule)."""
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -123,15 +123,15 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a conta
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset of sliding has the data for `slip_figure`, as areal contacts have."""
+    """Return whether an onset dataset contains the map that `slip_figure` draws, as for areal contacts."""
     return bool("slip" in onset or "contact_slip" in onset)
 
 
 def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw on a map the tangential load at which each contact point starts to slip (80 mm wide).
+    """Draw a figure 80 mm wide: map of the tangential load at which each contact point starts to slip.
 
-    `onset` is a result of `compute_onset` for areal contact. With the asperity model, each contact is one marker, whose
-    colour shows the load at which the contact slides.
+    `onset` comes from `compute_onset`, for areal contact. In the asperity model, each contact is one marker, and the
+    colour of the marker shows the load at which the contact slides.
     """
     has_point_map = "slip" in onset
     figure = new_figure(144 if has_point_map else 86)
@@ -181,7 +181,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the part of a map with the most contact points: rows, columns and sides (µm)."""
+    """Find the part of a map with the most contact points. Return its rows, columns and sides (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
@@ -211,10 +211,10 @@ LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of onset curves, fro
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, by amplitude.
+    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, one row per amplitude.
 
-    `points` is a result of `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model
-    is not valid.
+    `points` comes from `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model is
+    not valid.
     """
     amplitudes, lines = points["amplitude"].values, heading_lines(points, study)
     figure, height, add_axes_at = create_figure_with_axes_rows(

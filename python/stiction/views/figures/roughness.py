@@ -29,7 +29,7 @@ TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # distances between ticks that
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
-    """Draw heights, their distribution and spectra of a profile (80 mm wide) or a surface (170 mm wide).
+    """Draw heights, height distribution and spectra of a profile (figure 80 mm wide) or a surface (170 mm wide).
 
     Options are the same as for `characterisation_text`.
     """
@@ -56,7 +56,10 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
 
 def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
-    """Draw the heights of a profile. For a long profile, draw means and ranges of neighbouring points."""
+    """Draw the heights of a profile.
+
+    In a long profile, each drawn height is a mean with the range of several points.
+    """
     group_size = -(-len(profile) // MAX_DRAWN_PROFILE_POINTS)
     heights = profile.heights - profile.heights.min()
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(heights)), "um")
@@ -139,7 +142,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
 
 
 def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
-    """Set scales and limits of a spectrum plot, and add an axis of wavelengths and a legend."""
+    """Set the scales and limits of a spectrum plot, and add a second axis with wavelengths and a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
     axes.secondary_xaxis("top", functions=(wave_number_to_wavelength, wave_number_to_wavelength)).set_xlabel(
         r"wavelength $\lambda$ (µm)"

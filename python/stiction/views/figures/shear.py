@@ -14,11 +14,11 @@ from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OP
 
 MARKER_AREA = 2.0  # area (square points) of the marker of a contact point
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
-"""Colours of pressures, without the pale colours, which would not be visible on white."""
+"""Colour map of pressures, without the pale colours that would not be visible on white."""
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
-    """Draw the result of a shear test (80 mm wide)."""
+    """Draw a figure 80 mm wide: shear stress and dilation of a shear test, and contacts at the peak."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
         has_map = has_contacts and test["peak_pressure"].ndim == 2

@@ -1,4 +1,4 @@
-"""Choice of the figures of a result: figures of the study, or standard figures for measured surfaces."""
+"""Selection of the figures of a result: the figures that its study lists, or standard figures for measured surfaces."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _render_all_files(
 
 
 def _render_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
-    """Draw a figure, and return the contents of its files."""
+    """Draw a figure, and return its contents in each file format."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = draw_figure()
         return [render_figure(figure, file_extension) for file_extension in file_extensions]

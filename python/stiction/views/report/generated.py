@@ -1,4 +1,4 @@
-"""Report on generated surfaces: quantities at all mu0 and tau0, assessments and figures."""
+"""Report on generated surfaces: friction and other quantities at all mu0 and tau0, assessments and figures."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
 
 
 def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return arrays of all quantities by cell, amplitude, sliding rule, motion, load, mu0 and tau0."""
+    """Return the arrays of friction, quantities, statuses and assessments that a page stores."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
         if panel != "friction":
@@ -127,7 +127,7 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return the numbers in the texts of caveats, for each point with a caveat."""
+    """Return an array of each number that the text of a caveat contains, with NaN where the caveat does not apply."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -142,7 +142,7 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether the text of a caveat has a number that depends on the point."""
+    """Return whether the text of a caveat contains a number that differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
@@ -152,13 +152,13 @@ _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 
 def _quantity_record(name: str, study: Study) -> dict[str, Any]:
-    """Return name and label of a quantity for the page script."""
+    """Return the name and the label of a quantity as data of the page script."""
     label = quantity_label(name, study)
     return {"name": name, "words": label[0].upper() + label[1:]}
 
 
 def _relative_half_widths(points: Floats) -> Floats:
-    """Return the half widths of intervals, relative to the absolute means."""
+    """Return the half width of each interval divided by the absolute mean."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
@@ -184,7 +184,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Return the cell and load that a page shows first: those with the smallest relative interval."""
+    """Return the surfaces and the load that a page shows first: those with the smallest relative interval."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -200,7 +200,7 @@ def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or check for the page script: text, remedy, severity, and the number in the text."""
+    """Return a caveat or check as data of the page script: text, remedy, severity, and the number in the text."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
@@ -211,7 +211,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
 
 
 def _changed_settings_markup(changed_settings: Sequence[tuple[str, str]]) -> str:
-    """Return the differences of a study from the defaults as HTML."""
+    """Return the settings of a study that differ from the defaults as HTML."""
     if not changed_settings:
         return "<p>All values are the defaults.</p>"
     lines = "".join(f"<li><code>{escape_html(f'{key} = {value}')}</code></li>" for key, value in changed_settings)

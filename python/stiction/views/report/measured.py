@@ -112,7 +112,7 @@ def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence about the sliding rule for which mu0 and tau0 are valid."""
+    """Return a sentence on the sliding rule for which mu0 and tau0 of the study are valid."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -137,14 +137,14 @@ _CURVE_PANELS: dict[bool, dict[str, dict[str, Any]]] = {
 }  # fmt: skip
 """Quantity, axis title and unit conversion factor for each additional plot against load.
 
-The keys specify whether the nominal area is meaningful.
+The keys specify whether the study has a nominal area.
 """
 
 
 def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
-    """Return friction at all loads, mu0 and tau0 of a report as arrays.
+    """Return the arrays of coefficients, intervals and statuses at all loads, mu0 and tau0 that a page stores.
 
-    Values without an interval are printed with the decimals of the mean over directions.
+    Coefficients without an interval are printed with the decimals of the mean over directions.
     """
     no_limit = np.full(values.slopes.shape, np.nan)
     return {
@@ -157,7 +157,7 @@ def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
 
 
 def _summary_markup(summary: Summary) -> str:
-    """Return paragraphs on resolved wavelengths, onset of sliding and pull-off force as HTML."""
+    """Return paragraphs of HTML on resolved wavelengths, onset of sliding and pull-off force."""
     lines = []
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
@@ -205,7 +205,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityEstimates]:
-    """Return a table of each quantity, other than friction, that the result has."""
+    """Return the estimates of each quantity, other than friction, that the report shows."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -244,7 +244,7 @@ _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient with friction at all contacts, its interval and its contributions."""
+    """Return the coefficient for the rule "all", its interval and its contributions as data of the page script."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

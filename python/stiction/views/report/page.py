@@ -28,7 +28,7 @@ SCRIPT_FILES = ("numbers.js", "plots.js", "common.js", "result.js")
 
 
 class ReportError(ValueError):
-    """Error raised for a report that cannot be rendered or written."""
+    """Error raised if a report cannot be rendered or written."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def read_package_file(name: str) -> str:
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return the scripts of a page as HTML, with its data: `facts` as JSON, and encoded numbers."""
+    """Return the scripts of a page as HTML, with their data: `facts` as JSON, and arrays of encoded numbers."""
     # Escape "<", so that the JSON text cannot close or open an HTML element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -82,17 +82,17 @@ MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters that a report shows 
 
 
 def escape_html(text: object) -> str:
-    """Escape text for HTML, as one line of limited length without control characters."""
+    """Escape text for HTML. The result is one line of limited length without control characters."""
     return html.escape(printable_text(str(text), MAX_SHOWN_LINE_LENGTH))
 
 
 def format_count(count: int, singular: str, plural: str | None = None) -> str:
-    """Return a number with its noun in the singular or plural."""
+    """Return a count and its noun as text, in the singular or plural."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def plot_panel_markup(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
-    """Return the HTML of a plot: title, description and keyboard help for screen readers, and a caption."""
+    """Return the HTML of a plot panel: title, caption, and description and keyboard help for screen readers."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'

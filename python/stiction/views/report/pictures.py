@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FigurePanel:
-    """Panel of a report with a figure, which is drawn when the page is rendered.
+    """Panel of a report with a figure, which is drawn only when the page is rendered.
 
     `description` is for screen readers, and `caption` is markup. A main panel is shown next to the result, and other
     panels among the details.
@@ -63,7 +63,7 @@ class FigurePanel:
 
 
 def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
-    """Draw the panels of a report, and return the markup of the main panels (True) and of the others (False)."""
+    """Draw the figures of a report, and return the markup of the main panels (True) and of all others (False)."""
     panels = list_panels(data)
     return {
         is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
@@ -71,7 +71,7 @@ def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, st
 
 
 def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels of a report for which the result has data."""
+    """Return the panels for which a result has data."""
     return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
 
 
@@ -97,7 +97,7 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 
 
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
-    """Return the panel with the onset of sliding of generated pairs."""
+    """Return the panel with the onset of sliding of generated pairs, against fractal dimension."""
     return FigurePanel(
         "Onset of sliding over fractal dimension",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
@@ -130,7 +130,7 @@ def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
 
 
 def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
-    """Return the panel with the contacts for a direction of motion (degrees)."""
+    """Return the panel with the contact points, for one direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
@@ -149,7 +149,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int)
 
 
 def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
-    """Return the panel with the friction of single members."""
+    """Return the panel with the friction of each member in each direction."""
     singular, plural = study.member_names
     return FigurePanel(
         f"Single {plural}",
@@ -208,7 +208,7 @@ def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, t
 
 
 def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel with loading and unloading of adhesive bodies."""
+    """Return the panel with load against approach for loading and unloading of adhesive bodies."""
     return FigurePanel(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",
@@ -235,7 +235,7 @@ _CSS_COLOURS = {
         for dark_colour in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")
     },
 }
-"""Figure colours, and the style sheet variables that replace them on a page, for light and dark mode."""
+"""Style sheet variables that replace the colours of figures on a page, for light and dark mode."""
 
 
 def inline_svg(figure: Figure, description: str) -> str:

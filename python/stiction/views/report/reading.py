@@ -1,4 +1,4 @@
-"""Table of how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
+"""HTML table of how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LISTED_READING_OPTIONS = (
 
 
 def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) -> str:
-    """Return a table of how a file was read, with its reading options, as HTML."""
+    """Return an HTML table of how a file was read, with the reading options."""
     rows = "".join(
         f'<tr><th scope="row">{escape_html(name)}</th><td>{escape_html(value)}</td></tr>'
         for name, value in file_reading_rows(reading, options)
@@ -34,7 +34,7 @@ def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) ->
 
 
 def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the rows of a table of how a file was read: its layout, and the reading options."""
+    """Return the rows of a table of how a file was read: layout of the file, and reading options."""
     source, body = reading.source, reading.body
     spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]
     given_options = {name: options.get(name) for name in LISTED_READING_OPTIONS}

@@ -1,7 +1,7 @@
 """Report of a result as an HTML page.
 
-The report contains values, intervals, statuses, assessments and numbers of decimals on a grid of mu0 and tau0. The
-scripts decode the numbers and draw.
+The report contains quantities, intervals, statuses and assessments on a grid of mu0 and tau0, with the number of
+decimals to print. The scripts decode the numbers and draw the plots.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area",
 
 
 MAX_REPORT_VALUES = {True: 400_000, False: 1_000_000}
-"""Maximum numbers of friction coefficients on a page, for measured surfaces (True) and for generated surfaces (False).
+"""Maximum number of friction coefficients on a page, for measured surfaces (True) and for generated surfaces (False).
 
 The number of coefficients is the product of the numbers of mu0, tau0, loads, cells, sliding rules and directions.
 """
@@ -97,9 +97,9 @@ def save_report(
 def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
     """Return the report of a result as one HTML page without external resources.
 
-    `name` is the title; by default it is the name of a built-in study, or the names of the files. `picture` is a result
-    of `contact_picture`; by default the picture stored with the result. Raises a `ReportError` if the dataset is not a
-    result, is too large for a page, or has no members.
+    `name` is the title; by default it is the name of a built-in study, or the names of the files. `contact_picture`
+    returned `picture`; by default it is the picture that is stored with the result. Raises a `ReportError` if the
+    dataset is not a result, is too large for a page, or has no members.
     """
     with evaluate_report(result, name=name, picture=picture) as draw_report, draw_report() as get_page:
         return get_page().html()
@@ -109,11 +109,12 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate the numbers of a report in a copy of this process, and yield a function that draws the figures.
+    """Evaluate friction and quantities in a copy of this process, and yield a function that draws the figures.
 
     The function returns another context, in which a second copy draws the figures. That context yields a function that
-    waits for both copies and returns the report. Its errors are those of `report_page`. If Matplotlib is not imported
-    yet, open the second context after the import, so that this process imports it while the numbers are evaluated.
+    waits for both copies and returns the report. It raises the same errors as `report_page`. If Matplotlib is not
+    imported yet, open the second context after the import, so that this process imports it while the numbers are
+    evaluated.
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
@@ -125,11 +126,11 @@ def evaluate_report(
 
 _Data = MeasuredReportData | GeneratedReportData
 _ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
-"""Content of a page, data for its scripts, and encoded numbers."""
+"""Content of a page, data for its scripts, and encoded arrays."""
 
 
 def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
-    """Collect the data of the page, unless the result is too large for a page."""
+    """Collect the data of a page. Raises a `ReportError` if the result is too large for a page."""
     _check_can_render(result)
     return collect_report_data(result, picture)
 
@@ -149,12 +150,15 @@ def _build_page(
     data: _Data, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
     packed_arrays: PackedArrays,
 ) -> HtmlPage:  # fmt: skip
-    """Render a report from its content, the data for its scripts, its encoded numbers and its drawn panels."""
+    """Render a report from its content, the data for its scripts, its encoded arrays and its drawn panels."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
-    """Evaluate the numbers of a report, and return them encoded, with its content and data for its scripts."""
+    """Evaluate friction and quantities.
+
+    Return the content of the page, the data for its scripts, and encoded arrays.
+    """
     data = get_data()
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
@@ -186,7 +190,7 @@ def _check_can_render(result: Evaluation) -> None:
 def _render_page(
     data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
-    """Render a report: insert content, panels and scripts in the template. Main panels have the key True."""
+    """Insert content, panels and scripts of a report in the template, and return the page."""
     notices_markup = _incompleteness_notices(data, content.name)
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
@@ -213,7 +217,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return notices about missing and unsolved members as HTML, or "" if the result is complete."""
+    """Return notices on missing and unsolved members as HTML, or "" if the result is complete."""
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(

@@ -1,4 +1,4 @@
-"""Report of a direct shear test: peak, end, caveats, figure, and a table against displacement."""
+"""Report of a direct shear test: peak and final coefficients, caveats, figure, and table over displacement."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None, command: str = "") -> HtmlPage:
-    """Return the report of a shear test as a page.
+    """Return the report of a shear test as an HTML page.
 
-    `head` contains lines below the title, and `command` is the equivalent command line.
+    `head` contains the lines below the title, and `command` is the command line that gives the same test.
     """
     peak = headline_estimates(test)["peak_friction_coefficient"]
     headline = f"<i>μ</i> = {escape_html(peak.text())} at the peak" if peak.status == STATUS_OK else "no peak"
@@ -40,7 +40,7 @@ def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None
 
 
 def _describe_conditions(test: xarray.Dataset) -> list[str]:
-    """Return the conditions of a shear test in a line: normal stress, interface, hardness, E* and direction."""
+    """Describe the conditions of a shear test in one line: normal stress, interface, hardness, E* and direction."""
     attributes = test.attrs
     conditions = [
         f"normal stress {format_with_unit(float(attributes['normal_stress_GPa']), 'GPa')} on the overlap at the start",

@@ -1,4 +1,4 @@
-"""Numbers in the data of a report, each with the number of decimals to print."""
+"""Arrays of numbers in the data of a report, and the number of decimals with which a page prints them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COMPRESSION_LEVEL = 7  # zlib level that is six times faster than level 9 and g
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode floating-point numbers as text: their first bytes, then their second bytes, and so on.
+    """Encode floating-point numbers as text: the first bytes of all numbers, then all second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -41,13 +41,12 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array of estimates: its last axis has the central number and both limits of its interval.
+    """Array of estimates. Its last axis contains the central number and the limits of the interval.
 
-    A page also stores the numbers of decimals to print, for `digits` (1 or 2) digits of the half-width of the interval.
-    Values without an interval have the decimals of the estimates in `reference`, if it is given; the shapes must
-    broadcast. If there are `formats` by size, in descending order of `minimum`, a page also stores the index of the
-    format of each value. Decimals are counted after the division by the factor of the format; the number of digits of
-    the format is not used.
+    A page also stores how many decimals to print, for `digits` (1 or 2) digits of the interval's half width. A number
+    without an interval has as many decimals as the estimate in `reference`, whose shape must broadcast. If there are
+    `formats` by size, in descending order of `minimum`, a page also stores the index of each number's format. Decimals
+    are counted after the division by the factor of the format; the number of digits of the format is not used.
     """
 
     values: Floats
@@ -56,7 +55,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the stored columns of the array (numbers, limits, decimals), each with the suffix of its name."""
+        """Return the stored columns (numbers, limits, decimals) by the suffix of the column name, such as "lower"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -73,7 +72,7 @@ class EstimateArray:
 
 @dataclass(frozen=True, eq=False)
 class NumberArray:
-    """Array of numbers without intervals, with the printed format of each number.
+    """Array of numbers without intervals. Each number is printed with a format that depends on its size.
 
     `formats` are the formats by size, in descending order of `minimum`.
     """
@@ -82,28 +81,28 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the stored columns of the array (numbers, formats), each with the suffix of its name."""
+        """Return the stored columns by the suffix of the column name: "value" and "format"."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format of each number, as `format_number` chooses it."""
+    """Return the index of the format that `format_number` would choose for each number."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
 
 
 ReportArray = NDArray[Any] | EstimateArray | NumberArray
-"""Array of a page: floating-point numbers, whole numbers from -128 to 127, estimates, or numbers with formats."""
+"""Array on a page: floating-point numbers, whole numbers from -128 to 127, estimates, or numbers with formats."""
 
 
 @dataclass(frozen=True)
 class PackedArrays:
-    """Arrays of a report, encoded as text.
+    """All arrays of a report, encoded as text.
 
-    `texts` contains two encoded arrays: all floating-point numbers, and all small whole numbers. `offsets` maps the
-    name of each column to the index of its first number in the decoded array. `formats` maps the name of each array of
-    estimates or of numbers with formats to its formats.
+    `texts` contains two encoded arrays: all floating-point numbers, and all small whole numbers. `offsets` contains, by
+    column name, the index of the column's first number in the decoded array. `formats` contains, by array name, the
+    formats of numbers and estimates.
     """
 
     offsets: dict[str, int]
@@ -144,14 +143,14 @@ QUANTITY_DIGITS = 2  # number of printed digits of the half width of an interval
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
-    """Return a number with its interval and unit as on the terminal, as in "12.1 [11.0, 13.3] µm²"."""
+    """Return an estimate with its unit as text, as on the terminal: "12.1 [11.0, 13.3] µm²"."""
     estimate = Estimate(*point).in_prefixed_unit(unit)
     return "none" if np.isnan(estimate.value) else f"{estimate.text()}\u00a0{estimate.unit}".strip()
 
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates of a quantity that does not depend on mu0 and tau0.
+    """Estimates of a quantity that does not depend on mu0 and tau0, for a report.
 
     Attributes
     ----------
@@ -175,7 +174,7 @@ class QuantityEstimates:
     limit: float | None
 
     def record(self) -> dict[str, Any]:
-        """Return the quantity as JSON: numbers, limits, decimals and texts."""
+        """Return the estimates as JSON: numbers, limits, decimals and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
