@@ -1,4 +1,4 @@
-"""Low-pass filter of profiles and surfaces: the Gaussian filter of ISO 16610."""
+"""Low-pass filter for profiles and height maps: the Gaussian filter of ISO 16610."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MAX_CUTOFF_FRACTION = 1 / 3
 
 
 def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyBody:
-    r"""Apply a low-pass filter to a profile or a surface to simulate an instrument of lower resolution.
+    r"""Apply a low-pass filter to a profile or a height map to simulate an instrument of lower resolution.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Recognition of a dominant form in a scan: a parabola (maps), or a straight step (maps and profiles)."""
+"""Detection of a form that dominates a scan: a parabola (maps), or a straight step (maps and profiles)."""
 
 from __future__ import annotations
 
@@ -11,23 +11,21 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 MAX_BLOCKS = 64
-"""Largest number of blocks along an axis of a map. Averaging over blocks keeps the form, which varies only over long
-distances.
+"""Largest number of blocks of points along an axis of a map. The mean heights of blocks suffice to find a form.
 
 A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
 MIN_BLOCKS = 16  # minimum number of blocks of averaged heights along each axis of a scan
 MIN_PARABOLA_DOMINANCE = 5.0
-"""Minimum ratio of the mean square height of the fitted parabola to the mean square height of the fitted cubic and
-quartic terms.
+"""Smallest mean square height of a dominant parabola, as a multiple of that of the fitted cubic and quartic terms.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
 parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.
 """
 
 MIN_STEP_SHARPNESS = 0.8
-"""Smallest fraction of the height of a step that must lie within a few blocks. Smooth forms have a smaller fraction."""
+"""Smallest fraction of a step's height that lies within a few blocks. Smooth forms have a smaller fraction."""
 
 _STEP_ANGLE_COUNT = 72  # number of directions (0°, 2.5°, ... 177.5°) in which a map is searched for a height step
 _STEP_MARGIN = 0.02  # minimum fraction of the points of a scan on each side of a height step
@@ -45,7 +43,7 @@ class DominantStep(NamedTuple):
 
 
 def measure_parabola_fraction(body: Surface) -> float:
-    """Return the fraction of a map's mean square height that a parabola explains, or 0 if higher terms are large.
+    """Return the fraction of a map's mean square height that a parabola explains, or 0 if no parabola dominates.
 
     The heights are measured from the least-squares plane.
     """
@@ -66,7 +64,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the straight height step that explains most of the mean square height, or return None if no step is sharp.
+    """Find the straight height step that explains most of a scan's mean square height. None if no step is sharp.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """
@@ -106,7 +104,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
 
 
 def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, float] | None:
-    """Return the mean heights of equal blocks of a levelled body. Blocks without a measured point are left out.
+    """Return positions and mean heights of equal blocks of a levelled body, and the mean square height of the body.
 
     Returns the coordinates of the blocks (from -1 to 1 along x, and along y for a map), their mean heights above the
     least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.

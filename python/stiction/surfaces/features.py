@@ -22,7 +22,7 @@ _IndexArray = NDArray[np.intp]
 
 
 def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
-    """Return the indices, in the flattened map, of the peaks that remain after Wolf pruning.
+    """Return the peaks of a map that remain after Wolf pruning, as indices of the flattened map.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
 
 
 def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
-    """Return, for each point of a map, the index of the peak whose hill contains the point."""
+    """Return, for each point of a map, the index of the peak to whose hill the point belongs."""
     from scipy.ndimage import maximum_filter
 
     uphill_point = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the maximum spanning tree of hills: pairs of hills with saddle ranks, highest saddle first."""
+    """Return the pairs of neighbouring hills in the maximum spanning tree, with saddle ranks, highest saddle first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -145,5 +145,5 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
 
 
 def _mean_of_five_largest(heights: Floats) -> float:
-    """Return the mean of the five largest heights, or NaN if there are fewer than five."""
+    """Return the mean of the five largest peak heights or pit depths, or NaN if there are fewer than five."""
     return math.nan if heights.size < NUM_AVERAGED_FEATURES else float(np.sort(heights)[-NUM_AVERAGED_FEATURES:].mean())

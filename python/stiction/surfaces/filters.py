@@ -1,4 +1,4 @@
-"""Linear and robust Gaussian filters of ISO 16610 for profiles and surfaces, corrected for end effects."""
+"""Linear and robust Gaussian filters of ISO 16610 for profiles and height maps, corrected for end effects."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is from half the spacing to `longest` times the shortest side, and return it."""
+    """Check that a cutoff (µm) is from half the spacing to `longest` times the shortest side. Returns the cutoff."""
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
@@ -133,14 +133,14 @@ def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: 
 
 
 def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
-    """Return the fraction of the amplitude that a Gaussian filter transmits at wave numbers (1/µm)."""
+    """Return the amplitude ratio (output to input) of a Gaussian low-pass filter at wave numbers (1/µm)."""
     return np.asarray(np.exp(-math.log(2) * np.square(wave_number * cutoff / (2 * math.pi))))
 
 
 def gaussian_low_pass(
     body: Profile | Surface, cutoff: float, *, periodic: bool = False, samples_weights: bool = False
 ) -> Floats:
-    """Return the mean line or mean surface of a body: its heights after a linear Gaussian filter with a cutoff (µm).
+    """Return the heights of a body after a linear Gaussian low-pass filter: the mean line or mean surface.
 
     By default, the weights have the analytic transmission at all wavelengths of the grid. With `samples_weights`, they
     are the weighting function of ISO 16610-21 at the points, unless the cutoff is below four points or the body is
@@ -172,7 +172,7 @@ def gaussian_low_pass(
 
 
 def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
-    """Return the mean line or mean surface of a body after a robust Gaussian regression filter with a cutoff (µm)."""
+    """Return the heights of a body after a robust Gaussian regression filter: the mean line or mean surface."""
     mean = body.heights.mean()
     heights = body.heights - mean
     cutoffs_in_points = [cutoff / step for step in body.spacings]
@@ -197,7 +197,7 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
 
 
 def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter periodic heights along each axis, with the cutoffs `lengths` (points)."""
+    """Filter periodic heights along each axis. `lengths` contains the cutoff along each axis, in points."""
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
@@ -208,7 +208,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter heights that continue as reflections beyond their ends. A tilt passes the filter unchanged.
+    """Filter heights that are continued by reflection beyond their ends. A tilt passes the filter unchanged.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
     on one side would then be unstable.
@@ -230,28 +230,28 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums by the sums of weights. Points with too little weight keep their heights."""
+    """Divide weighted sums of heights by the sums of weights. Points with too little weight keep their heights."""
     is_covered = weights > _MIN_WEIGHT_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
 def _reshape_along_axis(values: Any, axis: int, ndim: int) -> Any:
-    """Reshape numbers so that they are broadcast along one axis of an array."""
+    """Reshape a list of numbers so that it extends along one axis of a `ndim`-dimensional array."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
 def _linear_exponents(ndim: int) -> list[MonomialExponents]:
-    """Return the exponents of the polynomial terms that are linear in x and, for surfaces, in y."""
+    """Return the exponents of 1 and x for profiles, and of 1, y, x and xy for maps."""
     return list(product(range(2), repeat=ndim))
 
 
 def _quadratic_exponents(ndim: int) -> list[MonomialExponents]:
-    """Return the exponents of the terms of a quadratic polynomial in x or, for surfaces, in x and y."""
+    """Return the exponents of all terms of a quadratic polynomial: in x for profiles, in x and y for maps."""
     return [powers for powers in product(range(3), repeat=ndim) if sum(powers) <= 2]
 
 
 class _FilterKernel:
-    """Gaussian weights for convolution along one axis, multiplied by powers of the offset and padded with zeros."""
+    """Gaussian filter weights along one axis, for convolution with heights by a fast Fourier transform."""
 
     def __init__(self, points: int, length: float, samples_weights: bool = False) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
@@ -271,7 +271,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def cyclic_weights(self, power: int) -> Floats:
-        """Return cyclic filter weights times a power of the distance, for convolution with heights."""
+        """Return the filter weights times a power of the offset, in the cyclic order of a convolution."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -281,7 +281,7 @@ class _FilterKernel:
 
 
 def _fit_local_lines(heights: Floats, axis: int, length: float, samples_weights: bool) -> Floats:
-    """Fit a line with Gaussian weights around each point along an axis, and return its height at the point."""
+    """Fit a line with Gaussian weights around each point along an axis, and return the line's height at the point."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], length, samples_weights)
@@ -306,7 +306,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial with Gaussian weights times `weights` around each point, and return its height at the point."""
+    """Fit a polynomial with weights around each point, and return the height of the polynomial at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]
@@ -336,7 +336,7 @@ def _fit_local_polynomials(
 
 
 def _multiply_monomials(item: MonomialExponents, other: MonomialExponents) -> MonomialExponents:
-    """Return the exponents of the product of two polynomial terms."""
+    """Return the exponents of the product of two polynomial terms, given the exponents of both terms."""
     return tuple(a + b for a, b in zip(item, other, strict=True))
 
 
@@ -346,7 +346,7 @@ def _solve_constant_terms(
     right_sides: list[Floats],
     heights: Floats,
 ) -> Floats:
-    """Solve for the constant term of each local polynomial by Gaussian elimination of its other terms.
+    """Solve the normal equations of all local polynomials for the constant terms, by Gaussian elimination.
 
     Where the equations are singular, the result is the weighted mean of the heights. Where no measured point is within
     reach, it is the height of the point.

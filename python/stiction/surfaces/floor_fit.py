@@ -1,4 +1,4 @@
-"""Maximum-likelihood fit of power laws and white noise to spectra that are averaged in bins."""
+"""Maximum-likelihood fit of power laws and white noise to binned spectra."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _INITIAL_DAMPING = 1e-3  # as a fraction of the diagonal of the expected Hessian
 
 
 class BinnedSpectrum(NamedTuple):
-    """Line spectrum averaged in bins of wave number."""
+    """Spectrum of a line whose density was averaged in bins of wave number."""
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
@@ -34,7 +34,7 @@ class BinnedSpectrum(NamedTuple):
 
 
 class NoiseFloorFit(NamedTuple):
-    """Fit of power laws plus common white noise to spectra, with the densities A q^-s + level * floor."""
+    """Fit of one power law per spectrum and a common white noise level, with the densities A q^-s + level * floor."""
 
     level: float
     gain: float  # increase of the log-likelihood due to the noise floor
@@ -44,12 +44,15 @@ class NoiseFloorFit(NamedTuple):
 
     @property
     def is_significant(self) -> bool:
-        """True if white noise improves the fit significantly, so that the spectra contain noise."""
+        """True if the spectra contain noise, because white noise improves the fit significantly."""
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 
 def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
-    """Fit a power law to each spectrum, plus a common noise level. The exponents stay within a given range."""
+    """Fit a power law to each spectrum together with a noise level that all spectra share.
+
+    `exponents` contains the lower and the upper limit of the exponents.
+    """
     max_floor_level = min(float(spectrum.density.min()) / spectrum.floor for spectrum in spectra)
     scaled_spectra = [
         BinnedSpectrum(log_q - log_q.max(), density / (max_floor_level * floor), weight)
@@ -79,7 +82,7 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
 def _minimize_loss(
     spectra: Sequence[BinnedSpectrum], start: Sequence[float], lower: Floats, upper: Floats
 ) -> tuple[Floats, float]:
-    """Minimise the loss within bounds with damped Newton steps. Returns the parameters and the loss.
+    """Minimise the loss of the fit within bounds, by damped Newton steps. Returns the parameters and the loss.
 
     `scipy.optimize` has such methods, but its import takes longer than the fits of all scans of a pair.
     """
@@ -112,7 +115,7 @@ def _minimize_loss(
 
 
 def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tuple[float, Floats, Floats, Floats]:
-    """Return the negative log-likelihood up to a constant, its gradient, its Hessian, and the scale of the Hessian.
+    """Return the negative log-likelihood of a fit, up to a constant, with its gradient and its Hessian.
 
     The scale is the diagonal of the expected Hessian, which is positive.
     """

@@ -1,4 +1,4 @@
-"""Least-squares fits of circles, spheres and cylinders to the heights of round parts."""
+"""Least-squares fits of circles, spheres and cylinders to the heights of round bodies."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def fit_round_form(
 
 
 def _arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return heights on an arc, given squared distances from its middle and the products of slope and distance."""
+    """Return heights on a circular arc, from squared distances to its middle and products of slope and distance."""
     rise = curvature * squared_distance + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -98,7 +98,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 
 
 def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Estimate start parameters for the fit of a round form from the least-squares paraboloid."""
+    """Estimate the parameters of a circle, sphere or cylinder from a least-squares paraboloid, as start of the fit."""
     x, y = points
     if form == "circle":
         quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]
@@ -117,7 +117,7 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
 
 
 def _form_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters of a round form, by which the fit divides the parameters."""
+    """Return the scales by which the fit of a circle, sphere or cylinder normalises its parameters."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

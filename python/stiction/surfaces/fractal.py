@@ -1,4 +1,4 @@
-"""Fractal profiles and surfaces: the Weierstrass-Mandelbrot function of Hanaor, Gan & Einav (2016), Eq. 1."""
+"""Fractal profiles and height maps: the Weierstrass-Mandelbrot function of Hanaor, Gan & Einav (2016), Eq. 1."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIDE_SEED_KEYS = {"lower": 0, "upper": 1}
 def random_phases(
     seed: int, *, repetition: int = 0, side: Side = "lower", directions: int = 40, frequencies: int = 40
 ) -> Floats:
-    """Return the random phases of one Weierstrass-Mandelbrot surface.
+    """Generate the random phases (rad) of one Weierstrass-Mandelbrot surface.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def weierstrass_mandelbrot_family(
     convention: FractalConvention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Floats:
-    r"""Compute Weierstrass-Mandelbrot profiles that have the same phases and different fractal dimensions.
+    r"""Compute Weierstrass-Mandelbrot profiles with equal phases, one for each of several fractal dimensions.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def fill_profile_family(
     family: Floats, phases: ArrayLike, fractal_dimensions: ArrayLike, *, length_scale: float, gamma: float,
     extent: float, convention: FractalConvention, band_limit: BandLimit | None,
 ) -> Floats:  # fmt: skip
-    """Compute the profiles of `weierstrass_mandelbrot_family`, and write them to the array `family`.
+    """Compute the profiles of `weierstrass_mandelbrot_family`, and write their heights to the rows of `family`.
 
     Returns the mean, minimum and maximum of each profile, (k, 3).
     """
@@ -179,7 +179,7 @@ def _validate_length_scale_and_gamma(length_scale: Any, gamma: Any, band_limit: 
 def _frequency_amplitudes(
     dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
-    """Return the amplitude (µm) at every frequency of the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
+    """Return the amplitude (µm) of each frequency in the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
     hurst = hurst_from_fractal_dimension(dimension, convention=convention)
     return np.array(stiction._core.frequency_weights(hurst, frequencies, gamma, scale))
 
@@ -264,7 +264,7 @@ def weierstrass_mandelbrot_surface(
     convention: FractalConvention = "paper",
     band_limit: BandLimit | None = None,
 ) -> Surface:
-    r"""Generate a Weierstrass-Mandelbrot surface (Eq. 1 of the paper, evaluated over an area).
+    r"""Generate a Weierstrass-Mandelbrot height map (Eq. 1 of the paper, evaluated over an area).
 
     Without a band limit, the first row is the profile with the same phases.
 

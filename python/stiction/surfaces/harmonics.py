@@ -1,4 +1,4 @@
-"""Spectral harmonics of a periodic texture, such as the feed marks of turning and milling."""
+"""Harmonics of a periodic texture in a spectrum, such as the feed marks of turning and milling."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture, and the distance between harmonics. Both are measured in bins.
+    """Find the first harmonic of a periodic texture in a spectrum, and the distance between harmonics (both in bins).
 
     Returns NaN if there is no periodic texture.
 
@@ -69,7 +69,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the spectral density between the harmonics of a texture from a low quantile over one harmonic spacing.
+    """Estimate the spectral density between the harmonics of a texture, from a low quantile over one harmonic distance.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around each harmonic, up to half the harmonic spacing away but outside its peak."""
+    """Return, for each harmonic, the median density between the harmonic and its neighbours, without its own peak."""
     bins = np.arange(padded_density.size)
     medians = []
     for position in harmonics.tolist():

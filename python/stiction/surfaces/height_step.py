@@ -1,4 +1,4 @@
-"""Step to which an instrument or a file format rounds the heights of a scan."""
+"""Height step to which an instrument or a file format rounds the heights of a scan."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 
 def find_height_step(heights: Floats) -> float:
-    """Find the step to which heights are rounded, even if a line, a plane or a parabola was subtracted afterwards.
+    """Find the step (µm) to which the heights of a scan are rounded, or return 0.
+
+    The step is also found if a line, a plane or a parabola was subtracted after the rounding.
 
     Parameters
     ----------
@@ -69,7 +71,7 @@ def find_height_step(heights: Floats) -> float:
 
 
 def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the different numbers of an array in ascending order, with their counts."""
+    """Return the distinct whole numbers of an array in ascending order, with the count of each number."""
     lowest = values.min(initial=0)
     if not values.max(initial=0) - lowest < values.size:
         return np.unique(values, return_counts=True)
@@ -79,7 +81,7 @@ def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _centred_second_differences(heights: Floats, axis: int) -> Floats:
-    """Return the second differences of measured heights along an axis, minus the median of the differences."""
+    """Return the second differences of measured heights along an axis, minus the median of these differences."""
     differences = np.diff(heights, 2, axis=axis)
     differences = differences[np.isfinite(differences)]
     return differences - np.quantile(differences, 0.5, method="lower") if differences.size else differences

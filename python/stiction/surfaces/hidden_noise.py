@@ -1,4 +1,4 @@
-"""Estimation of white instrument noise that is too weak to flatten the end of a spectrum."""
+"""Estimate of white instrument noise that is too weak to flatten the end of a spectrum."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class HiddenNoise:
-    """White noise that a scan may contain although its spectrum shows no noise floor."""
+    """White noise that a scan may contain although its spectrum shows no noise floor, and a cutoff to remove it."""
 
     slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
     # cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope
@@ -44,7 +44,7 @@ class HiddenNoise:
 
 
 def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
-    """Estimate the white noise that the spectrum of a scan may hide.
+    """Estimate the white noise that a scan may contain although its spectrum shows no noise floor.
 
     The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Roughness
     that is aliased by a coarse spacing flattens a spectrum in the same way.
@@ -87,7 +87,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise that would explain the median density of a map's shortest wavelengths.
+    """Return the variance (µm²) of white noise that would give the median density at a map's shortest wavelengths.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
     exponentially distributed, so their median is ln 2 of their mean.
@@ -99,7 +99,7 @@ def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum in bins at wavelengths up to 16 points, or return None if there are too few bins."""
+    """Average a spectrum in bins at wavelengths of up to 16 points, or return None if there are too few bins."""
     q, density, count, spacing = spectrum
     # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
     if not periodic:

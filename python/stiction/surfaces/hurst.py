@@ -1,4 +1,4 @@
-"""Hurst exponent of a profile or a surface, estimated from its spectrum in a band of wavelengths."""
+"""Hurst exponent of a profile or a height map, estimated from its spectrum in a band of wavelengths."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _ROLL_OFF_PENALTY = 2.0
 
 
 class PowerLawFit:
-    """Maximum-likelihood fit of a power law P ∝ q^-s to spectral powers with gamma-distributed scatter.
+    """Maximum-likelihood fit of a power law P ∝ q^-s to spectral powers whose scatter follows a gamma distribution.
 
     The weights are the shape parameters of the gamma distribution.
     """
@@ -76,7 +76,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood of an exponent at the best prefactor, without a constant term."""
+        """Return the negative log-likelihood of an exponent with the best prefactor, up to a constant."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -85,7 +85,7 @@ class PowerLawFit:
         return self._log_power_at_mean_q(self.exponent) + self.exponent * self._mean_log_q
 
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
-        """Return the interval of the exponents whose loss is at most `max_loss`."""
+        """Return the smallest and the largest exponent whose loss is at most `max_loss`."""
         interval_ends = []
         for sign in (-1.0, 1.0):
             inner_offset, outer_offset = 0.0, 0.1
@@ -104,7 +104,7 @@ class PowerLawFit:
 
 @dataclass(frozen=True, repr=False)
 class HurstEstimate(TableReprMixin):
-    """Hurst exponent of a profile or a surface, with its uncertainty and the fitted wavelength band.
+    """Hurst exponent of a profile or a height map, with its uncertainty and the fitted wavelength band.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class HurstEstimate(TableReprMixin):
 
     @property
     def caution(self) -> str | None:
-        """Sentence that explains why the Hurst exponent is unreliable, or None if it is reliable."""
+        """Sentence with the reason why the Hurst exponent is unreliable, or None if it is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
         if self.upper - self.lower > MAX_HURST_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
@@ -177,7 +177,7 @@ class HurstEstimate(TableReprMixin):
         return None
 
     def density(self, wave_number: Floats) -> Floats:
-        """Return the spectral density of the fitted power law at wave numbers (1/µm): C1D (µm³) or C2D (µm⁴)."""
+        """Return the spectral density of the fitted power law, C1D (µm³) or C2D (µm⁴), at wave numbers (1/µm)."""
         exponent = -self.dimensions - 2 * self.value
         return np.asarray(self.prefactor * np.asarray(wave_number, dtype=np.float64) ** exponent)
 
@@ -190,7 +190,7 @@ def estimate_hurst_exponent(
     spacing: Any = None,
     unit: str = "um",
 ) -> HurstEstimate:
-    r"""Estimate the Hurst exponent of a profile or a surface by maximum likelihood.
+    r"""Estimate the Hurst exponent of a profile or a height map from its spectrum, by maximum likelihood.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def estimate_hurst_exponent(
 
 
 def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a profile for the fit, and the length (µm) that normalises the heights."""
+    """Return the wave numbers and powers of a profile to which a power law is fitted, and the height scale (µm)."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -328,7 +328,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a surface for the fit, and the length (µm) that normalises the heights."""
+    """Return the wave numbers and powers of a map to which a power law is fitted, and the height scale (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -346,7 +346,7 @@ def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, F
 
 @dataclass(frozen=True)
 class _SpectrumBins:
-    """Spectrum averaged in bins of equal width in ln(wave number)."""
+    """Spectrum averaged in bins of equal width in the logarithm of the wave number."""
 
     first: NDArray[np.intp]  # index of the first harmonic in every bin
     log_q: Floats
@@ -364,14 +364,14 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance of a power law with a given exponent, divided by the degrees of freedom."""
+        """Return the deviance of a power law from the binned spectrum, per degree of freedom, for a given exponent."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Return the range of harmonics in the widest part of a spectrum that one power law describes.
+    """Return the widest range of harmonics that one power law describes, and the binned spectrum in this range.
 
     Also returns the bins of this piece and its roll-off.
     """
@@ -413,7 +413,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
 def _remove_noisy_end(
     q: Floats, power: Floats, variance_factor: float, selection: slice, piece: _SpectrumBins
 ) -> tuple[slice, _SpectrumBins]:
-    """Remove the shortest wavelengths of a band if white noise flattens the spectrum at these wavelengths."""
+    """Cut off the shortest wavelengths of a band if white noise flattens the spectrum at these wavelengths."""
     bins = _SpectrumBins.from_harmonics(q[selection], power[selection])
     fit = fit_noise_floor([BinnedSpectrum(bins.log_q, bins.power, bins.count / variance_factor)], exponents=(1.0, 5.0))
     if not fit.is_significant:
@@ -428,7 +428,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
-    """Fit a power law above each possible end of a flat roll-off. Bin 0 as the end means no roll-off."""
+    """Fit a power law with a flat roll-off that ends in each possible bin. An end in bin 0 means no roll-off."""
     first_bins = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
     return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first_bin]), bins.power, weight) for first_bin in first_bins]
 
@@ -436,7 +436,7 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
 def _fit_spectrum_pieces(
     bins: _SpectrumBins, weight: Floats
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Fit a power law to every possible part of a binned spectrum. Return starts, ends, exponents and losses."""
+    """Fit a power law to every range of bins in a spectrum. Returns first bins, end bins, exponents and losses."""
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     fits = [
         PowerLawFit(bins.log_q[start:end], bins.power[start:end], weight[start:end])
@@ -448,7 +448,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     size: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Divide a binned spectrum into consecutive parts with the smallest sum of losses and penalties."""
+    """Divide a binned spectrum into consecutive pieces with the smallest sum of losses and penalties."""
     min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

@@ -1,4 +1,4 @@
-"""Conversion of profiles and surfaces to objects of other libraries and back, with spacing and unit."""
+"""Conversion between profiles or height maps of this package and objects of other libraries."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
-    """Heights, spacing, history and missing points extracted from an object of any supported library."""
+    """Heights of an object of this or another library, with spacing, history and missing points."""
 
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
@@ -29,7 +29,7 @@ class ExtractedHeights(NamedTuple):
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ExtractedHeights:
-    """Extract heights and spacing from an object of this package, SurfaceTopography, surfalize or xarray.
+    """Extract heights (µm) and spacing from an object of this package, SurfaceTopography, surfalize or xarray.
 
     `unit` applies to all lengths if the object has no unit. Messages refer to the object by the argument name `name`.
     """
@@ -51,7 +51,7 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Extrac
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) to a DataArray with units. The inverse is `extract_heights`."""
+    """Convert heights and positions (µm) to an xarray.DataArray with units. `extract_heights` is the inverse."""
     import xarray
 
     coordinate_attributes = {"units": "um", "long_name": "position"}
@@ -61,7 +61,7 @@ def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats
 
 
 def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> str:
-    """Describe the size, the spacing, the roughness and the history of a profile or a surface in one line."""
+    """Describe a profile or a height map in one line: size, spacing, roughness and history."""
     shape_text = " × ".join(map(str, heights.shape))
     distinct_spacings = np.unique(spacing).tolist()
     spacing_text = f"{format_with_unit(distinct_spacings[0], 'µm')} apart"
@@ -77,7 +77,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 
 def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
-    """Extract heights from a SurfaceTopography object. The first axis of its arrays is x."""
+    """Extract heights (µm) and spacing from an object of SurfaceTopography, whose first array axis is x."""
     factor = _unit_factor(name, other.unit or unit, kind)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):
@@ -93,7 +93,7 @@ def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None)
 
 
 def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
-    """Extract heights along x, or along y and x, from a DataArray with units in ``attrs["units"]``."""
+    """Extract heights (µm) and spacing from a DataArray along x, or along y and x, with ``attrs["units"]``."""
     axes = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if axes is None or set(other.dims) != set(axes):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")
@@ -115,7 +115,7 @@ def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None)
 
 
 def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
-    """Return the spacing of equidistant positions. Raises a `ValueError` for other positions."""
+    """Return the spacing of equally spaced positions, or raise a `ValueError` for other positions."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():

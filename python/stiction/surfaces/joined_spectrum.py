@@ -1,4 +1,4 @@
-"""Spectrum of a surface, joined from the reliable wavelengths of several scans."""
+"""Spectrum of a surface, joined from several scans, each at the wavelengths at which it is reliable."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class JoinedSpectrum(TextReprMixin):
-    """Spectrum of an isotropic surface, joined from all wavelengths that its scans resolve.
+    """Spectrum of an isotropic surface over all wavelengths that at least one of several scans resolves.
 
     Attributes
     ----------
@@ -86,12 +86,12 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def _bin_edge_ratio(self) -> float:
-        """Wave number at the upper edge of a bin, divided by the wave number at its centre."""
+        """Ratio of a bin's largest wave number to the wave number at its centre."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
     def history(self) -> tuple[str, ...]:
-        """Description of the joined scans and their wavelength bands."""
+        """Description of the spectrum: its wavelengths, and the names and wavelength bands of the joined scans."""
         scans = (
             f"{name} ({shortest:.4g} to {longest:.4g} µm)"
             for name, (shortest, longest) in zip(self.names, self.bands, strict=True)
@@ -101,7 +101,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's spectral density to the density of all other scans, over common wavelengths.
+        """Mean ratio of each scan's spectral density to the density of the other scans, at their common wavelengths.
 
         The shape is (scans,), and the ratio is NaN for a scan without overlap.
         """
@@ -124,7 +124,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) for each scan by chance alone."""
+        """Standard deviation of ln(`disagreement`) of each scan that chance alone would cause."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -139,7 +139,7 @@ class JoinedSpectrum(TextReprMixin):
         return make_read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Return rms slope and rms curvature as functions of the shortest included wavelength."""
+        """Compute the rms slope and rms curvature down to each wavelength of the spectrum."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
@@ -155,7 +155,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian surface with exactly the wavelengths of the spectrum.
+        """Generate a periodic Gaussian height map whose wavelengths are exactly those of the spectrum.
 
         Parameters
         ----------
@@ -193,7 +193,7 @@ def joined_spectrum(
     names: Sequence[str] | None = None,
     per_decade: int = 10,
 ) -> JoinedSpectrum:
-    """Combine the spectra of several scans of a surface, from one instrument or several.
+    """Join the spectra of several scans of a surface, from one instrument or several.
 
     Parameters
     ----------
@@ -297,7 +297,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, siz
 
 
 def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
-    """Return the wavelength band of a scan that is used, and the reason for its lower limit."""
+    """Return the wavelength band (µm) in which a scan is reliable, and the reason for its shortest wavelength."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest_wavelength, reason = limit, "given"
@@ -321,7 +321,7 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Return the number of wave vectors and the mean spectral density in each bin of a wavelength band."""
+    """Return, by bin of wave number, the number of wave vectors and the mean spectral density in a wavelength band."""
     min_wave_number, max_wave_number = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

@@ -21,7 +21,7 @@ MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 in which the published relation betwee
 
 @dataclass(frozen=True)
 class JointRoughness:
-    """Roughness of a face along a direction, from height differences at a sampling interval.
+    """Roughness of a rock joint along a direction, from the height differences at a sampling interval.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class JointRoughness:
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient 32.2 + 32.47 log10 Z2; NaN where the formula was not fitted."""
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range of the formula's data."""
         deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
         if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_SAMPLING_INTERVAL_DEVIATION):
             return math.nan
@@ -49,7 +49,7 @@ class JointRoughness:
 
 
 def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
-    """Return the roughness of a profile or map along a direction (degrees from +x towards +y)."""
+    """Measure the joint roughness of a profile or map along a direction (degrees from +x towards +y)."""
     angle = math.radians(direction)
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
@@ -70,7 +70,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
 
 
 def _height_differences(face: Any, steps: Any) -> Floats:
-    """Return the height differences between all measured points that are an offset (points) apart."""
+    """Return the height differences of all pairs of measured points at a given offset (in points)."""
     starts, ends = [], []
     for step, count in zip(steps.tolist(), face.heights.shape, strict=True):
         length = count - abs(step)

@@ -1,4 +1,4 @@
-"""Roughness of a measured surface along its rows or columns, as a stylus instrument measures it."""
+"""Roughness of a measured height map along its rows or columns, as a stylus instrument measures it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point s
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or columns of a surface, each measured from its least-squares line.
+    """Roughness of the rows or columns of a height map, each measured from its least-squares line.
 
     Attributes
     ----------
@@ -76,14 +76,14 @@ class LineRoughness(TextReprMixin):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum of the lines is close to a power law."""
+        """True if the mean spectrum of the lines is straight on logarithmic axes, that is, close to a power law."""
         return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
 def line_roughness(
     surface: Surface, along: LineOrientation, *, band: tuple[float, float] | None = None
 ) -> LineRoughness:
-    """Compute the roughness of a surface along its rows or along its columns.
+    """Compute the roughness of a height map along its rows or along its columns.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a surface along x and along y, with both Hurst exponents from the same band if possible.
+    """Compute the roughness of a height map along x and along y, if possible with Hurst exponents from the same band.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor by which a spectrum deviates from a power law in a band, corrected for random scatter.
+    """Return the rms factor by which a spectrum deviates from a power law in a wavelength band, beyond random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """

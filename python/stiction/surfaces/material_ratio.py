@@ -1,4 +1,4 @@
-"""Material ratio curve (bearing curve) of a profile or a surface, and the parameters computed from this curve."""
+"""Material ratio curve (bearing curve) of a profile or a height map, and the parameters of this curve."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
 def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios: the Abbott-Firestone curve.
+    """Return the heights (µm) of a body at given material ratios: the Abbott-Firestone curve.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def bearing_curve(body: Profile | Surface, ratios: ArrayLike) -> Floats:
 
 
 def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
-    """Return the material ratios of a body at given heights.
+    """Return the material ratios of a body at given heights (µm).
 
     Parameters
     ----------
@@ -96,12 +96,12 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
 
 
 def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios."""
+    """Return the heights in an array that correspond to given material ratios."""
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
 class VolumeParameters(NamedTuple):
-    """Material and void volumes of a surface per area, in the unit of its heights."""
+    """Material and void volumes per area of a surface, in the unit of the heights."""
 
     peak_material: float
     core_material: float
@@ -110,7 +110,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute the material and void volumes that the heights at 10 % and at 80 % material ratio separate."""
+    """Compute the material and void volumes per area above, between and below the 10 % and 80 % material ratios."""
     upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
@@ -118,7 +118,7 @@ def material_volumes(heights: Floats) -> VolumeParameters:
 
 
 class CoreParameters(NamedTuple):
-    """Core height, reduced peak height, reduced pit depth, and the material ratios at both ends of the core."""
+    """Core height, reduced peak height and reduced pit depth of a surface, and the material ratios at its core ends."""
 
     core_height: float
     reduced_peak_height: float
@@ -128,7 +128,7 @@ class CoreParameters(NamedTuple):
 
 
 def core_parameters(heights: Floats) -> CoreParameters:
-    """Compute the parameters of ISO 25178-2 for stratified surfaces from the material ratio curve."""
+    """Compute the ISO 25178-2 parameters of core, peaks and pits from the material ratio curve of a surface."""
     height, upper, lower = _fit_core_line(heights)
     heights_above_core, depths_below_core = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
     peak_fraction, valley_fraction = float(np.mean(heights > upper)), float(np.mean(heights < lower))
@@ -138,7 +138,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
 
 
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
-    """Fit a straight line to the core of the material ratio curve.
+    """Fit a straight line to the core of the material ratio curve, where the curve is flattest.
 
     Returns the height difference of this line over the core, and its heights at material ratios of 0 and 100 %.
     """

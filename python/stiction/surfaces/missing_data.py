@@ -1,4 +1,4 @@
-"""Missing points and outliers of scans: interpolation, the largest gap, and outlier detection."""
+"""Missing points and outliers of scans: interpolation, largest gap, and detection of outliers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stiction.surfaces.surface import AnyBody
 
 MIN_OUTLIER_SIGMAS = 6.0
-"""Smallest deviation of an outlier from its neighbours, in robust standard deviations.
+"""Smallest deviation of an outlier from its neighbours, as a multiple of the robust standard deviation.
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
@@ -54,7 +54,7 @@ _MIN_EDGE_POINTS = 20
 
 
 def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
-    """Interpolate missing heights (NaN) linearly along x, then along y.
+    """Interpolate missing heights (NaN) linearly between measured points, first along x and then along y.
 
     With `extrapolate`, gaps at an edge are filled with the nearest height.
     """
@@ -72,7 +72,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing between two measured points, along x or along y."""
+    """Return the fraction of points that are missing although both neighbours along x or y were measured."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         lines, between = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -81,7 +81,7 @@ def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
 
 
 def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]]:
-    """Return the number of points in the largest connected region of missing points, and its bounding box."""
+    """Return the number of points in the largest connected region of missing points, and the region's bounding box."""
     from scipy.ndimage import find_objects, label
 
     gap_numbers, _ = label(missing, np.ones((3,) * missing.ndim))
@@ -91,7 +91,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a body with interpolated heights at given points, or the body itself if no points are given.
+    """Return a body in which the heights of given points are interpolated, or the body itself without such points.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """
@@ -105,7 +105,7 @@ def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBod
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
-    """Return a text about the fraction of missing points and the position of the largest gap."""
+    """Describe the fraction of missing points, and the size and position of the largest gap, for a history."""
     points, bounding_box = find_largest_gap(missing)
     ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
@@ -116,7 +116,7 @@ def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ..
 
 
 def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[np.bool_]:
-    """Find outliers: single points, or groups of up to four points, that deviate from their neighbours.
+    """Find the outliers of a scan: single points, or groups of up to four points, that deviate from their neighbours.
 
     Parameters
     ----------
@@ -167,14 +167,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return the smaller of two ratios at each point, ignoring NaN."""
+    """Return the smaller of two ratios of deviation to typical value at each point, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Median deviations of a scan's points from their neighbours, and each deviation relative to its median.
+    """Typical deviations of a scan's heights from those of their neighbours, and relative deviations of all points.
 
     The medians differ between edge points and other points.
     """
@@ -183,7 +183,7 @@ class _NeighbourDeviations:
     relative: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the median deviation of the scan or of a point's neighbourhood, whichever is larger.
+        """Return the typical deviation at given points: of the scan or of the neighbourhood, whichever is larger.
 
         A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
         """
@@ -201,7 +201,7 @@ class _NeighbourDeviations:
 def _find_neighbour_deviations(
     distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _NeighbourDeviations:
-    """Find the median deviation of edge points, and the median deviation of all other points.
+    """Compute the typical (median) deviation of heights from their neighbours, separately for edge points.
 
     `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
     rounding, and the region counts as flat. In scans with flat regions, rough regions and their neighbourhoods have the
@@ -234,7 +234,7 @@ def _find_neighbour_deviations(
 
 
 def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return how far each height deviates from its neighbours' means and lines, and a mask of edge points.
+    """Return the deviations of heights from means and from lines through their neighbours, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.
@@ -255,7 +255,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
 def _deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Compute the deviations of the heights in a strip of rows, or in a profile, from their neighbours."""
+    """Return the deviations of heights from their neighbours for a strip of rows, or for a profile."""
     neighbour_steps = _NEIGHBOUR_STEPS[heights.ndim]
 
     def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:
@@ -291,7 +291,7 @@ def _deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
-    """Return the smallest numbers at each point in ascending order, with infinity for missing numbers.
+    """Return, at each point, the smallest numbers of several arrays in ascending order, with infinity for missing ones.
 
     For a few arrays, this is faster than sorting.
     """
@@ -304,7 +304,7 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
 
 
 def _finite_median(values: list[Floats], min_count: int) -> Floats:
-    """Return the median of the finite numbers at each point, or NaN for fewer than `min_count`."""
+    """Return, at each point, the median of the finite numbers in several arrays, or NaN for fewer than `min_count`."""
     sorted_values = np.stack(_find_smallest(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
     lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)

@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, map pieces or surrogates.
+"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, or pairs of surrogates.
 
 A pair depends only on the scans, the options and its index. Neither the number of pairs nor the process
 that computes a pair affects it.
@@ -45,7 +45,7 @@ GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength 
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Return one point of a quasi-random sequence that fills the unit cube evenly.
+    """Return the point with a given index in a quasi-random sequence that fills the unit cube evenly.
 
     The sequence is an additive recurrence with the golden ratio.
     """
@@ -60,7 +60,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines from two scans, or of their surrogates; see `paired_lines`."""
+    """Pairs of lines from two scans or from their surrogates, as for `paired_lines`."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -73,21 +73,21 @@ class LinePairs:
     count: int | None = None  # number of equally spaced pairs of lines, or None for an unlimited sequence of pairs
 
     def max_pair_count(self) -> int | None:
-        """Return the number of different pairs of lines, or None if it is unlimited."""
+        """Return the number of different line pairs, or None for surrogates, whose number is unlimited."""
         if self.surrogates != "none":
             return None
         line_counts = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the position (µm) of a pair's upper line, measured across the lines; 0 for profiles."""
+        """Return the position (µm) of a pair's upper line across the direction of the lines, or 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
         return self._line_number(self.upper, index) * line_distance
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
-        """Return a pair of profiles with equal spacing, given its index."""
+        """Return the line pair with a given index, as two profiles with equal spacing."""
         is_lower_shifted = isinstance(self.upper, Surface) and isinstance(self.lower, Surface)
         lines = self._extract_line(self.upper, index), self._extract_line(self.lower, index, shifted=is_lower_shifted)
         if self.level is not None:
@@ -121,14 +121,20 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return a line of a body as a profile. With `shifted`, line 0 is a third of the width away from the edge."""
+        """Return the line of a body for a pair index, as a profile.
+
+        With `shifted`, line 0 is a third of the width away from the edge.
+        """
         if isinstance(body, Profile):
             return body
         extract_line = body.row if self.along == "x" else body.column
         return extract_line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of the line with an index. Every line is used once before one is repeated."""
+        """Return the row or column number of the line for a pair index.
+
+        Every line is used once before a line is used again.
+        """
         line_count = self._line_count(surface)
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
@@ -160,7 +166,7 @@ def paired_lines(
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Return pairs of profiles from two scans for `press`: each is a flipped slider and its counterface.
+    """Return pairs of profiles from two scans for `press`, each with a flipped slider and its counterface.
 
     Parameters
     ----------
@@ -224,7 +230,7 @@ def paired_lines(
 def _crop_to_equal_length(
     upper: Profile, lower: Profile, index: int, level: ProfileTrend | None
 ) -> tuple[Profile, Profile]:
-    """Crop the longer profile of a pair to the length of the shorter profile, and level it again.
+    """Crop the longer profile of a pair to the length of the shorter profile, and level the cropped profile again.
 
     The position depends on `index`.
     """
@@ -241,7 +247,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the part of the lower profile below a slider at an offset (µm)."""
+    """Return the piece of the lower profile that lies below a slider at an offset (µm)."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(
@@ -254,7 +260,7 @@ def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profil
 
 @dataclass(frozen=True, eq=False)
 class MapPairs:
-    """Pairs of pieces cut from two maps, or from their surrogates, at different relative shifts.
+    """Pairs of pieces from two height maps or from their surrogates, at several relative shifts.
 
     All pieces have the same size.
 
@@ -272,13 +278,13 @@ class MapPairs:
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings (µm) of the rows and columns of both pieces: along each axis, the finer spacing of the two maps."""
+        """Spacings (µm) of rows and columns in all pieces: along each axis, the finer spacing of the two maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
     @cached_property
     def _map_shapes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of rows and columns of each map, after resampling to the finer spacing."""
+        """Numbers of rows and columns of each map after resampling to the spacings of the pieces."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points
@@ -291,19 +297,22 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map, as given by the user, in rows and columns."""
+        """Shifts of the upper map that the user gives, converted to rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column, on the lower map, of the overlap of two maps, and the overlap's shape."""
+        """Return the first row and column on the lower map where both maps overlap, and the overlap's shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
         return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises a `ValueError` if pieces would be too small."""
+        """Numbers of rows and columns of every piece.
+
+        Raises a `ValueError` if the pieces would be too small.
+        """
         if self.shifts is not None:
             sizes = [self._find_overlap(steps)[1] for steps in self._shifts_in_points]
             rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
@@ -326,17 +335,17 @@ class MapPairs:
 
     @property
     def piece_area(self) -> float:
-        """Nominal area of a piece, µm²."""
+        """Nominal area (µm²) of a piece."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Fraction of each map (upper, lower) that a piece covers."""
+        """Area fractions of the upper and of the lower map that a piece covers."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
     def max_pair_count(self) -> int:
-        """Return the number of different relative positions of two maps."""
+        """Return the number of different relative positions of both maps."""
         if self.shifts is not None:
             return len(self.shifts)
         margins = [max(upper, lower) - size for upper, lower, size in zip(*self._map_shapes, self.shape, strict=True)]
@@ -344,7 +353,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of both pieces of a pair (upper, lower), on the finer grid."""
+        """Return the first row and column of the upper and the lower piece of a pair, at the finer spacing."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -376,18 +385,18 @@ class MapPairs:
         return upper, lower  # type: ignore[return-value]
 
     def map_shift(self, index: int) -> tuple[float, float]:
-        """Return the shift (µm) of the upper map along x and y for one pair of pieces."""
+        """Return the shift (µm) of the upper map along x and along y for the pair with a given index."""
         upper_origin, lower_origin = self.piece_origins(index)
         dy, dx = self.spacing
         return (lower_origin[1] - upper_origin[1]) * dx, (lower_origin[0] - upper_origin[0]) * dy
 
     def pair(self, index: int) -> tuple[Surface, Surface]:
-        """Return the two levelled pieces of a pair, given its index."""
+        """Return the levelled upper and lower piece of the pair with a given index."""
         upper_origin, lower_origin = self.piece_origins(index)
         return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate surrogates of both maps, and return a levelled piece of each."""
+        """Generate surrogates of both maps, and return a levelled piece of each surrogate."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_piece_origin(points, self.shape)
@@ -401,19 +410,22 @@ class MapPairs:
 
 
 class SquarePiecePairs:
-    """Pairs of square pieces cut from random surfaces whose spacings along x and y are equal."""
+    """Base class for pairs of square pieces from random height maps with equal spacings along x and y."""
 
     _num_side_points: int
     _grid_spacing: float
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Spacings (µm) of the rows and columns of the generated surfaces."""
+        """Spacings (µm) of rows and columns in the generated height maps."""
         return self._grid_spacing, self._grid_spacing
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece. Raises a `ValueError` if pieces would be too small."""
+        """Numbers of rows and columns of every piece.
+
+        Raises a `ValueError` if the pieces would be too small.
+        """
         points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
         if points < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
@@ -424,13 +436,13 @@ class SquarePiecePairs:
 
     @property
     def piece_area(self) -> float:
-        """Nominal area of a piece, µm²."""
+        """Nominal area (µm²) of a piece."""
         return float(np.prod(self.shape) * np.prod(self.spacing))
 
 
 @dataclass(frozen=True, eq=False)
 class IsotropicSurfacePairs(SquarePiecePairs):
-    """Pairs of isotropic random surfaces generated from the spectra of two profiles."""
+    """Pairs of pieces from isotropic random height maps that have the spectra of two profiles."""
 
     upper: Profile  # levelled and flipped profile of the upper body
     lower: Profile
@@ -452,12 +464,12 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Side length of the generated surfaces divided by the length of each profile (upper, lower)."""
+        """Ratios of the side length of the generated height maps to the lengths of the upper and the lower profile."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a surrogate of each body, and return a levelled piece of each."""
+        """Generate an isotropic height map for each profile, and return a levelled piece of each map."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -473,13 +485,13 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan in its reliable wavelength band. A spectrum is returned unchanged."""
+    """Return the isotropic spectrum of a scan at its reliable wavelengths, or a given spectrum unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 
 @dataclass(frozen=True, eq=False)
 class SpectralSurfacePairs(SquarePiecePairs):
-    """Pairs of pieces cut from periodic, isotropic random surfaces with two given spectra.
+    """Pairs of pieces from periodic, isotropic random height maps with two given spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
@@ -507,17 +519,17 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @property
     def side_length(self) -> float:
-        """Side length (µm) of the generated surfaces, from which pieces are cut."""
+        """Side length (µm) of the generated height maps."""
         return self._num_side_points * self._grid_spacing
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Fraction of each generated surface (upper, lower) that a piece covers."""
+        """Area fractions of the upper and of the lower generated height map that a piece covers."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random surface for each body, and return a levelled piece of each."""
+        """Generate a random height map for each spectrum, and return a levelled piece of each map."""
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
@@ -531,5 +543,5 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
 
 def _centred_piece_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the first row and column of a piece in the middle of a surface."""
+    """Return the first row and column of a piece in the middle of a height map."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

@@ -1,4 +1,4 @@
-"""Definitions of roughness parameters (name, standard, formula, unit, requirements), and computed sets."""
+"""Definitions of roughness parameters: name, standard, formula, unit and requirements."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NOT_LEVELLED_VALUE = "no"  # text in the field `levelled` for heights that are n
 
 @dataclass(frozen=True)
 class ParameterDefinition:
-    """Roughness parameter: its name, standard, formula, unit and requirements.
+    """Definition of a roughness parameter: its name, standard, formula, unit and requirements.
 
     Attributes
     ----------
@@ -62,7 +62,9 @@ _PROFILE_PARAMETER_TEXTS = {
     "mrk1": ("material ratio at the upper end of the core", _RATIO_GROUP, r"mr(\text{core line at 0})", ""),
     "mrk2": ("material ratio at the lower end of the core", _RATIO_GROUP, r"mr(\text{core line at 100 \%})", ""),
 }  # fmt: skip
-"""Meaning, clause of the standard, formula and unit of each profile parameter. Keys omit the letter of the profile."""
+"""Meaning, clause of the standard, formula and unit of each profile parameter, by its name without the letter P, R or
+W.
+"""
 
 _PROFILE_PARAMETER_KEYS = {
     "P": ("a", "q", "t", "sk", "ku", "dq"),
@@ -84,7 +86,7 @@ def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
 
 
 PROFILE_PARAMETERS = {letter: _define_profile_parameters(letter) for letter in "PRW"}
-"""Parameters of the primary profile (key P), the roughness profile (R) and the waviness profile (W)."""
+"""Parameters of the primary profile (P), the roughness profile (R) and the waviness profile (W), by this letter."""
 
 _ISO_25178, _FIVE_PEAKS_REQUIREMENT = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
@@ -164,18 +166,18 @@ SURFACE_PARAMETERS = (
         "S5p + S5v", needs="five peaks and five pits",
     ),
 )  # fmt: skip
-"""Parameters of a surface, in the order in which they are presented."""
+"""Parameters of a height map, in the order of tables."""
 
 ROUGHNESS_PARAMETERS = {
     parameter.name: parameter
     for parameter in (*(p for group in PROFILE_PARAMETERS.values() for p in group), *SURFACE_PARAMETERS)
 }
-"""All parameters by name."""
+"""Definitions of all roughness parameters, by name."""
 
 
 @dataclass(frozen=True, repr=False)
 class RoughnessParameterSet(TextReprMixin):
-    """Set of roughness parameters. Each parameter is available as an attribute.
+    """Set of computed roughness parameters. Each parameter is available as an attribute, such as `Sq`.
 
     Attributes
     ----------
@@ -189,7 +191,7 @@ class RoughnessParameterSet(TextReprMixin):
     levelled: str = NOT_LEVELLED_VALUE
 
     def __getattr__(self, name: str) -> float:
-        """Return the number of a roughness parameter by its name."""
+        """Return a computed roughness parameter by its name."""
         # While an object is copied, its `values` do not exist yet.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
@@ -206,7 +208,7 @@ class RoughnessParameterSet(TextReprMixin):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Return a line of text per roughness parameter, with its unit."""
+        """Return one line per roughness parameter, with its number and its unit."""
         lines = {
             name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()
         } | self._extra_table_rows()

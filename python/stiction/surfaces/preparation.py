@@ -38,7 +38,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 """Entry that `flipped` adds to the history of a body."""
 
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
-"""Entries that record a flip. The second entry is in files that earlier versions wrote."""
+"""History entries that record a flip: the current entry, and the entry of earlier versions."""
 
 # Distance (points) from the end of a spline beyond which the end condition hardly affects the heights.
 _SPLINE_MARGIN_POINTS = 32
@@ -53,7 +53,7 @@ def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
 @overload
 def levelled(body: ArrayLike, trend: Any, *, spacing: Any, unit: str = ...) -> Profile | Surface: ...
 def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") -> Profile | Surface:
-    r"""Level a body: subtract the least-squares trend or form from its heights (F-operation of ISO 16610).
+    r"""Level a body: subtract a least-squares trend or form from its heights (F-operation of ISO 16610).
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials up to a degree that are orthogonal on a uniform grid, and of the order of 1."""
+    """Return polynomials of degrees up to `degree` that are orthogonal on a uniform grid."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -152,7 +152,7 @@ def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool
 
 
 def flipped(body: AnyBody) -> AnyBody:
-    """Flip a profile or a surface, so that it can face another body from above.
+    """Flip a profile or a height map upside down, so that it can face another body from above.
 
     Parameters
     ----------
@@ -180,12 +180,12 @@ def flipped(body: AnyBody) -> AnyBody:
 
 
 def count_flips(body: Profile | Surface) -> int:
-    """Return how often a profile or a surface was flipped, according to its history."""
+    """Return how often a profile or a height map was flipped, according to its history."""
     return sum(step in _FLIP_HISTORY_ENTRIES for step in body.history)
 
 
 def list_history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a profile or a surface without its flips."""
+    """Return the history of a profile or a height map without the entries about flips."""
     return tuple(step for step in body.history if step not in _FLIP_HISTORY_ENTRIES)
 
 
@@ -194,7 +194,7 @@ def cropped(body: Profile, start: float = ..., stop: float | None = ...) -> Prof
 @overload
 def cropped(body: Surface, start: tuple[float, float] = ..., stop: tuple[float, float] | None = ...) -> Surface: ...
 def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Profile | Surface:
-    """Crop a profile along x, or a surface along y and x.
+    """Crop a profile along x, or a height map along y and x.
 
     Parameters
     ----------
@@ -244,7 +244,10 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first point of a range, the point after its last point, and a description of the range."""
+    """Return the index range of the points that a crop keeps along one axis, and a text for the history.
+
+    The range is the first point, and the point after the last.
+    """
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -272,7 +275,7 @@ def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tup
 def on_common_grid(
     a: Any, b: Any, *, align: GridAlignment = "start"
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two surfaces to the finer of their spacings, over their common length.
+    """Resample two profiles or two height maps to the finer of their spacings, over their common length.
 
     Parameters
     ----------
@@ -324,12 +327,12 @@ def on_common_grid(
 
 
 def _count_grid_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm), including an end point within round-off."""
+    """Return the number of grid points from 0 to a length (µm). An end point within round-off counts."""
     return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: GridAlignment) -> Any:
-    """Resample a body to given spacings (µm) and a given shape, unless the body already has both."""
+    """Resample a body to a grid with given spacings (µm) and shape. A body on this grid is returned unchanged."""
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -357,7 +360,10 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
 def resample_piece(
     surface: Surface, spacing: tuple[float, float], origin: tuple[int, int], shape: tuple[int, int]
 ) -> Surface:
-    """Resample the piece of a surface that begins at `origin` (row, column) to spacings (µm), by natural splines."""
+    """Resample a piece of a height map to given spacings (µm) by natural splines.
+
+    `origin` is the first row and column of the piece at these spacings.
+    """
     heights, missing = surface.heights, surface.missing
     for axis in (0, 1):
         old_spacing, new_spacing, first, points = surface.spacing[axis], spacing[axis], origin[axis], shape[axis]
@@ -383,7 +389,7 @@ def resample_piece(
 
 
 def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
-    """Resample a mask of missing points. A new point is missing if an old point beside it is missing."""
+    """Resample a mask of missing points. A new point is missing if one of its old neighbours is missing."""
     if missing is None:
         return None
     missing_below, missing_above = (
@@ -395,7 +401,7 @@ def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
 def _resample_along_axis(
     heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
-    """Resample heights, or a mask of missing points, along an axis by natural cubic splines.
+    """Resample heights by natural cubic splines along one axis, or resample a mask of missing points.
 
     If the spacing does not change, the axis is only cropped.
     """
@@ -418,7 +424,7 @@ def _resample_along_axis(
 
 
 def rotated(surface: Surface, angle: float) -> Surface:
-    """Rotate a surface about its middle, in the plane of the map.
+    """Rotate a height map about its middle, in the plane of the map.
 
     Parameters
     ----------
@@ -481,10 +487,10 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
-    """Return the heights and missing points of a surface that is rotated about its middle by an angle (radians).
+    """Interpolate a height map that is rotated about its middle by an angle (radians).
 
-    The points of the result are at distances y (a column) and x (µm) from the middle. The mask is None if the surface
-    has no missing points.
+    The points of the result are at distances y (a column) and x (µm) from the middle. Returns heights and a mask of
+    missing points, which is None if the map has no missing points.
     """
     from scipy.interpolate import RectBivariateSpline
 
@@ -507,7 +513,7 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
 
 
 def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return height and width of the largest axis-parallel rectangle inside a rotated rectangle."""
+    """Return the height and width of the largest rectangle with sides along y and x inside a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
     # two corners of the inscribed rectangle lie on the longer sides of the rotated map
@@ -522,7 +528,7 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """Resample a profile to another spacing (µm) using its natural cubic spline.
+    """Resample a profile to another spacing (µm) with its natural cubic spline.
 
     The profile is unchanged if the spacing is equal.
     """

@@ -1,4 +1,4 @@
-"""Rough profiles as heights on a uniform grid, and the base class of profiles and surfaces."""
+"""Profiles as heights on a uniform grid, and the base class of profiles and height maps."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ MIN_POINTS = 4  # minimum number of points of a profile for a natural cubic spli
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Body(PlotReprMixin):
-    """Base class of profiles and surfaces: heights on a uniform grid, with their history."""
+    """Base class of profiles and height maps: heights on a uniform grid, with a history of processing steps."""
 
     _ndim: ClassVar[int]
     x: ClassVar[property]
@@ -45,7 +45,7 @@ class Body(PlotReprMixin):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Check and store heights, spacing, history and mask of missing points."""
+        """Check the heights, the spacing, the history and the mask of missing points of a body, and store them."""
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
@@ -88,19 +88,19 @@ class Body(PlotReprMixin):
 
     @cached_property
     def height_step(self) -> float:
-        """Step (µm) to which the measured heights are rounded, or 0; see `find_height_step`."""
+        """Step (µm) to which the measured heights are rounded, or 0 if there is none; see `find_height_step`."""
         return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
-        """Return a copy of the body with new heights, and one more step in its history."""
+        """Return a copy of the body with new heights, and a further step in its history."""
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Return one line about the body: size, roughness and history."""
+        """Return a line about the body: size, spacing, roughness and history."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights of a profile as a function of x, or the heights of a surface as a map.
+        """Draw the heights of a profile against x, or the heights of a height map as an image.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -110,7 +110,7 @@ class Body(PlotReprMixin):
 
     @classmethod
     def from_(cls, other: Any, *, unit: str | None = None) -> Self:
-        """Create a profile or surface from an object of another library, using its heights, spacing and unit.
+        """Create a profile or a height map from an object of another library with heights, spacing and unit.
 
         Parameters
         ----------
@@ -143,7 +143,7 @@ class Body(PlotReprMixin):
         return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
 
     def to_xarray(self) -> xarray.DataArray:
-        """Return the body as an xarray.DataArray with coordinates, units and history.
+        """Convert the body to an xarray.DataArray with coordinates, units and history.
 
         This is the inverse of `from_`.
         """
@@ -191,16 +191,16 @@ class Profile(Body):
 
     @property
     def x(self) -> Floats:
-        """Positions (µm) of the n points of the profile; point j lies at j Δx."""
+        """Positions (µm) of the points of the profile along x; point j lies at j Δx."""
         return np.arange(self.heights.size, dtype=np.float64) * self.spacing
 
     @property
     def extent(self) -> float:
-        """Length of the profile (µm): number of points times the spacing."""
+        """Length (µm) of the profile: number of points times spacing."""
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """Return the profile with zero mean, scaled to a given amplitude.
+        """Return a copy of the profile with zero mean, whose heights are scaled to an amplitude (µm).
 
         Parameters
         ----------
@@ -216,12 +216,12 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the selected part of a mask of missing points, or None if there is no mask."""
+    """Return a part of a mask of missing points, given its index, or None if there is no mask."""
     return None if mask is None else mask[index]
 
 
 def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return the mask of points that are missing in one of two bodies, or None if no points are missing.
+    """Return a mask of the points that are missing in one or both bodies, or None if no points are missing.
 
     Raises a `ValueError` if no point is measured in both bodies.
     """
@@ -233,7 +233,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing_points(body: Any, operation: str) -> None:
-    """Raise a `ValueError` that names an operation if a scan has missing points."""
+    """Raise a `ValueError` with the name of an operation if a body has missing points."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
@@ -244,7 +244,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Scale a profile to a given amplitude, and write the heights into the array `scaled`."""
+    """Scale the heights of a profile to an amplitude (µm), and write them to the array `scaled`."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

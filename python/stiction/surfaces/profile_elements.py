@@ -1,4 +1,4 @@
-"""Profile elements of ISO 21920: each consists of a hill and a dale about the mean line."""
+"""Profile elements of ISO 21920, each of which is a hill and a neighbouring dale about the mean line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return the spacings (in points) and the heights of the profile elements about the mean line.
+    """Return the spacings (in points) and the heights of all profile elements about the mean line.
 
     A hill counts if it rises above a tenth of the peak height, and a dale counts if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.
@@ -47,7 +47,7 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (points) and mean height of the profile elements, or NaN if there are no elements."""
+    """Return the mean spacing (in points) and the mean height of profile elements, or NaN if there are no elements."""
     spacings, element_heights = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

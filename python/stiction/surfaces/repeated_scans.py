@@ -1,4 +1,4 @@
-"""Instrument noise estimated from two scans of the same area, without assumptions about the noise spectrum."""
+"""Instrument noise from two scans of the same area, without assumptions about the spectrum of the noise."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotReprMixin):
-    """Comparison of two scans of the same area in each octave of wavelength.
+    """Noise and common roughness of two scans of the same area, in each octave of wavelength.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class RepeatedScans(PlotReprMixin):
     slope_fraction: float
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise of both scans, and the roughness that they share, against the wavelength.
+        """Draw the noise of both scans and their common roughness against the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -94,7 +94,7 @@ class RepeatedScans(PlotReprMixin):
 def compare_repeated_scans(
     first: Profile | Surface, second: Profile | Surface, *, outliers: Sequence[NDArray[np.bool_]] | None = None
 ) -> RepeatedScans:
-    r"""Estimate the noise of an instrument from two scans of the same area.
+    r"""Compare two scans of the same area, and estimate the noise of the instrument.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def compare_repeated_scans(
     )
 
     def average(heights: Sequence[Floats]) -> Profile | Surface:
-        """Return the levelled mean of the two scans."""
+        """Return the mean of both scans in their overlap, as a levelled body."""
         mean_heights = (heights[0] + heights[1]) / 2
         scan: Profile | Surface = body_class(
             mean_heights, spacing=first.spacing, history=(*first.history, history_entry)
@@ -228,7 +228,7 @@ def _check_scans(first: Any, second: Any) -> None:
 def _interpolate_outliers(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> tuple[Profile | Surface, Profile | Surface]:
-    """Interpolate the outliers of two scans. If `outliers` is None, return both scans unchanged."""
+    """Interpolate the heights of outliers in both scans. Without `outliers`, return both scans unchanged."""
     if outliers is None:
         return first, second
     masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []
@@ -258,7 +258,10 @@ def _are_identical(
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) that limits noise to `MAX_UNATTRIBUTED_FRACTION` of the mean square slope."""
+    """Return the shortest cutoff (µm) at which noise is a small enough fraction of the mean square slope.
+
+    The limit of this fraction is `MAX_UNATTRIBUTED_FRACTION`.
+    """
     cutoff: float
     for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
         slope_weight = np.square(q * gaussian_transmission(q, cutoff))
@@ -268,7 +271,7 @@ def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, sho
 
 
 def _find_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift (points) of the second scan relative to the first."""
+    """Estimate the shift (in points, possibly fractional) of the second scan relative to the first."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
@@ -318,12 +321,12 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
 
 
 def _slopes_along_axes(heights: Floats) -> list[Floats]:
-    """Return the slopes of heights along each axis, in heights per point."""
+    """Compute the slopes of heights along each axis, as height difference per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift (whole points) with the largest correlation at which more than half of the points overlap."""
+    """Return the shift (in whole points) with the largest height correlation, for overlaps of more than half."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
@@ -333,7 +336,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for each shift of two scans, the sum over their overlap of a power of `a` times a power of `b`."""
+        """Return, for each shift of two scans, the sum of `a` ** power_of_a * `b` ** power_of_b in their overlap."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -352,7 +355,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (points), as slices of the first and positions in the second."""
+    """Return the overlap of two scans at a shift (in points): slices of the first scan, positions in the second."""
     selected_slices, positions = [], []
     for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))

@@ -1,4 +1,4 @@
-"""Roughness parameters of primary profiles and of surfaces: height, slope, texture and feature parameters."""
+"""Roughness parameters of primary profiles and height maps: height, slope, texture and feature parameters."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _NUM_SECTORS = 90  # number of sectors of two degrees over which the spectral po
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form that was subtracted from the heights of a body, according to its history."""
+    """Return the form, such as "plane", that was last subtracted from a body according to its history."""
     forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 
 
 class RoughnessParameters(RoughnessParameterSet):
-    """Parameters of a primary profile about its mean, named as in ISO 21920-2.
+    """Roughness parameters of a primary profile about its mean, named as in ISO 21920-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
 
@@ -64,7 +64,7 @@ class RoughnessParameters(RoughnessParameterSet):
 def roughness_parameters(
     profile: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
-    """Compute the P-parameters of a profile about its mean (ISO 21920-2).
+    """Compute the roughness parameters of a primary profile about its mean (P-parameters of ISO 21920-2).
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters about the mean line, named without the profile letter (P, R or W)."""
+    """Compute height and slope parameters of a profile about the mean line, named without the letter P, R or W."""
     scale = float(np.abs(z).max()) or 1.0
     scaled_heights = z / scale  # without scaling, the fourth power of the heights could overflow or underflow
     rms = float(np.sqrt(np.mean(scaled_heights**2)))
@@ -137,7 +137,7 @@ def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivativ
 
 
 class SurfaceParameters(RoughnessParameterSet):
-    """Parameters of a surface about its mean plane, named as in ISO 25178-2.
+    """Roughness parameters of a height map about its mean, named as in ISO 25178-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
 
@@ -153,7 +153,7 @@ class SurfaceParameters(RoughnessParameterSet):
 def surface_parameters(
     surface: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Compute the ISO 25178-2 parameters of a surface, with heights measured from their mean.
+    r"""Compute the roughness parameters of a height map about its mean (ISO 25178-2).
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def surface_parameters(
 
 
 def reject_flat_or_small_surface(surface: Surface) -> None:
-    """Raise a `ValueError` for a surface that is flat or too small for roughness parameters."""
+    """Raise a `ValueError` for a height map that is flat, or has too few points for roughness parameters."""
     reject_flat_body(surface)
     min_points, shape = SEVEN_POINT_WEIGHTS.size, surface.heights.shape
     if min(shape) < min_points:
@@ -284,7 +284,7 @@ def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]
 
 
 def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
-    """Return the wavelength of the largest Fourier coefficient of a profile."""
+    """Return the wavelength of the largest Fourier coefficient of a height map."""
     from scipy.fft import fftfreq, rfft2, rfftfreq
 
     transform = rfft2(deviation)
@@ -309,7 +309,7 @@ def _feature_parameter_values(deviation: Floats, scale: float, spacing: tuple[fl
 
 
 def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
-    """Compute the root-mean-square gradient Sdq of a surface."""
+    """Compute the root-mean-square gradient Sdq of a height map."""
     z = surface.heights - surface.heights.mean()
     mean_squares = (
         float(np.mean(_slopes_along_axis(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1)
@@ -318,7 +318,7 @@ def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
 
 
 def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
-    """Return the slopes of heights along an axis, in heights per point."""
+    """Compute the slopes of heights along an axis, as height difference per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T
@@ -330,7 +330,7 @@ def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula
 
 
 def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
-    """Return the area of the surface through all points divided by its projected area, minus 1."""
+    """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # A cell of four points has four triangles, each with one side along x and one along y that determine its slope.
@@ -343,7 +343,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
 
 
 def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the shortest and the longest distance at which the autocorrelation falls to 0.2.
+    """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
 
     The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it
     falls to 0.2 in all directions.
@@ -383,7 +383,7 @@ def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[flo
 
 
 def autocorrelation(deviation: Floats) -> Floats:
-    """Compute the autocorrelation of heights at shifts of up to half the points.
+    """Compute the autocorrelation of heights at shifts of up to half the number of points along each axis.
 
     Element (j, l) belongs to a shift of j rows and l - columns//2 columns.
     """

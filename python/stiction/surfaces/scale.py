@@ -1,4 +1,4 @@
-"""Slope and curvature of a body as functions of the shortest wavelength, and the wavelength limit of an instrument."""
+"""Slope and curvature of a body down to a given wavelength, and the wavelength limit of an instrument."""
 
 from __future__ import annotations
 
@@ -74,12 +74,12 @@ LimitOrigin = Literal["instrument", "unknown"]
 LineAxis = Literal["", "x", "y"]
 
 LineSpectrum = tuple[Floats, Floats, Floats, float]
-"""Spectrum of lines: wave numbers, densities, numbers of independent values, and the spacing of the points."""
+"""Spectrum of lines: wave numbers (1/µm), densities, numbers of independent values, and point spacing (µm)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextReprMixin):
-    """Rms slope and rms curvature of a body as functions of the shortest included wavelength.
+    """Rms slope and rms curvature of a body, including all wavelengths down to each of several wavelengths.
 
     Attributes
     ----------
@@ -111,18 +111,18 @@ class ScaleDependentRoughness(TextReprMixin):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms slope of all wavelengths down to each given wavelength (µm).
+        """Return the rms slope that includes all wavelengths down to each given wavelength (µm).
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms curvature (1/µm) of all wavelengths down to each given wavelength (µm)."""
+        """Return the rms curvature (1/µm) that includes all wavelengths down to each given wavelength (µm)."""
         return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that is due to wavelengths below a given wavelength (µm)."""
+        """Return the fraction of the mean square slope that comes from wavelengths below a given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
@@ -148,7 +148,7 @@ class ScaleDependentRoughness(TextReprMixin):
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) down to which the rms slope reaches a given number.
+        """Find the shortest wavelength (µm) that must be included for the rms slope to reach `gradient`.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -176,7 +176,7 @@ class ScaleDependentRoughness(TextReprMixin):
 
 
 def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and two power laws with the smallest and the largest exponent of its interval.
+    """Return the fitted power law, and the power laws with the smallest and the largest exponent of its interval.
 
     All three power laws agree at the centre of the band.
     """
@@ -193,7 +193,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law between a given wavelength (µm) and the fitted band."""
+    """Return the mean square slope of a power law from the fitted band down to a given wavelength (µm)."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -205,7 +205,7 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
 def scale_dependent_roughness(
     body: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> ScaleDependentRoughness:
-    r"""Compute the rms slope and curvature of a body as functions of the shortest included wavelength.
+    r"""Compute the rms slope and the rms curvature of a body down to each of its wavelengths.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Return wave numbers (1/µm) of a body, and the mean square height (µm²) at each wave number.
+    """Compute the mean square height (µm²) of a body at each wave number (1/µm).
 
     Bodies that are not periodic are levelled first.
     """
@@ -287,7 +287,7 @@ def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = Fal
 
 
 def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths: ArrayLike) -> Floats:
-    """Interpolate numbers linearly on logarithmic axes, with 0 beyond the longest wavelength."""
+    """Interpolate a function of wavelength linearly on logarithmic axes, with 0 beyond the longest wavelength."""
     wavelengths = float_array("wavelength", target_wavelengths)
     if not (wavelengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {short_repr(target_wavelengths)}")
@@ -298,7 +298,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableReprMixin):
-    """Wavelength below which a scan shows the instrument instead of the surface, and the reason.
+    """Wavelength below which a scan shows the instrument instead of the surface, with the reason.
 
     Attributes
     ----------
@@ -358,14 +358,14 @@ class InstrumentLimit(TableReprMixin):
 
     @property
     def matters(self) -> bool:
-        """True if wavelengths below the limit contribute more than a tenth of the mean square slope."""
+        """True if more than a tenth of the mean square slope comes from wavelengths below the limit."""
         return self.slope_fraction > MAX_UNATTRIBUTED_FRACTION
 
 
 def instrument_limit(
     body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False, texture: bool = False
 ) -> InstrumentLimit:
-    """Find the wavelength below which a scan is unreliable because of its pixels, noise or tip.
+    """Find the wavelength below which a scan is unreliable, because of its pixels, noise or tip.
 
     Parameters
     ----------
@@ -516,7 +516,10 @@ def round_up_wavelength(wavelength: float) -> float:
 
 
 def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
-    """Find the cutoff (µm), between two limits, that removes a given fraction of the mean square slope."""
+    """Find the cutoff (µm) of a low-pass filter that removes a given fraction of the mean square slope.
+
+    `upper` and `lower` are the limits of the cutoff.
+    """
     q, slope_contributions = 2 * math.pi / roughness.wavelength, np.diff(np.square(roughness.gradient), prepend=0.0)
     log_lower, log_upper = math.log(lower), math.log(max(upper, lower))
     for _ in range(_NUM_BISECTION_STEPS):
@@ -532,7 +535,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
 
 
 def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
-    """Return the spectrum of a profile, or the mean line spectra of a surface along x and along y.
+    """Compute the spectrum of a profile, or the mean spectra of a map's lines along x and along y.
 
     Raises a `ValueError` if the surface is flat (after levelling, unless it is periodic).
     """
@@ -554,7 +557,7 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
 
 
 def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
-    """Estimate how many lines of a surface are independent, at each wave number along the lines.
+    """Estimate the number of statistically independent lines of a map, at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
@@ -571,7 +574,7 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a surface along x with the noise along y. Lines of one axis must contain noise.
+    """Compare the noise of a map along x with the noise along y. The lines along one axis must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -614,7 +617,7 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 
 
 class _SpectrumDisturbance(NamedTuple):
-    """Noise and texture in a line spectrum: the wavelengths not attributed to the surface, and the texture period."""
+    """Noise and periodic texture in a line spectrum: the wavelength limit of the noise, and the texture period."""
 
     # Upper limit of the wavelengths that noise affects, µm; NaN without noise.
     wavelength_limit: float
@@ -627,7 +630,7 @@ class _SpectrumDisturbance(NamedTuple):
 def _find_spectrum_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _SpectrumDisturbance:
-    """Find the wavelengths of a spectrum that are not attributed to the surface or to a periodic texture."""
+    """Find the wavelengths of a spectrum that neither the surface nor a periodic texture explains."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -656,7 +659,7 @@ def _find_spectrum_disturbance(
 
 
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a spectrum with texture harmonics falls below a wavelength as steeply as surface spectra.
+    """Return whether a spectrum with texture harmonics falls towards short wavelengths as steeply as surface spectra.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -681,7 +684,7 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
 def _find_noise_wavelength(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool
 ) -> tuple[float, str]:
-    """Return the wavelength (µm) below which a spectrum without harmonics contains noise, and the type of the noise.
+    """Return the wavelength (µm) below which a spectrum without texture contains noise, and the kind of the noise.
 
     The limit is NaN if there is no noise.
     """
@@ -731,7 +734,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to numbers with given variances. Return its slope and the slope's standard deviation."""
+    """Fit a straight line to numbers with given variances. Returns the slope and its standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -739,7 +742,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit: float) -> bool:
-    """Return True if a spectrum is nearly flat below the wavelength `limit` (µm) and flat in its shortest octave."""
+    """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in its shortest octave."""
     for max_wavelength, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -762,7 +765,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
 def _fit_window_exponents(
     x: Floats, y: Floats, chance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Yield bins, exponent and standard deviation of the exponent for each window of a spectrum.
+    """Fit a power law to each window of a spectrum, and yield first bin, end bin, exponent and standard deviation.
 
     Bins are given as the first bin and the bin after the last.
     """
@@ -776,9 +779,9 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
 ) -> int | None:
-    """Return the bin with the lowest density at which a spectrum becomes too flat for a surface.
+    """Return the bin with the lowest density where a falling spectrum becomes flatter than spectra of surfaces.
 
-    Returns None if there is no such bin.
+    Returns None if the spectrum does not become so flat.
     """
     has_fallen = False
     for first, end, exponent, deviation in window_fits:
@@ -792,7 +795,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
-    """Return the bin with the lowest density before a strong rise at short wavelengths, or None if no rise exists."""
+    """Return the bin with the lowest density before a strong rise towards short wavelengths, or None without a rise."""
     lowest_density, lowest_bin = math.inf, 0
     for bin_index in np.flatnonzero(chance < 1 / 4):
         if (
@@ -808,7 +811,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> in
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return True if heights were rounded to so large a step that rounding explains the noise."""
+    """Return whether heights were rounded to a step so large that rounding explains the noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

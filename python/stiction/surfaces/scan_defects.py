@@ -19,21 +19,21 @@ from stiction.surfaces.scale import InstrumentLimit, instrument_limit, scale_dep
 from stiction.surfaces.surface import Surface
 
 MIN_SPIKE_SHARPNESS_RATIO = 12.0
-"""Minimum second difference at a sharp point of a profile, as a multiple of the robust standard deviation.
+"""Smallest second difference of heights at a sharp point of a profile, as a multiple of the robust standard deviation.
 
 A sharp point that is also an outlier is a spike. The robust standard deviation is the median of the absolute second
 differences, divided by 0.67.
 """
 
 MIN_SPIKE_HEIGHT_RATIO = 6.0
-"""Minimum distance from the median of the neighbourhood for a point of a map that is far from its neighbours.
+"""Smallest distance of a spike in a map from the median height of its neighbourhood, in robust standard deviations.
 
 A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
 deviation of the heights. The distance is at most 4 for machined surfaces, and 5 for white noise.
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
-"""Minimum ratio of the height of a spike per point of its width to the height of its flanks (profiles).
+"""Smallest ratio of a spike's height per point of width to the height of its flanks, for profiles.
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
@@ -48,7 +48,7 @@ _MIN_DEEP_SPIKE_RATIO = 2.0
 MIN_HEIGHT_RANGE_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
-"""Minimum ratio of the rms slopes across and along the lay of a map whose orientation matters.
+"""Smallest ratio of the rms slopes across and along the lay at which the orientation of a map matters.
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
@@ -58,11 +58,10 @@ _NUM_STRIPS = 8
 # Minimum number of points per strip; in smaller scans, no drift of the roughness is searched for.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
-"""Upper limit of a reported drift of ln(rms slope), which a linear fit overestimates if the roughness changes abruptly.
-"""
+"""Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
 
 MIN_DRIFT_DEVIATIONS = 2.5
-"""Smallest significant drift of the roughness along an axis, in standard deviations of a drift by chance.
+"""Smallest significant drift of the roughness along an axis, as a multiple of its standard deviation by chance.
 
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
 """
@@ -72,7 +71,7 @@ MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
 class ScanDefects:
-    """Defects of a scan, each computed on first use.
+    """Defects of a scan: outliers, spikes, noise and tip limit. Each defect is computed on first use.
 
     Parameters
     ----------
@@ -92,7 +91,7 @@ class ScanDefects:
 
     @cached_property
     def outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers among the measured points of the scan."""
+        """Mask of the measured points of the scan that are outliers."""
         return find_outliers(self.body.heights_with_nan, self.body.height_step)
 
     @cached_property
@@ -111,7 +110,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, from which the spectrum is computed; outliers resemble white noise.
+        """Scan with interpolated outliers, from which spectra are computed, because outliers resemble white noise.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -121,7 +120,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength of the scan, limited by pixels and noise.
+        """Shortest wavelength at which the scan is reliable, limited by its pixels and its noise.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -129,7 +128,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> HiddenNoise | None:
-        """White noise that the spectrum of the scan may hide, or None if the spectrum cannot hide noise.
+        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
@@ -139,14 +138,14 @@ class ScanDefects:
 
     @property
     def limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength of the scan, limited by pixels, noise and tip; None if no tip radius is given.
+        """Shortest wavelength at which the scan is reliable, limited by pixels, noise and tip; None without a tip.
 
         Raises a `ValueError` if the body is flat.
         """
         return self._find_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the fraction of the mean square slope that noise contributes after a low-pass filter.
+        """Return the fraction of the mean square slope that is due to noise after a low-pass filter at `cut_off` (µm).
 
         The filter has a cutoff `cut_off` (µm). The noise is assumed to have the same spectrum below the limit of
         `instrument_limit` as the scan. Raises a `ValueError` if the body is flat.
@@ -163,7 +162,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength of the filtered scan if the tip limits it.
+        """Return the shortest reliable wavelength after a low-pass filter at `cut_off` (µm) if the tip limits it.
 
         The scan is low-pass filtered at a cutoff (µm, 0 for no filter). Returns None if no tip radius is given, if
         pixels or noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises
@@ -189,13 +188,13 @@ class ScanDefects:
 
 
 def compute_mean_square_slope(body: Profile | Surface) -> float:
-    """Return the mean square slope of a body from first differences along all axes."""
+    """Compute the mean square slope of a body from the first differences of its heights along all axes."""
     axes = range(body.heights.ndim)
     return sum(float(np.square(np.diff(body.heights, axis=axis)).mean()) / body.spacings[axis] ** 2 for axis in axes)
 
 
 def compute_lay_ratio(surface: Surface) -> float:
-    """Return the ratio of a map's largest to smallest rms slope over all directions, at most `MAX_LAY_RATIO`.
+    """Compute the ratio of the largest to the smallest rms slope of a map over all directions, up to `MAX_LAY_RATIO`.
 
     The slopes are averaged over the cells of the grid.
     """
@@ -209,7 +208,7 @@ def compute_lay_ratio(surface: Surface) -> float:
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:
-    """Estimate the change of ln(rms slope) from one end of a scan to the other.
+    """Estimate the drift of the roughness: the change of ln(rms slope) from one end of a scan to the other.
 
     A linear trend is fitted to the logarithms of the rms slopes of strips. For maps, the trends along both axes are
     combined. The result is 0 if no trend exceeds what a stationary surface shows by chance.
@@ -261,7 +260,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Fit the change of ln(rms slope) along an axis. Return the change and its variance.
+    """Fit the drift of ln(rms slope) along an axis to the mean square slopes. Returns the drift and its variance.
 
     Both are 0 if a strip has no measured points or no slope.
     """
@@ -279,13 +278,13 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
 
 
 def _find_height(body: Profile | Surface) -> float:
-    """Return the distance (µm) from the lowest to the highest point of a levelled body."""
+    """Return the height (µm) of a levelled body from its lowest to its highest point."""
     levelled_body = levelled(body, "line") if isinstance(body, Profile) else levelled(body, "plane")
     return float(np.ptp(levelled_body.heights))
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Find the points of a body that stand out sharply from their neighbours.
+    """Return a mask of the points that stand out sharply from their neighbours.
 
     Sharp points of a profile are next to a large second difference. Sharp points of a map are far from the median of
     the 3 x 3 points around them.
@@ -311,7 +310,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Find the outliers that rise abruptly, unlike the bottom of a groove or the tip of a cusp.
+    """Return a mask of the outliers that rise abruptly, unlike the bottom of a groove or the tip of a cusp.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -324,7 +323,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_DEEP_SPIKE_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights near a group of outliers, measured from the line between points on both sides."""
+        """Return heights near a group of outliers, measured from the line that connects the points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         base = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - base
@@ -347,9 +346,10 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan. All calls for one scan return the same object.
+    """Return the defects of a scan, each of which is computed on first use.
 
-    The defects are cached as an attribute of the body, so that the memory of both is released together.
+    All calls for one scan return the same object. The defects are cached as an attribute of the body, so that the
+    memory of both is released together.
     """
     cached_defects: dict[tuple[float | None, bool, bool], ScanDefects] = vars(body).setdefault("_defects", {})
     options = tip_radius, textured, periodic

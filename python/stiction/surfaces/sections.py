@@ -1,4 +1,4 @@
-"""Roughness and waviness parameters of a profile, computed with the filters and setting classes of ISO 21920."""
+"""Roughness and waviness parameters of a profile with the filters and setting classes of ISO 21920."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios at which the heights are take
 
 
 class SettingClass(NamedTuple):
-    """Setting class of ISO 21920: default settings (µm), and limits of Ra and RSm."""
+    """Setting class of ISO 21920: default filter and measuring settings (µm), and limits of Ra and RSm."""
 
     name: str
     section_length: float
@@ -49,18 +49,18 @@ SETTING_CLASSES = (
     SettingClass("Sc4", 2500.0, 8.0, 5.0, 1.5, 10.0, 1300.0),
     SettingClass("Sc5", 8000.0, 25.0, 10.0, 5.0, math.inf, math.inf),
 )
-"""Setting classes of ISO 21920-3. Limits of Ra and, for periodic profiles, of RSm (as in ISO 4288) select a class."""
+"""Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm (as in ISO 4288)."""
 
 _INITIAL_SETTING_CLASS_INDEX = 2  # index of the setting class from which the search for a consistent class starts
 
 
 class SectionLengthError(ValueError):
-    """Error raised if a profile is too short or too coarse for the section length."""
+    """Error raised if a profile is too short, or its points are too far apart, for a section length."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filters and section lengths for roughness and waviness parameters, with the reason for their choice.
+    """Filter cutoffs and section lengths of roughness and waviness parameters, with the reason for their choice.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return one line with the cutoffs (µm), the number of sections and the reason for their choice."""
+        """Return a line with the cutoffs (µm), the number of sections, and the reason for their choice."""
         ls_text = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         robust_text = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {ls_text}, {self.sections} sections{robust_text}; {self.reason}"
@@ -103,7 +103,7 @@ class SectionFilters:
 
 @dataclass(frozen=True, repr=False)
 class SectionParameters(RoughnessParameterSet):
-    """Parameters of the roughness profile (R) and the waviness profile (W) of ISO 21920-2.
+    """Roughness parameters (R) and waviness parameters (W) of a profile, named as in ISO 21920-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
 
@@ -135,7 +135,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTION_COUNT, robust: bool = False, derivative: DerivativeFormula = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as specified on technical drawings.
+    r"""Compute the R- and W-parameters of a profile as they are specified on technical drawings.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters with the setting class that matches the resulting Ra and RSm."""
+    """Compute R- and W-parameters with the setting class that suits the resulting Ra and RSm."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lengths[0]))
@@ -267,7 +267,7 @@ def _compute_with_setting_class(
 
 
 def _format_setting_class_reasons(parameters: SectionParameters) -> str:
-    """Return Ra and RSm as text, as the reasons for a setting class."""
+    """Format Ra and RSm of a profile, which are the reasons for its setting class."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 
@@ -277,7 +277,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest possible section length (µm) for a given spacing."""
+    """Return the shortest section length (µm) that is possible with a point spacing (µm)."""
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 
@@ -299,7 +299,7 @@ def _too_coarse_message(profile: Profile) -> str:
 def _compute_with_cutoff(
     profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters for a given section length (µm)."""
+    """Compute R- and W-parameters for a section length `lc` (µm)."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lc))

@@ -1,4 +1,4 @@
-"""Power spectra of profiles and surfaces, and the moments of these spectra.
+"""Power spectra of profiles and height maps, and the moments of these spectra.
 
 The spectrum of a `periodic` body is computed without a window. Any other body has a jump between its ends, which would
 add a spectrum proportional to 1/q². A Hann window, applied along both axes of a surface, suppresses this spectrum.
@@ -28,12 +28,12 @@ _PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks 
 _PEAK_WINDOW_BINS = 6  # number of bins on each side of a peak from which the median spectral density is computed
 
 HANN_VARIANCE_FACTOR = 35 / 18
-"""Factor by which a Hann window w increases the variance of sums over harmonics: mean(w⁴) / mean(w²)²."""
+"""Factor by which a Hann window w increases the variance of a sum over harmonics: mean(w⁴) / mean(w²)²."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PowerSpectrum(PlotReprMixin):
-    """Power spectral density of a profile in the convention of Jacobs, Junge & Pastewka (2017).
+    """Power spectral density C1D of a profile, in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class PowerSpectrum(PlotReprMixin):
     resolution: float = field(metadata={"unit": "1/µm"})
 
     def moment(self, order: int) -> float:
-        """Return the spectral moment ∫ q^order C1D dq / π, in µm^(2 - order).
+        """Compute the spectral moment of a given order, ∫ q^order C1D dq / π, in µm^(2 - order).
 
         For a binned spectrum the result is exact only for order 0.
         """
@@ -70,7 +70,7 @@ class PowerSpectrum(PlotReprMixin):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Average the spectrum over bins of equal width in ln(wave number), omitting empty bins.
+        """Average the spectrum over bins of equal width in the logarithm of the wave number. Empty bins are omitted.
 
         Examples
         --------
@@ -83,7 +83,7 @@ class PowerSpectrum(PlotReprMixin):
         return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum on logarithmic scales, with its means over tenths of a decade.
+        """Draw the spectrum on logarithmic axes, with its mean in each tenth of a decade.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -92,7 +92,7 @@ class PowerSpectrum(PlotReprMixin):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return mean wave number, mean density and number of harmonics in each bin of wave number."""
+    """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
     # Wave numbers are multiples of the first.
     # Adding 1e-9 keeps a harmonic at an exact decade in its bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
@@ -161,7 +161,7 @@ def power_spectrum(
 
 
 def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
-    """Compute the spectrum of the heights of a profile, with or without a Hann window."""
+    """Compute the power spectral density of a profile from its heights (µm), with or without a Hann window."""
     points = heights.size
     if windowed:
         heights = heights * (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
@@ -182,7 +182,7 @@ def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> Powe
 
 @dataclass(frozen=True, repr=False)
 class ProfileMoments(TableReprMixin):
-    """Variances of a profile and of its derivatives: the spectral moments m0, m2 and m4.
+    """Variances of the height, the slope and the curvature of a profile: the spectral moments m0, m2 and m4.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ class ProfileMoments(TableReprMixin):
 
     @property
     def nayak_parameter(self) -> float:
-        """Nayak's parameter α = m0 m4 / m2² of the profile. It is 1 for a sinusoid, and larger for a wider spectrum."""
+        """Nayak's parameter α = m0 m4 / m2², which is 1 for a sinusoid, and larger for a wider spectrum."""
         return self.height * self.curvature / self.slope**2
 
 
@@ -277,7 +277,7 @@ def spectral_moments(
 
 
 def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths are within a band.
+    """Return a mask of the wave numbers whose wavelengths are between `shortest` and `longest`.
 
     Wavelengths at the ends of the band are included in spite of round-off.
     """
@@ -288,7 +288,7 @@ def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: flo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadialSpectrum(TextReprMixin):
-    """Surface spectrum averaged over the directions of the wave vector.
+    """Spectrum of a height map, averaged over the directions of the wave vectors.
 
     Attributes
     ----------
@@ -317,7 +317,7 @@ class RadialSpectrum(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceSpectrum(TextReprMixin):
-    """Power spectral density of a surface in the convention of Jacobs, Junge & Pastewka (2017).
+    """Power spectral density C2D of a height map, in the convention of Jacobs, Junge & Pastewka (2017).
 
     Attributes
     ----------
@@ -345,7 +345,7 @@ class SurfaceSpectrum(TextReprMixin):
     density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
-        r"""Return the variances of height, slope and curvature along a line in a given direction.
+        r"""Return the variances of height, slope and curvature along lines in a given direction.
 
         `direction` is in degrees from +x towards +y.
 
@@ -389,7 +389,7 @@ class SurfaceSpectrum(TextReprMixin):
         return math.degrees(double_angle) / 2 % 180
 
     def waves(self) -> tuple[Floats, Floats, Floats]:
-        """Return wave number, direction (degrees from +x towards +y, 0 to 180) and density of every wave vector.
+        """Return wave number, direction (degrees from +x towards +y, 0 to 180) and density of each wave vector.
 
         Wave numbers are limited to the smaller Nyquist wave number, up to which all directions exist, and are in
         ascending order.
@@ -409,7 +409,7 @@ class SurfaceSpectrum(TextReprMixin):
         return q[is_counted][order], angle % 180, self.density[is_counted][order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Return the spectrum averaged over rings of wave vectors, of equal width in ln(wave number).
+        """Average the spectrum over rings of wave vectors that have equal widths in the logarithm of the wave number.
 
         There are `per_decade` rings per decade; empty rings are omitted.
 
@@ -432,7 +432,7 @@ class SurfaceSpectrum(TextReprMixin):
 def surface_spectrum(
     surface: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> SurfaceSpectrum:
-    r"""Compute the power spectral density C2D of a surface about its mean.
+    r"""Compute the power spectral density C2D of a height map about its mean.
 
     Parameters
     ----------
@@ -483,7 +483,7 @@ def surface_spectrum(
 
 
 def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: bool) -> SurfaceSpectrum:
-    """Compute the spectrum of the heights of a surface, with or without a Hann window along both axes."""
+    """Compute the power spectral density of a map from its heights (µm), with or without a Hann window on both axes."""
     from scipy.fft import fft2, fftshift
 
     if windowed:
@@ -507,7 +507,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Find the highest narrow and statistically significant peak of a spectrum.
+    """Find the highest narrow peak of a spectrum that is statistically significant, or return None.
 
     Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.
     """

@@ -1,4 +1,4 @@
-"""Rough surfaces as heights on a uniform grid over an area."""
+"""Height maps: rough surfaces as heights on a uniform grid over an area."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MIN_HEIGHT = 1e-50
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(Body):
-    """Heights of a surface on a uniform grid that starts at x = y = 0.
+    """Height map: heights of a surface on a uniform grid that starts at x = y = 0.
 
     Columns are points along x, and rows are points along y.
 
@@ -74,17 +74,17 @@ class Surface(Body):
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Side lengths of the surface (µm) along y and along x: numbers of points times spacings."""
+        """Side lengths (µm) of the height map along y and along x: numbers of points times spacings."""
         rows, columns = self.heights.shape
         return rows * self.spacing[0], columns * self.spacing[1]
 
     def row(self, index: int) -> Profile:
-        """Return one row of the surface as a profile along x."""
+        """Return one row of the height map as a profile along x."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[0] - 1)
         return self._extract_profile(index, 1, f"row {index}")
 
     def column(self, index: int) -> Profile:
-        """Return one column of the surface as a profile along y."""
+        """Return one column of the height map as a profile along y."""
         index = validate_whole_number("index", index, minimum=0, maximum=self.heights.shape[1] - 1)
         return self._extract_profile((slice(None), index), 0, f"column {index}")
 
@@ -95,7 +95,7 @@ class Surface(Body):
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitudeMeasure = "height") -> Surface:
-        """Return the surface with zero mean, scaled to a given amplitude.
+        """Return a copy of the height map with zero mean, whose heights are scaled to an amplitude (µm).
 
         Parameters
         ----------
@@ -113,7 +113,7 @@ class Surface(Body):
 
 
 def parse_lengths(name: str, value: Any) -> tuple[float, float]:
-    """Parse positive lengths along y and x, given as a pair or as one number for both."""
+    """Parse positive lengths along y and x, given as a pair or as a single number for both axes."""
     lengths = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(lengths) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
@@ -122,7 +122,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Return a profile or a surface unchanged, or convert an array to a profile or a surface.
+    """Convert an array of heights to a profile or a height map. Bodies are returned unchanged.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two bodies with `as_body`. Spacing and unit apply only to arrays."""
+    """Convert two arrays or bodies with `as_body`. Spacing and unit apply only to arrays."""
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing must be omitted, because upper and lower have their own spacings")
     upper, lower = (
@@ -174,7 +174,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 
 
 def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
-    """Parse a shape of at least `least` rows and columns, and at most MAX_POINTS points."""
+    """Check a shape with at least `least` rows and columns, and at most MAX_POINTS points. Returns the shape."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
@@ -184,7 +184,7 @@ def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
 
 
 def reject_flat_body(body: Profile | Surface) -> None:
-    """Raise a `ValueError` for a flat body, or for heights whose powers overflow or underflow."""
+    """Raise a `ValueError` for a body that is flat, or whose heights are too small or too large to be squared."""
     kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")

@@ -1,4 +1,4 @@
-"""Surrogates: random profiles and surfaces with the spectrum of a measured profile or surface."""
+"""Surrogates: random profiles and height maps with the spectrum of a measured profile or height map."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _MAX_DEFAULT_SIDE_POINTS = 512
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """Generate a profile or a surface with random phases and the spectrum of a given profile or surface.
+    """Generate a profile or height map with random phases and the spectrum of a given profile or height map.
 
     Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
@@ -131,7 +131,7 @@ def _surface_surrogate(surface: Surface, seed: int, repetition: int, side: Side,
 
 
 def isotropic_spectrum(profile: Profile, *, periodic: bool = False) -> RadialSpectrum:
-    r"""Estimate the spectrum C2D of an isotropic surface on a square grid from a profile.
+    r"""Estimate the spectrum C2D of an isotropic surface from a profile of this surface.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian surface with the spectrum of a profile: an areal surrogate.
+    """Generate an isotropic Gaussian height map with the spectrum of a profile, as areal surrogate of the profile.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
@@ -245,7 +245,7 @@ def isotropic_surface(
 
 
 def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> Floats:
-    """Generate periodic Gaussian heights, given the expected power of every wave vector."""
+    """Generate periodic Gaussian heights from the expected power of each wave vector."""
     from scipy.fft import ifft2
 
     rows, columns = power.shape
@@ -257,7 +257,10 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Return rings of wave vectors: their edges, fitted densities C2D and numbers of harmonics."""
+    """Fit the isotropic density C2D in rings of wave vectors to the spectrum of a profile.
+
+    Returns the edges of the rings, the densities, and the numbers of harmonics.
+    """
     check_bool("periodic", periodic)
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
@@ -294,7 +297,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit densities in rings of wave vectors to the spectrum of a line, by maximum likelihood (Fisher scoring)."""
+    """Fit densities in rings of wave vectors to the spectrum of a profile, by maximum likelihood (Fisher scoring)."""
 
     def cost(log_density: Floats) -> float:
         predicted_density = response @ np.exp(log_density)

@@ -1,4 +1,4 @@
-"""Reconstruction of a surface that was scanned with a spherical tip."""
+"""Reconstruction of surfaces from scans with a spherical tip."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TIP_CONTACT_TOLERANCE = 1e-9
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""Reconstruct the highest surface that gives the scan when a spherical tip traces it.
+    r"""Reconstruct the highest surface that would give a scan when a spherical tip traces the surface.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 
 
 def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
-    """Sharpen a scan by a multiple of the tip correction, which is the scan minus its reconstruction.
+    """Sharpen a scan by a multiple of the tip correction: the scan minus the reconstructed surface.
 
     The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
     Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
@@ -110,7 +110,7 @@ def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile 
 
 
 def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
-    """Return the highest surface that gives the heights (µm) when a spherical tip traces it."""
+    """Return the heights (µm) of the highest surface that would give a scan when a spherical tip traces it."""
     eroded_heights = heights.copy()
     for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
         heights.shape, spacing, radius, float(np.ptp(heights))
@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield each offset below the tip, as slices of points and of their neighbours, with the tip's height."""
+    """Yield the height of the tip above its lowest point at each offset, with the slices of points at this offset."""
     half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)
@@ -140,7 +140,7 @@ def _tip_offsets_and_heights(
 
 
 def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the half width of a tip at the height `deepest` above its lowest point, in µm and in points."""
+    """Return the half width of a tip, in µm and in points, at the height `deepest` above its lowest point."""
     half_width = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
