@@ -1,4 +1,4 @@
-"""stiction: static friction coefficient of rough surfaces, computed from their shape.
+"""stiction: static friction coefficient of rough surfaces, computed from their heights.
 
 Lengths are in µm, forces in mN, pressures in GPa (1 GPa = 1 mN/µm²); angles in rad.
 """

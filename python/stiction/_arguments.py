@@ -1,4 +1,4 @@
-"""Parsing of arguments given as numbers or as texts with units."""
+"""Parsing of function arguments that are numbers, or texts with units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_
 
 
 def split_values(value: Any) -> list[Any]:
-    """Flatten an argument to a list of values: a text with commas, nested lists or a single value."""
+    """Split an argument into a flat list: a text at its commas, nested lists, or a single number."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
@@ -35,7 +35,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Convert a text with a unit, or a number in core units, to a quantity of a given kind."""
+    """Convert a text with a unit, or a number in core units, to a quantity of a kind such as "pressure"."""
     try:
         return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
     except ValueError as error:
@@ -43,7 +43,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or several quantities of a given kind."""
+    """Parse one or several quantities of a kind such as "pressure"."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
@@ -81,7 +81,7 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
 
 
 MAX_INPUT_NUMBER = 1e6
-"""Largest accepted coefficient, percentage or range limit. Larger values are rejected as mistakes."""
+"""Largest accepted coefficient, percentage or range limit. Larger numbers are rejected as mistakes."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
@@ -104,7 +104,7 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return it with True if it is a pressure, or False if it is a force.
+    """Parse a load, which is a force or a pressure. Return the load, and True if it is a pressure.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -12,8 +12,8 @@ if not TYPE_CHECKING and sys.version_info < (3, 12):
     class cached_property(functools.cached_property):  # noqa: N801
         """Property whose value is cached without a lock, like `functools.cached_property` in Python 3.12 and later.
 
-        In Python 3.11, that property locks its class while it computes. Threads that use different objects then wait
-        for each other, and a child process that is forked in the meantime waits forever.
+        In Python 3.11, `functools.cached_property` locks its class while it computes. Threads that use different
+        objects then wait for each other, and a child process that is forked in the meantime waits forever.
         """
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:

@@ -1,4 +1,4 @@
-"""Checks of function arguments: arrays, numbers and choices."""
+"""Checks of function arguments: arrays, numbers, names and choices."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return numbers as a C-contiguous float64 array. Infinity and NaN raise a `ValueError`.
+    """Return numbers as a C-contiguous float64 array, and raise a `ValueError` for infinity or NaN.
 
-    `ndim` is the required number of dimensions; None accepts any.
+    `ndim` is the required number of dimensions; None accepts any number of dimensions.
     """
     if np.ma.is_masked(values):
         raise ValueError(f"{name} must not have masked values; fill or remove them first")
@@ -53,7 +53,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
 
 
 def make_read_only(array: _Array) -> _Array:
-    """Make an array read-only and return it."""
+    """Make an array read-only, and return the same array."""
     array.flags.writeable = False
     return array
 
@@ -108,7 +108,7 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless an argument is an instance of `kind`, called `words` in the message."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`, which the message calls `words`."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
@@ -120,7 +120,7 @@ def check_callable(name: str, value: Any) -> None:
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Convert a text to a path. Raises a `ValueError` if no file can have this name."""
+    """Convert a text to a path. Raises a `ValueError` if the text cannot be a file name."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)
@@ -134,7 +134,7 @@ def parse_path(name: str, value: Any) -> Path:
 
 
 def parse_names(name: str, value: Any) -> list[str]:
-    """Return a list of names, given as one name or as several."""
+    """Return the names in an argument, which is one name or a list of names."""
     names = [value] if isinstance(value, str) else value
     names = list(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else [None]
     if not all(isinstance(item, str) for item in names):
@@ -143,7 +143,7 @@ def parse_names(name: str, value: Any) -> list[str]:
 
 
 def check_choice(name: str, value: Any, literal: Any) -> None:
-    """Raise a `ValueError` unless an argument is one of the texts that a `Literal` type allows."""
+    """Raise a `ValueError` unless an argument is one of the strings that a `Literal` type allows."""
     allowed = get_args(literal)
     value = unwrap_scalar(value)
     if not (isinstance(value, str) and value in allowed):

@@ -22,12 +22,12 @@ MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
-    """Convert heights (µm) that span less than 0.5 µm to nm. Return heights and unit."""
+    """Convert heights (µm) to nm if they span less than 0.5 µm. Return the heights and their unit."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NANOMETRE_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw the heights of a profile against x, with different scales of both axes."""
+    """Draw the heights of a profile against x, with a scale of its own for each axis."""
     heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -35,7 +35,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map with y upwards and each point at the centre of its pixel."""
+    """Draw a height map, with y upwards and each grid point at the centre of its pixel."""
     heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the density of all harmonics of a spectrum, and its means in bins, on logarithmic axes."""
+    """Draw the spectral density of all harmonics, and its means in bins, on logarithmic axes."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of round length in the lower right corner of a map with a given width (µm)."""
+    """Draw a scale bar of round length in the lower right corner of a map. `box` contains the sides of the map (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -97,18 +97,18 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the sides of a map (left, right, bottom, top; µm) whose cells are centred on its points."""
+    """Return the sides of a map (left, right, bottom, top; µm), half a cell beyond its outermost grid points."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers to wavelengths, or vice versa."""
+    """Convert wave numbers to wavelengths, or wavelengths to wave numbers."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 
 
 def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
-    """Add a colour bar of the same height as a map."""
+    """Add a colour bar that is as high as the map."""
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
@@ -168,7 +168,7 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a label for each pair of mu0 and tau0, or an empty list if there is only one pair."""
+    """Return a legend label for each pair of mu0 and tau0, or an empty list if there is only one pair."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []

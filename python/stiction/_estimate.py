@@ -1,4 +1,4 @@
-"""Estimates: numbers with 95 % intervals, whose width determines the number of printed digits."""
+"""Estimates: numbers with 95 % intervals, which determine how many digits are printed."""
 
 from __future__ import annotations
 
@@ -26,8 +26,9 @@ MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
 """Kinds of intervals.
 
-*mean*: mean over members, with exact inputs. *combined*: all uncertain inputs. *prediction*: a further test.
-*conditional*: all uncertain inputs except one, which is exact. *fit*: parameter of a fit. *range*: typical values.
+*mean*: interval of the mean over members, with exact inputs. *combined*: includes all uncertain inputs. *prediction*:
+interval for one further test. *conditional*: all uncertain inputs except one, which is exact. *fit*: interval of a
+fitted parameter. *range*: range of typical numbers.
 """
 
 
@@ -42,7 +43,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and the given intervals."""
+        """Return the smallest interval that includes this interval and all given intervals."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -89,7 +90,7 @@ class Estimate:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Self:
-        """Create an estimate from the JSON object of `to_record`."""
+        """Create an estimate from the JSON object that `to_record` returned."""
         value, lower, upper = (math.nan if record[key] is None else record[key] for key in ("value", "lower", "upper"))
         if math.isnan(upper) and not math.isnan(lower):
             upper = math.inf
@@ -110,12 +111,12 @@ class Estimate:
 
     @property
     def table_text(self) -> str:
-        """Text of the estimate in a table: `text`, followed by "no interval" if there is no interval."""
+        """Text of the estimate in a table: as `text`, but with "no interval" if there is no interval."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return the estimate in a unit that is `factor` (positive) times as large."""
+        """Return the estimate in another unit, in which its numbers are multiplied by `factor` (positive)."""
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
@@ -130,7 +131,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object. `at` has the coordinates of the estimate."""
+        """Return the estimate as a JSON object. `at` contains the coordinates of the estimate, such as its load."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -140,15 +141,15 @@ class Estimate:
     def extended_to(self, other: Estimate) -> Self:
         """Return the estimate with an interval that also includes the interval of another estimate.
 
-        A missing interval stays missing, because the uncertainty of the value is then unknown.
+        A missing interval stays missing, because the uncertainty of this estimate is then unknown.
         """
         lower, upper = self.interval.extended_to(other.interval)
         return replace(self, lower=lower, upper=upper)
 
     def text(self, digits: int = 2) -> str:
-        """Return number and interval as text, rounded to significant digits of the half width.
+        """Return the number and its interval as text, rounded to `digits` significant digits of the half width.
 
-        The value has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
+        The number has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
         otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if
         the value is NaN.
 
@@ -185,7 +186,7 @@ def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Extend intervals to include other intervals.
+    """Extend intervals so that they include other intervals.
 
     Parameters
     ----------
@@ -208,7 +209,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals estimates print: for the number and the lower limit, and for the upper limit.
+    """Return how many decimals to print: for the number and lower limit of each estimate, and for its upper limit.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
@@ -234,7 +235,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return how many decimals show `digits` digits of the half width, but 2 to 4 digits of the number."""
+    """Return how many decimals show `digits` digits of the half width, and from 2 to 4 digits of the number."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -243,7 +244,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return the number of decimals after rounding to `digits` digits, without trailing zeros."""
+    """Return how many decimals numbers have after rounding to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # Write the rounded digits as a whole number, such as 123 for 0.01234.
@@ -255,7 +256,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the decimal exponent of each number: 0 for the number 0, and not finite for NaN and infinity."""
+    """Return the exponent of 10 in scientific notation for each number: 0 for 0, not finite for NaN and infinity."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))

@@ -1,4 +1,4 @@
-"""Atomic writing of files, and reading of files up to a maximum size."""
+"""Atomic writing of files, and reading of files of limited size."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _NUM_SEARCHED_BYTES = 2**16
 
 @contextmanager
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that becomes `path` when it is complete, unless `path` exists."""
+    """Yield a temporary file that is renamed to `path` when it is complete, if `path` does not exist."""
     check_creatable(path, error_type)
     # `os.link` never replaces a file, unlike `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
@@ -55,9 +55,9 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
 
 @contextmanager
 def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that finally replaces `path`, unless `path` is a file without the bytes `mark`.
+    """Yield a temporary file that replaces `path` when it is complete, unless `path` is a file without `mark`.
 
-    A file without the bytes `mark` near its start or its end was not written by this package.
+    A file that does not contain the bytes `mark` near its start or its end was not written by this package.
     """
     check_replaceable(path, mark, error_type)
     with _translate_os_errors(path, error_type), _open_partial_file(path, Path.replace) as partial_path:
@@ -78,7 +78,7 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
 
 
 def create_atomically(path: Path, content: bytes) -> None:
-    """Write a new file, which appears only when it is complete.
+    """Write a new file, which exists under its name only when it is complete.
 
     If several processes create the same path at the same time, exactly one succeeds, provided that the file system has
     hard links.
@@ -97,16 +97,16 @@ def create_atomically(path: Path, content: bytes) -> None:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file, which appears or replaces an older file only when it is complete."""
+    """Write a file. It appears, or replaces an older file, only when it is complete."""
     with _open_partial_file(path, Path.replace) as partial_path:
         partial_path.write_bytes(content)
 
 
 @contextmanager
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty file in the directory of `path`.
+    """Yield an empty partial file in the directory of `path`.
 
-    The file is renamed to `path` after success, and removed after an error.
+    `move_file` moves it to `path` after success. After an error, the partial file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
     try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately
@@ -124,7 +124,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim of a run on a directory: a partial file that exists until the end of the context.
+    """Claim of a run on its directory: a partial file that exists until the end of the context.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -148,7 +148,7 @@ class DirectoryClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the file of the claim in an existing directory."""
+        """Create the partial file of the claim in an existing directory."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
@@ -161,7 +161,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim of another active run on this directory, or None if there is no such run.
+        """Return the claim file of another active run in this directory, or None if there is no such run.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -238,10 +238,10 @@ def check_is_file(path: Path) -> None:
 
 
 def read_file_bytes(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
-    """Return the bytes of a regular file, without waiting for a device or a pipe.
+    """Return the bytes of a regular file. Raises an error instead of waiting for a device or a pipe.
 
-    Raises `UnreadableFileError` if it is another kind of file, is longer than `max_bytes` or does not begin with
-    `start`, and `OSError` if it cannot be read.
+    The error is an `UnreadableFileError` if the path is not a regular file, or if the file is longer than `max_bytes`
+    or does not begin with `start`. It is an `OSError` if the file cannot be read.
     """
     file_status = path.stat()
     if not (stat.S_ISREG(file_status.st_mode) or stat.S_ISDIR(file_status.st_mode)):
@@ -260,5 +260,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error without the file name, because the name may be internal."""
+    """Return the reason for a system error without the file name, which may be internal."""
     return os.strerror(error.errno) if error.errno else str(error)

@@ -1,4 +1,4 @@
-"""Formatting of numbers without an interval, in units that suit the numbers."""
+"""Formatting of numbers without an interval, in units that suit their size."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PREFIXED_UNITS = {
     "MPa/mm": ((1e7, 1e6, "TPa/mm"), (1e4, 1e3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
     "%": ((0.0, 0.01, "%"),),
 }
-"""Prefixed units of each core unit: smallest value to be printed in the unit, factor to the core unit, and name."""
+"""Prefixed units of each core unit: smallest number that is printed in the unit, factor to the core unit, and name."""
 
 _NO_PREFIXES = ((0.0, 1.0, ""),)
 
@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format for numbers of a certain size, divided by `factor` and rounded.
+    """Format for numbers from a certain size upwards, which are divided by `factor` and rounded.
 
     Attributes
     ----------
@@ -72,11 +72,11 @@ _PERCENT_FORMATS = (
 )
 
 MIN_ROUNDED_TO_ONE = 0.9995
-"""Smallest number that is 1 after rounding to three digits: 0.99996 mN is printed as 1 mN."""
+"""Smallest number that rounds to 1 with three digits: 0.99996 mN is printed as 1 mN."""
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of number, ordered from the largest numbers to the smallest.
+    """Return the formats for a kind of number, such as "percent", starting with the format for the largest numbers.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Return a conversion factor and a unit: the unit in which a number has the fewest zeros.
+    """Choose the unit in which a number has the fewest zeros. Return the conversion factor and the unit.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
 
 
 def format_time(seconds: float) -> str:
-    """Format a time in the largest unit in which it is at least 1, as in "1.5 h"."""
+    """Format a time (s) in the largest unit in which it is at least 1, as in "1.5 h"."""
     factor, unit = next((item for item in _TIME_UNITS if seconds >= item[0]), _TIME_UNITS[-1])
     return f"{seconds / factor:.3g} {unit}"
 
@@ -137,7 +137,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Convert a number for JSON: NaN and infinity become None."""
+    """Prepare a record for JSON: NaN and infinity become None."""
     return json.dumps(_replace_nonfinite_by_none(record), allow_nan=False, **options)
 
 

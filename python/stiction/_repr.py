@@ -1,4 +1,4 @@
-"""Representation of results in a terminal or a notebook: text, HTML and images."""
+"""Representation of objects in a terminal or a notebook: text, HTML and images."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ MAX_ONE_COLUMN_WIDTH = 4.0
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Next smaller unit of each unit, with the conversion factor. Values below 0.1 are printed in the smaller unit."""
+"""Next smaller unit of each unit, with the conversion factor. Numbers below 0.1 are printed in the smaller unit."""
 
 
 class TextReprMixin:
-    """Mixin for a text that lists all numbers of an object, and the shapes and ranges of its arrays."""
+    """Mixin for dataclasses whose text lists all numbers, and the shapes and ranges of all arrays."""
 
     def __repr__(self) -> str:
-        """Return one line per quantity, with its unit."""
+        """Return one line per quantity of the object, with its unit."""
         rows = [(name, text) for name, text in _format_fields(self) if text]
         width = max((len(name) for name, _ in rows), default=0)
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in rows)])
 
 
 class PlotReprMixin(TextReprMixin):
-    """Mixin for a text and a plot in a notebook, drawn by the method ``plot(ax=None)``."""
+    """Mixin for dataclasses that a notebook shows as text and as a plot, drawn by ``plot(ax=None)``."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
 
 
 class TableReprMixin(TextReprMixin):
-    """Mixin that shows a table of numbers with units in a notebook."""
+    """Mixin for dataclasses that a notebook shows as a table of numbers with units."""
 
     def _repr_html_(self) -> str:
         units = field_units(type(self))
@@ -62,12 +62,12 @@ class TableReprMixin(TextReprMixin):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of dataclass fields by name, omitting fields without a unit."""
+    """Return the units of dataclass fields by field name. Fields without a unit are left out."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Return a number with four digits, and the unit in which it has the fewest zeros."""
+    """Return a number as text with four digits, and the unit in which it has the fewest zeros."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -77,12 +77,12 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Return a number with four digits and its unit."""
+    """Return a number as text with four digits and its unit."""
     return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Return the range of the finite numbers in an array as text, with the count of NaN and infinite numbers."""
+    """Return the range of the finite numbers in an array as text, and how many are NaN or infinite."""
     finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite_values.size:
         return "none"
@@ -131,14 +131,14 @@ def preformatted_html(text: str) -> str:
 
 
 def table_html(column_titles: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return an HTML table with row names in the first column."""
+    """Return an HTML table whose first column contains the row names."""
     head = "".join(f"<th>{html.escape(text)}</th>" for text in column_titles)
     body = "".join("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Return a plot as an inline image, or an error message as preformatted text."""
+    """Return a plot as an inline image in HTML, or the error message if drawing fails."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_IMAGE_SIZE, layout="constrained")
@@ -150,7 +150,7 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 
 
 def figure_html(figure: Any) -> str:
-    """Return a Matplotlib figure as an inline image, with a description for screen readers."""
+    """Return a Matplotlib figure as an inline image in HTML, with a description for screen readers."""
     encoded = base64.b64encode(render_png(figure)).decode("ascii")
     description = html.escape(describe_axes(figure))
     return f'<img alt="{description}" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
@@ -189,7 +189,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
 
 
 def axes_or_new_axes(ax: Axes | None) -> Axes:
-    """Return the given axes or, without any, create axes that a notebook displays."""
+    """Return the given axes. If None is given, create axes that a notebook displays."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

@@ -23,7 +23,7 @@ VALID_QUANTITY_RANGES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
-"""Minimum and maximum magnitude in core units. Values outside these limits usually have a wrong unit."""
+"""Minimum and maximum magnitude in core units. Numbers outside these limits usually have a wrong unit."""
 
 _QUANTITY_PATTERN = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
@@ -40,12 +40,12 @@ _RANGE_OF_NUMBERS_PATTERN = re.compile(r"[0-9]\s*[^\W0-9_]*\s*\.\.\s*[0-9]")
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
-    """Return the names of the units for a kind of quantity, such as "pressure"."""
+    """Return the accepted names of units for a kind of quantity, such as "pressure"."""
     return tuple(_UNIT_FACTORS[kind])
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) with its original text. Comparisons ignore the text."""
+    """Number in core units (µm, GPa, mN) with the text from which it was parsed. Comparisons ignore the text."""
 
     text: str
 
@@ -60,9 +60,9 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse a number with a unit, such as "200 MPa", for a kind of quantity, such as "pressure".
+    """Parse a number with a unit, such as "200 MPa", whose unit must fit the kind of quantity, such as "pressure".
 
-    Raises a `ValueError` if the text is not a number with a unit of that kind.
+    Raises a `ValueError` if the text is not a number with such a unit.
     """
     if isinstance(text, Quantity):
         return text
@@ -97,7 +97,10 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def core_quantity(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity. Raises a `ValueError` if the number is out of range."""
+    """Return a number in core units as a quantity.
+
+    Raises a `ValueError` if the number is implausibly small or large.
+    """
     text = exact_quantity_text(value, _core_unit(kind))
     return _check_magnitude(Quantity(value, text), kind, text)
 
@@ -130,7 +133,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads to mN: forces such as "10 mN", and pressures such as "10 MPa" that act on `area` (µm²).
+    """Convert loads to mN: forces such as "10 mN", and pressures such as "10 MPa" on an `area` (µm²).
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -158,7 +161,7 @@ def is_pressure(value: Any) -> bool:
 
 
 def exact_quantity_text(value: float, unit: str) -> str:
-    """Format a number and its unit so that `quantity` parses exactly this number."""
+    """Format a number and its unit so that `quantity` parses the text to exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
@@ -168,7 +171,7 @@ def exact_quantity(value: float, unit: str) -> Quantity:
 
 
 def short_repr(value: object) -> str:
-    """Return the `repr` of an argument, shortened to one line for a message."""
+    """Return the `repr` of an argument for a message, shortened to one line."""
     try:
         text = repr(value)
     except (

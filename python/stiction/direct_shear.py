@@ -242,7 +242,7 @@ def _create_directory(directory: Path) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Shear test to compute, with the further tests that its intervals need."""
+    """Shear test to compute, with the further shear tests that its intervals require."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -264,7 +264,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return a shear test of each strip. Raises a `ValueError` if the faces cannot be cut into so many strips."""
+    """Return one shear test per strip. Raises a `ValueError` if the faces cannot be cut into so many strips."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -295,7 +295,7 @@ def _compute(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one shear test, and report progress over all shear tests."""
+        """Solve one of the shear tests, and report the progress over all of them."""
 
         def show(done: int, _: int) -> None:
             if progress is not None:
@@ -352,7 +352,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _ShearTestSetup) -> str:
-    """Return a text that differs between shear tests with different inputs."""
+    """Return a text that is different for shear tests with different inputs."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -366,7 +366,7 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished shear test in a directory, or None if no test there can be reused."""
+    """Return the finished shear test in a directory, or None if the directory has no test that can be reused."""
     import xarray as xr
 
     path = directory / TEST_FILE_NAME
@@ -388,7 +388,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test. Return the test to compute, and a registration of its two faces."""
+    """Check the arguments of a shear test. Return the test to compute, and the registration of its two faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

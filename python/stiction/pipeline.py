@@ -1,7 +1,7 @@
 """Completion of a result directory: missing blocks and, for a measured pair, companion results.
 
-Companion files contain the contacts of a typical member and the onset of sliding. The
-cutoff study and the alternative preparations of the scans are companion studies, each in a subdirectory.
+The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
+preparations of the scans are companion studies, each in a subdirectory.
 """
 
 from __future__ import annotations
@@ -62,13 +62,13 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output, in runs that print nothing."""
+    """Ignore a line of output, for runs that print nothing."""
 
 
 def run(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> Result:
-    """Run a study, and return its result.
+    """Compute a study, and return its result.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def run(
 
 
 def compute_preview_result(study: Study) -> Result:
-    """Compute a preliminary result from the first few members. Arguments and errors: as for `run`."""
+    """Compute a preliminary result from the first few members. Arguments and errors are as for `run`."""
     return Result.of(compute_preview_sums(study))
 
 
@@ -120,14 +120,14 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of one part of it.
+    """Compute the missing blocks of a study, or of one part of the study, and return the result.
 
-    Without a part, the companion files are computed too.
+    If no part is given, the companion results are computed too.
 
-    `replace` removes the result of another study. `onset` is the number of members whose onset of sliding is computed,
-    0 for none. `print_finished` receives lines about finished work, `print_remark` receives important remarks, and
-    `announce` receives lines about the work ahead. `show_result` receives the result as soon as all blocks are
-    complete.
+    With `replace`, the result of another study in the directory is removed. `onset` is the number of members whose
+    onset of sliding is computed. `print_finished` receives lines about finished work, `print_remark` receives important
+    remarks, and `announce` receives lines about work that is about to start. `show_result` receives the result as soon
+    as all blocks are complete.
     """
     for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
         check_replaceable(directory / name, signature, StoreError)
@@ -197,9 +197,9 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute results for alternative preparations of the scans. The combined interval covers these results.
+    """Compute the results of alternative preparations of the scans, which the combined interval covers.
 
-    If such a result cannot be computed, the pair keeps its result, and a remark gives the reason.
+    If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
     try:
         names = find_alternatives(stored_result.study)
@@ -219,7 +219,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file, unless there is nothing to compute or a scan file is missing."""
+    """Compute and write a companion file, unless `compute` returns nothing or a scan file is missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -263,7 +263,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the onset table of a result, scaled to its coefficient, unless the file is up to date."""
+    """Write the table of the onset of sliding, scaled to the coefficient of the result, unless it is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -46,16 +46,19 @@ class Result(Evaluation):
     def sentence(self) -> str:
         """Sentences to quote, one line per load, with all conditions under which the friction holds.
 
-        Loads whose coefficient must not be quoted have a sentence with the reason. If `mu0` and `tau0` have several
-        values, each combination has a sentence. For generated surfaces, only the first combination of D, amplitude, mu0
-        and tau0 has sentences.
+        If a coefficient must not be quoted, the line contains the reason. If there are several mu0 or tau0, each
+        combination has a line. For generated surfaces, only the first combination of D, amplitude, mu0 and tau0 has
+        lines.
         """
         return "\n".join(quotable_sentences(self.summary()))
 
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table of CSV files: one row per load, mu0, tau0, sliding rule and direction."""
+        """Return the coefficients and quantities as a table, like the CSV file.
+
+        There is one row per load, mu0, tau0, sliding rule and motion (all directions, an axis or a direction).
+        """
         return summary_table(self.complete_summary())
 
     def figures(self) -> list[str]:
@@ -98,7 +101,7 @@ class Result(Evaluation):
         return path
 
     def export(self, path: str | Path, *, joint: bool = False, units: UnitSystem | None = None) -> None:
-        """Write the result to a new file: all numbers for ``.nc``, or a table for ``.csv`` and ``.tex``.
+        """Write the result to a new file: the whole result for ``.nc``, or a table for ``.csv`` and ``.tex``.
 
         Parameters
         ----------

@@ -1,1 +1,1 @@
-"""Browser app `stiction app`: a local server, and a page that runs stiction's commands."""
+"""Browser app `stiction app`: a local server, and a page that runs commands of stiction."""

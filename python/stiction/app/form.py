@@ -19,12 +19,12 @@ from stiction.study.pair_options import (
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 _NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
-"""Field names of the options, keyed by the command-line name of the option without dashes."""
+"""Name of the option's declaration for each command-line name without dashes."""
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
 }
-"""Form fields, keyed by the names of their options without dashes."""
+"""Form field for each option name without dashes."""
 
 FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
 """Names of the reading options for which the form has a separate field for each scan."""
@@ -87,7 +87,7 @@ def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def format_error(error: Exception) -> str:
-    """Return the message of an error with option names instead of argument names, as on the command line."""
+    """Return the message of an error, in which option names replace the argument names of Python."""
     return error.translated_message(format_command_line_name) if isinstance(error, ArgumentError) else str(error)
 
 
@@ -105,13 +105,13 @@ _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option name at the start of an error message, or "" if the form has no such field."""
+    """Return the option at the start of an error message, or "" if the form has no field for this option."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""
 
 
 def replace_option_names(message: str) -> str:
-    """Replace option names in a command's message by the labels of form fields and choices."""
+    """Replace the option names in a command's message by the labels of form fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FORM_FIELDS_BY_FLAG.get(match[1])
@@ -125,11 +125,11 @@ def replace_option_names(message: str) -> str:
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Replace option names in the caveats of a JSON record by labels of form fields."""
+    """Replace the option names in the caveats of a JSON record by the labels of form fields."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}
 
 
 def replace_option_names_in_preview(preview: dict[str, Any]) -> dict[str, Any]:
-    """Replace option names in the messages of a scan preview by labels of form fields."""
+    """Replace the option names in the messages of a scan preview by the labels of form fields."""
     return preview | {name: replace_option_names(preview[name]) for name in ("error", "warning") if name in preview}

@@ -51,7 +51,7 @@ REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeErr
 
 
 class RejectedRequestError(ValueError):
-    """Error raised if the app rejects a request, with a message for the page."""
+    """Error raised if the app rejects a request, with a message that the page shows."""
 
 
 def hide_private_paths(text: str, root: Path | str) -> str:
@@ -61,7 +61,7 @@ def hide_private_paths(text: str, root: Path | str) -> str:
 
 @dataclass(eq=False)
 class Job:
-    """Job in the queue: a command, its progress and its result."""
+    """Job in the queue of the app: a command of stiction, its progress and its result."""
 
     number: int
     title: str
@@ -82,7 +82,7 @@ class Job:
     task: asyncio.Task[None] | None = None
 
     def page_data(self) -> dict[str, Any]:
-        """Return the job as data for the page."""
+        """Return the state, progress, result and error of the job as data for the page."""
         field_names = ("number", "title", "state", "finished", "total")
         return {name: getattr(self, name) for name in field_names} | {
             "words": self.activity, "by": self.scope, "answer": self.record, "error": replace_option_names(self.error),
@@ -91,7 +91,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Store the numbers of a result for the page to show.
+        """Store the coefficients and intervals of a result for display on the page.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -102,14 +102,14 @@ class Job:
             self.finished, self.total = counts
 
     def stop(self) -> None:
-        """Stop the command of the job. After the process has ended, the results so far are read."""
+        """Stop the command of the job. After its process has ended, the finished part of the result is read."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class JobQueue:
-    """Queue of the app's jobs, with the directory of their files."""
+    """Queue of the app's jobs, with the directory of their results."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -128,7 +128,7 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. If its result is partly stored, the computation resumes.
+        """Add a command to the queue. If part of its result is stored, the computation resumes.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -147,7 +147,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return all jobs as data for the page; a waiting job refers to the job for which it waits."""
+        """Return the data of all jobs for the page. A waiting job names the job for which it waits."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -159,7 +159,7 @@ class JobQueue:
         return records
 
     async def shut_down(self) -> None:
-        """Stop all jobs, and wait until they have ended. Results of the jobs are no longer shown."""
+        """Stop all jobs, and wait until their processes have ended. Later results are not shown."""
         self._is_ending = True
         for job in self.jobs_by_number.values():
             job.stop()
@@ -216,7 +216,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Show the final numbers of a job before figures are drawn, because drawing may fail."""
+            """Show the final coefficients of a job before its figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show(_read_answer(job, record), None)
@@ -233,7 +233,7 @@ class JobQueue:
             await asyncio.wait(reading_tasks)
 
     async def _show_preview(self, job: Job) -> None:
-        """Show a preview while the command of a job computes, unless the command is faster."""
+        """Show a preview of the result while the command of a job computes, unless the command finishes earlier."""
         job.activity = "computing a preview"
         with suppress(*REPORTED_EXCEPTIONS):  # ignore errors of the preview, which the command reports too
             await self._read_result(
@@ -243,7 +243,7 @@ class JobQueue:
             job.activity = "computing"
 
     async def _show_files(self, job: Job, record: str) -> None:
-        """Copy the files that a finished command wrote, and show them with the values in its JSON record."""
+        """Copy the files that a finished command wrote, and show them with the coefficients in its JSON record."""
         files = self._choose_directory()
         # The thread that copies files must not change the job, because it continues after the job is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
@@ -262,7 +262,7 @@ class JobQueue:
         return stored_result.num_finished, stored_result.study.ensemble.repetitions
 
     async def _monitor_progress(self, job: Job) -> None:
-        """Monitor the progress of a command. Whenever the number of members has doubled, read the result."""
+        """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
         num_reported = 2  # an interval needs at least two members
         while True:
             await asyncio.sleep(POLL_INTERVAL)
@@ -277,7 +277,7 @@ class JobQueue:
                 job.activity = "computing the cutoff study and the onset of sliding"
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
-        """Read the finished part of a job and write a report on it. For the final result, `scope` is empty."""
+        """Read the finished part of a job's result, and write a report on it. `scope` is empty for the final result."""
         files = self._choose_directory()
         request = {"directory": str(job.directory), "name": job.directory.name,
                    "command": "" if scope else job.arguments[0],
@@ -297,19 +297,19 @@ class JobQueue:
         )
 
     def _choose_directory(self) -> Path:
-        """Return a new path for result files that the user can save."""
+        """Return the path of a new directory for result files that the user can save."""
         self._directory_count += 1
         return self.root / "shared" / f"{self._directory_count}"
 
     async def evaluate_result(self, job: Job, numbers: list[float], dimension: float | None) -> str:
-        """Return the record of a result at a load (mN), mu0 and tau0 (GPa)."""
+        """Return the JSON record of a job's result at a load (mN), mu0 and tau0 (GPa)."""
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
         options += [] if dimension is None else [f"--d={dimension!r}"]
         return await self.run_short_module(["stiction", "at", str(job.directory), *options, "--json"])
 
     async def run_short_module(self, arguments: list[str]) -> str:
-        """Run a module that finishes quickly, and return its output. At most two such modules run at the same time."""
+        """Run a Python module that finishes quickly, and return its output. Two such modules can run in parallel."""
         async with self._reader_slots:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
@@ -322,12 +322,12 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 
 
 def _read_answer(job: Job, record: str) -> dict[str, Any]:
-    """Return the numbers in the JSON record that the command of a job printed."""
+    """Return the coefficients and caveats in the JSON record that a job's command printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return the peak and final coefficients of a shear test as text, and the caveats."""
+    """Return the peak and the final coefficient of a shear test as text, with the caveats."""
     values, lines = json.loads(record), []
     for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(each for each in values["values"] if each["name"] == name)
@@ -337,7 +337,10 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the quoted point in the JSON record of a pair. Without points, raise the record's remark as an error."""
+    """Return the first reported result point in the JSON record of a pair.
+
+    If the record has no result points, its remark is raised as an error.
+    """
     values = json.loads(record)
     if "points" not in values:
         raise RejectedRequestError(values["remark"])
@@ -345,9 +348,9 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return a command prefix that limits memory and kills the process with its parent.
+    """Return the start of a command line that limits the memory of a process, and kills it with its parent.
 
-    The prefix is empty if the system lacks the commands `setpriv` or `prlimit`.
+    It is empty if the system lacks the commands `setpriv` or `prlimit`.
     """
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
@@ -362,7 +365,7 @@ def memory_limit_command_prefix(memory: float) -> list[str]:
 async def run_module(
     arguments: list[str], *, memory: float, grace_time: float = 0.0, on_record: Callable[[str], None] | None = None
 ) -> str:
-    """Run a module in a process that ends with the server, and return its output up to the end of a record.
+    """Run a Python module in a process that ends with the server, and return its output up to the end of a record.
 
     Without `on_record`, the process is killed after the record. Otherwise, `on_record` is called with the record, and
     the process runs until it ends. The process may use a fraction `memory` of the machine's memory. After a
@@ -385,7 +388,7 @@ async def run_module(
 async def _start_module(
     arguments: list[str], memory: float, grace_time: float
 ) -> AsyncIterator[tuple[Process, StreamReader, asyncio.Task[bytes]]]:
-    """Start a module in a process. On exit, end the process.
+    """Start a Python module in a process. When the context ends, end the process.
 
     A task reads the error output, so that a full pipe does not block the process. A process that still runs on exit is
     interrupted, and killed after `grace_time` seconds.
@@ -412,7 +415,7 @@ async def _start_module(
 
 
 async def _read_record(stream: StreamReader) -> tuple[str, bool]:
-    """Return the output up to the end of a record and True, or the whole output and False if there is no record."""
+    """Return the output up to the end of a JSON record and True, or all of the output and False if it has no record."""
     try:
         return (await stream.readuntil(END_OF_JSON_RECORD)).decode(), True
     except asyncio.LimitOverrunError:
@@ -422,7 +425,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return a message about a failed command with a given exit status. After a signal, the status is negative."""
+    """Return the message about a command that failed with an exit status, which is negative after a signal."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

@@ -1,8 +1,8 @@
 """Preview of scans as JSON: command `python -m stiction.app.preview FILE OPTIONS [FILE OPTIONS]`.
 
-For one scan it prints the contents with a small image, and for two scans whether they fit into each other. OPTIONS is
-JSON text with options of `read_measurement` by name. Imports take most of the run time, so this module uses neither
-Matplotlib nor the declarations of the form fields.
+For one scan, the command prints the contents with a small image. For two scans, it prints whether they fit into each
+other. OPTIONS is JSON text with options of `read_measurement` by name. Imports take most of the run time, so this
+module uses neither Matplotlib nor the declarations of the form fields.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return a summary of a scan with a small image, or the reason why it cannot be read.
+    """Return a summary of a scan with a small image, or the reason why the scan cannot be read.
 
     Messages contain names of command-line options, which the server replaces with the labels of form fields.
     """
@@ -74,7 +74,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces on two scans fit, and a shear path: a tenth of the length of the scans.
+    """Return whether the faces on two scans fit into each other, and a shear path: a tenth of the scan length.
 
     Scans that cannot be read do not fit.
     """
@@ -91,7 +91,7 @@ def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> di
 
 
 def draw_lines_svg(*lines: Floats) -> str:
-    """Draw lines as an SVG image with a common vertical scale."""
+    """Draw profiles as an SVG image with a common vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):

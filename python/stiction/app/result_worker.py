@@ -1,4 +1,4 @@
-"""Worker process of the app, which reads a result, prints its numbers and writes files."""
+"""Worker process of the app. It reads a result, prints its coefficients and writes files."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study that previews a `pair` command, in the asperity model."""
+    """Return the study in the asperity model that previews a `pair` command, or None if it has no preview."""
     return MeasuredPair.from_values(upper=files[0], lower=files[1], **group_option_values(options)).preview_study
 
 
 def main() -> None:
-    """Print the numbers and the member count of a result, and write its report and other files.
+    """Print the coefficients and the member count of a result, and write its report and other files.
 
     The argument is JSON: `directory` of the result, or `preview` with the scans and options of a `pair` command;
     `name`; the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the

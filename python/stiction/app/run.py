@@ -1,4 +1,4 @@
-"""Start and end of the app: a server in a private directory, and a page in a browser."""
+"""Start and end of the app: server in a private directory, and page in a browser."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MAX_IDLE_CONNECTIONS = 64
 
 
 class TimeLimitedConnection(H11Protocol):
-    """HTTP connection that closes if its request does not arrive in time."""
+    """HTTP connection that is closed if its request does not arrive in time."""
 
     idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
@@ -68,7 +68,7 @@ class TimeLimitedConnection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page until its last window has been closed for some time, or until Ctrl-C."""
+    """Serve the page of the app until its last window has been closed for some time, or until Ctrl-C."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,

@@ -65,7 +65,7 @@ PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 ALLOWED_OPTIONS_BY_COMMAND = {
     "pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",), "shear": (*SHEAR_FLAGS, *SHEAR_FORM_FLAGS),
 }  # fmt: skip
-"""Options of each command that the page may set."""
+"""Options that the page may set, by command."""
 
 ALLOWED_STUDY_CHANGE_PATTERN = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
@@ -90,7 +90,7 @@ CROSS_ORIGIN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.
 
 
 class Server:
-    """ASGI application for the app's page, with scans and new results in the directory `root`.
+    """ASGI application of the app, with uploaded scans and new results in the directory `root`.
 
     Existing results are read from `working_directory`.
 
@@ -216,7 +216,7 @@ class Server:
         return Response(text, media_type="text/html")
 
     async def get_asset(self, request: Request) -> Response:
-        """Return the script, or the style sheets of the report and the app."""
+        """Return the page script, or a style sheet of the report or the app."""
         file_type = request.path_params["kind"]
         if file_type == "js":
             return Response(_read_package_file("app/app.js"), media_type="text/javascript")
@@ -245,7 +245,7 @@ class Server:
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
     async def store_scan(self, request: Request) -> Response:
-        """Store an uploaded scan under the last part of its name, without special characters."""
+        """Store an uploaded scan under the last part of its path, without special characters."""
         num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
         num_bytes = _request_body_length(
             request, min(MAX_SCAN_BYTES, MAX_TOTAL_SCAN_BYTES - num_stored_bytes - self.num_arriving_bytes)
@@ -282,7 +282,7 @@ class Server:
         return JSONResponse({"scan": scan_identifier})
 
     async def add_sample_surfaces(self, _: Request) -> Response:
-        """Store two sample surfaces in the same way as uploaded scans."""
+        """Store two sample surfaces like uploaded scans."""
         paths = await asyncio.to_thread(sample_surfaces.write_sample_surfaces, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in paths}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
@@ -298,7 +298,7 @@ class Server:
         return FileResponse(path, filename=path.name)
 
     async def preview_scan(self, request: Request) -> Response:
-        """Return the preview of a scan."""
+        """Return the preview of a scan: a summary with a small image, or the reason why the scan cannot be read."""
         scan, query = request.path_params["scan"], request.query_params
         reading_options = parse_reading_options({flag: query.get(flag, "")[:80] for flag in FILE_READING_FLAGS})
         output = await self.jobs.run_short_module(
@@ -321,7 +321,7 @@ class Server:
     # ---- Jobs ------------------------------------------------------------------------------------------------------
 
     async def list_jobs(self, _: Request) -> Response:
-        """Return the progress of all jobs."""
+        """Return the state and progress of all jobs."""
         self.last_request_time, self.has_window = asyncio.get_running_loop().time(), True
         jobs = json.dumps(self.jobs.page_data())
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
@@ -385,7 +385,7 @@ class Server:
         return JSONResponse({})
 
     async def evaluate_result(self, request: Request) -> Response:
-        """Return the values of a result for other mu0 and tau0."""
+        """Return the coefficients of a result for other mu0 and tau0."""
         job, query = self._find_job(request), request.query_params
         load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         output = await self.jobs.evaluate_result(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
@@ -393,7 +393,7 @@ class Server:
         return JSONResponse({"points": [replace_option_names_in_caveats(record) for record in points]})
 
     async def get_result_file(self, request: Request) -> Response:
-        """Return the report, JSON, CSV or study file of a job."""
+        """Return one file of a job's result: report, JSON, CSV or study file."""
         job, name = self._find_job(request), request.path_params["name"]
         directory = job.files or _raise_not_found()
         if name not in [path.name for path in directory.iterdir()]:
@@ -415,7 +415,7 @@ class Server:
         }
 
     async def list_results(self, _: Request) -> Response:
-        """Return the results in the current directory with their progress."""
+        """Return the results in the working directory with their progress."""
         return JSONResponse(
             await asyncio.to_thread(
                 lambda: [_stored_result_list_entry(*item) for item in self._find_result_directories().items()]
@@ -423,7 +423,7 @@ class Server:
         )
 
     async def draw_profiles(self, request: Request) -> Response:
-        """Return an image of two generated profiles around their first contact."""
+        """Return an image of two generated profiles at their first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
         if not all(ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
@@ -462,7 +462,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 
 def _request_body_length(request: Request, max_length: int) -> int:
-    """Return the length of a request body. Raises HTTPException if it is too long or unknown."""
+    """Return the length of a request body in bytes. Raises an HTTPException if it is too long or unknown."""
     length_text = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length_text.isdecimal():
         raise HTTPException(411)

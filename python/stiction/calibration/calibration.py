@@ -1,9 +1,9 @@
 """Calibration of an interface: mu0 and tau0 from friction tests on scanned surfaces.
 
-A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. They satisfy y
-(F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small slopes and
-friction at all contacts, this reduces to y = mu0 + tau0 A/F. The tests separate mu0 and tau0 only if A/F varies among
-them.
+A test gives a coefficient y at a load, and its surfaces give six sums over the contacts at this load. Coefficient and
+sums satisfy y (F_N0 + mu0 F_Nm + tau0 F_Na) = F_T0 + mu0 F_Tm + tau0 F_Ta, which is linear in mu0 and tau0. For small
+slopes and friction at all contacts, this reduces to y = mu0 + tau0 A/F. The tests separate mu0 and tau0 only if A/F
+varies among the tests.
 """
 
 from __future__ import annotations

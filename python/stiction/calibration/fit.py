@@ -58,7 +58,7 @@ GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # 
 
 @dataclass(frozen=True)
 class _BestFit:
-    """Best fit to friction tests: mu0, tau0, nuisance parameters and residuals."""
+    """Best fit to friction tests: mu0, tau0 and nuisance parameters of least squares, with the residuals."""
 
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
@@ -72,7 +72,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grid of mu0 and tau0 at each nuisance point (combination of nuisance parameters)."""
+    """Limits of the grid of mu0 and tau0, for each sample of the nuisance parameters."""
 
     triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
     deviance_range: float
@@ -87,7 +87,7 @@ class _GridLimits:
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Grid of mu0 and tau0 at each nuisance point, with the log-probability of each cell."""
+    """Grid of mu0 and tau0 for each sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
     # (points, tau0, mu0) ln(probability) of the tests, without the prior of the nuisance parameters.
@@ -95,9 +95,9 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations for mu0 and tau0 from friction tests, with errors and nuisance parameters.
+    """Linear equations for mu0 and tau0, one per friction test, with errors and nuisance parameters.
 
-    In each equation, the sum of mu0 and tau0, multiplied by their coefficients, equals the right side.
+    In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
     Parameters
     ----------
@@ -162,12 +162,12 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients of mu0 and tau0, and the right sides, of the test equations.
+        """Return the coefficients a and b and the right sides of the test equations a mu0 + b tau0 = right side.
 
-        The scores have the shape (points, nuisances), and the coefficients have the shape (points, tests). If mu0 and
-        tau0 (GPa) of shape (points, ...) are given, the coefficients of tau0 have the shape (points, tests, ...) and
-        include the junction growth at these values. Otherwise the junction growth is computed from the measured
-        coefficients.
+        `scores` are normal scores of the nuisance parameters, with the shape (points, nuisances): each point is one
+        sample. The coefficients have the shape (points, tests). If mu0 and tau0 (GPa) of shape (points, ...) are given,
+        the coefficients of tau0 have the shape (points, tests, ...) and include the junction growth for these mu0 and
+        tau0. Otherwise the junction growth is computed from the measured coefficients.
         """
         from scipy.special import ndtr
 
@@ -222,11 +222,11 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the change of residuals due to an offset common to all tests of a run, as unit vectors and norms.
+        """Return how an offset that all tests of a run share changes the residuals, as unit vectors and norms.
 
-        The directions are unit vectors with shape (runs, tests), and the norms, with shape (runs,), are in units of the
-        errors. Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would
-        bias the fit low.
+        The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
+        Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
+        the fit low.
         """
         self._run_errors = np.zeros(len(self.slid))
         if not len(self._run_membership):
@@ -249,19 +249,19 @@ class CalibrationProblem:
 
     @property
     def mean_area_per_load(self) -> float:
-        """Weighted mean of A/F (1/GPa), true area per load, over the tests with sliding."""
+        """Weighted mean of the true area per load, A/F (1/GPa), over the tests with sliding."""
         return float(np.average(self.area_per_load, weights=self._test_weights))
 
     @property
     def area_per_load_variation(self) -> float:
-        """Weighted relative standard deviation of A/F, true area per load, among the tests with sliding."""
+        """Weighted relative standard deviation of the true area per load, A/F, among the tests with sliding."""
         return float(
             np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._test_weights))
             / self.mean_area_per_load
         )
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation between runs at each nuisance point."""
+        """Return the relative standard deviation between runs for each sample of the nuisance parameters."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
@@ -272,7 +272,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Divide the equations of tests with sliding by their errors, and remove correlations within runs.
+        """Return the equations of tests with sliding, divided by their errors and without correlations within runs.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -281,7 +281,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform the equations of tests with sliding so that the tests of one run are not correlated.
+        """Transform the equations of tests with sliding so that the tests of one run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -297,7 +297,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, divided by the errors, and the coefficients of the equations.
+        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
 
         The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -317,7 +317,7 @@ class CalibrationProblem:
 
     @cached_property
     def best_fit(self) -> _BestFit:
-        """mu0, tau0 and nuisance parameters that fit the tests best.
+        """Least-squares fit of mu0, tau0 and the nuisance parameters to the tests.
 
         Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
         smaller weights.
@@ -349,7 +349,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals at each point of the tests with sliding, whose contacts grow under shear."""
+            """Return the residuals of tests with sliding, whose contacts grow under shear, for each row of `points`."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -457,16 +457,16 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the weighted mean of A/F (1/GPa), true area per load, over the tests with sliding."""
+        """Return samples of the true area per load, A/F (1/GPa), as a weighted mean over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that all tests share, or None if it differs between tests or has no effect.
+        """Junction growth α that all tests share, or None if the tests have different α or α has no effect.
 
-        The value is 0 if no test has junction growth although it would affect at least one of them.
+        It is 0 if no test has junction growth, although junction growth would affect at least one test.
         """
         growths = [
             equation.area_factor.junction_growth
@@ -521,9 +521,9 @@ class CalibrationProblem:
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
-        """Return the logarithm of the probability on a grid of mu0 and tau0, at each nuisance point.
+        """Return the log-probability on a grid of mu0 and tau0, for each sample of the nuisance parameters.
 
-        The last coordinate of a point is the logarithm of the scale of the errors.
+        Each row of `points` is one sample. Its last element is the logarithm of the scale of the errors.
         """
         from scipy.special import log_ndtr
 
@@ -616,7 +616,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the limits of the grid around the best mu0 for contacts that grow under shear.
+        """Return the grid limits for contacts that grow under shear, in which mu0 extends around its best fit.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -663,7 +663,7 @@ class CalibrationProblem:
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the lower limit and the cell width of the grid of mu0 at each tau0."""
+        """Return the lower limit of mu0 on the grid, and the cell width, for each tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -730,7 +730,7 @@ class CalibrationProblem:
         return self._draw_samples_from_grids(points, grid, log_weight)
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the first distribution from which nuisance points are drawn."""
+        """Return mean and covariance of the initial proposal distribution of the nuisance parameters."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
@@ -751,7 +751,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw nuisance points, and return their coordinates, grids and logarithms of weights."""
+        """Draw samples of the nuisance parameters, and return the samples with their grids and log-weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -774,7 +774,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and nuisance parameters from grid cells, in proportion to their weights."""
+        """Draw mu0, tau0 (GPa) and nuisance parameters from the grid cells, in proportion to the cells' weights."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -799,7 +799,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
-        """Suggest further tests that would separate mu0 from tau0, with the expected standard errors.
+        """Suggest further tests that would separate mu0 from tau0, with the standard errors to expect.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -834,7 +834,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Join the grids of several batches of nuisance points."""
+    """Concatenate the grids of several batches of nuisance samples."""
     limits = [grid.limits for grid in grids]
     names = (
         "triangular_factors",
@@ -851,7 +851,7 @@ def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
 
 
 def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
-    """Return a matrix of runs and tests with 1 for each test of a run, and 0 elsewhere.
+    """Return a matrix (runs, tests) that is 1 where a test belongs to a run, and 0 elsewhere.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -865,7 +865,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, known: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Solve weighted test equations for nonnegative mu0 and tau0 (GPa) by least squares."""
+    """Return the nonnegative mu0 and tau0 (GPa) that solve weighted test equations by least squares."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in known]
@@ -897,7 +897,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is close to its minimum."""
+    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is near its minimum."""
     first, second = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (
@@ -946,6 +946,6 @@ def _find_tau0_range_at_fixed_mu0(
 
 
 def _compute_effective_sample_size(log_weight: Floats) -> float:
-    """Return the effective sample size from logarithms of the weights."""
+    """Return the effective number of samples from the logarithms of their weights."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -1,4 +1,4 @@
-"""Friction tests with their contact sums per load."""
+"""Friction tests, with their contact sums per load and the uncertainty of the true area."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Ball:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def __repr__(self) -> str:
-        """Return the call that creates an equal ball, with the uncertainty of its arguments."""
+        """Return the call that creates an equal ball, with arguments that include their uncertainty."""
         direct_modulus = self.moduli.effective_modulus
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
@@ -98,7 +98,7 @@ class Ball:
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
-        """Return A/F (1/GPa), true area per load before shear, at a load (mN) and central moduli."""
+        """Return the true area per load A/F (1/GPa) before shear, at a load (mN) and the central moduli."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -119,14 +119,14 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Ratio of the true to the computed contact area of a test, as a function of uncertain inputs."""
+    """True contact area of a test divided by the computed area, as a function of the uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
-        """Return the nuisance parameter of an input. Tests with equal inputs share the parameter.
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter.
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """
@@ -135,11 +135,11 @@ class AreaFactor:
 
     @property
     def nuisance_names(self) -> list[Hashable]:
-        """Nuisance parameters of all uncertain inputs, by name."""
+        """Names of the nuisance parameters for all uncertain inputs."""
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Convert cumulative probabilities of the nuisance parameters to values of the inputs."""
+        """Convert cumulative probabilities of the nuisance parameters to samples of the inputs, by input name."""
         return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.uncertain_inputs.items()}
 
     @property
@@ -150,22 +150,25 @@ class AreaFactor:
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
 
-        The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
-        law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
+        growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball: its area is proportional to E*^(-2/3)."""
+    """Area factor of a ball, whose contact area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
     area_loss: float  # central area loss under shear
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball, or None if the moduli are exact and shear does not change the area."""
+        """Return the area factor of a ball, or None if the factor is always 1.
+
+        It is 1 if the moduli are exact and shear does not change the area.
+        """
         loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return (
@@ -180,7 +183,7 @@ class _BallAreaFactor(AreaFactor):
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a test on measured surfaces at one load."""
+    """Area factor of a test on measured surfaces, whose contacts were computed, at one load."""
 
     area: AreaFunction
     load: float
@@ -189,7 +192,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a result, or None if uncertain inputs, creep and shear leave the area unchanged."""
+        """Return the area factor of a result, or None if no uncertain input, creep or shear changes the area."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
@@ -212,8 +215,8 @@ class _AreaFactorFromResult(AreaFactor):
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
 
-        The friction fraction is that of `OnsetState`. `samples` are values of the inputs. The junction growth of the
-        law is replaced by that of the test. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
+        growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
         """
         inputs: dict[str, Any] = {
             "modulus": self.inputs.relative_modulus(samples),
@@ -237,7 +240,7 @@ class _AreaFactorFromResult(AreaFactor):
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
-"""Smallest standard uncertainty of a measured coefficient that does not cause an overflow of the weights."""
+"""Smallest standard uncertainty of a measured coefficient. A smaller one would cause an overflow of the weights."""
 
 
 @dataclass(frozen=True)
@@ -339,14 +342,14 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test, or None if uncertain inputs, creep and shear leave the area unchanged."""
+        """Area factor of the test, or None if no uncertain input, creep or shear changes the area."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth by slip-line theory noticeably changes the coefficient of a test."""
+    """Return whether junction growth by slip-line theory would change the coefficient of a test noticeably."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
@@ -376,7 +379,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Return the contact sums at a load, interpolated in a load curve and divided by the elastic load."""
+    """Interpolate contact sums in a load curve at a load (mN), and divide the sums by the elastic load."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -395,7 +398,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return the contact sums at a load, averaged over members and directions and divided by the elastic load."""
+    """Average contact sums at a load (mN) over members and directions, and divide the sums by the elastic load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

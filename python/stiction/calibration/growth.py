@@ -1,4 +1,4 @@
-"""Best mu0 and range of tau0 for tests whose contacts grow under shear."""
+"""Fit of mu0 and tau0 to friction tests whose contacts grow under shear: least-squares mu0, and range of tau0."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a giv
 MU0_DERIVATIVE_STEP = 1e-4  # change of mu0 for its numerical derivative, relative to 0.1 + mu0
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
-"""Function from mu0 and tau0 in GPa (points, ...) to residuals in units of the errors (points, tests, ...).
+"""Function of mu0 and tau0 in GPa (points, ...) that returns residuals in units of the errors (points, tests, ...).
 
 Residuals are infinite at seizure.
 """
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
+    """Return the nonnegative mu0 of least squares at each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals is close to its minimum.
+    """Return the range of tau0 (GPa) in which the sum of squared residuals is near its minimum.
 
     Parameters
     ----------

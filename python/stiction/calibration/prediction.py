@@ -30,7 +30,7 @@ from stiction.study.interfaces import (
 
 
 class Interface(InterfaceStrength):
-    """Strength of an interface as joint distribution of mu0 and tau0, with predictions for other surfaces.
+    """Strength of an interface as a joint distribution of mu0 and tau0, which predicts friction of other surfaces.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-            """Return coefficients and upper limits. A limit is infinite if the softer body shears."""
+            """Return coefficients and their upper limits, which are infinite if the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
@@ -143,7 +143,7 @@ class Interface(InterfaceStrength):
         return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the nuisance parameters of an area factor that the fit of mu0 and tau0 does not include."""
+        """Return the names of an area factor's nuisance parameters that the fit of mu0 and tau0 does not include."""
         uncertain_inputs = area_factor.uncertain_inputs
         joint_names = {
             "hardness": "hardness" in uncertain_inputs

@@ -1,4 +1,4 @@
-"""Friction tests in a text file: a line of column names with units, and one test per row."""
+"""Text file of friction tests: a line of column titles with units, and one test per row."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _COLUMN_ALIASES = {
     "coefficient of static friction": "coefficient",
     "standard uncertainty": "uncertainty", "dwell time": "wait", "waiting time": "wait",
 }  # fmt: skip
-"""Standard name of the column for each alternative name."""
+"""Standard column name for each alternative title."""
 
 _COLUMN_UNITS = {
     "load": (*unit_names("force"), *unit_names("pressure")), "pressure": unit_names("pressure"),
@@ -33,7 +33,7 @@ _COLUMN_UNITS = {
     "coefficient": ("", "1", "%"),
     "uncertainty": ("", "1", "%", *unit_names("force")), "wait": unit_names("time"),
 }  # fmt: skip
-"""Accepted units by column. Other columns have no unit. `pressure` is the column of loads in units of pressure."""
+"""Accepted units by column. Other columns have no unit. `pressure` is the column of loads given as pressures."""
 
 _COLUMN_TITLE_EXAMPLES = {"load": "load (mN)", "force": "force (mN)", "wait": "wait (s)"}
 MAX_FRICTION_TEST_FILE_BYTES = 10_000_000
@@ -45,12 +45,12 @@ _SLID_BY_CELL_TEXT = {"": True, "1": True, "yes": True, "true": True, "0": False
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Parse a table of friction tests with the columns `load`, and `force` or `coefficient`.
+    """Parse a table of friction tests, which has at least the columns `load`, and `force` or `coefficient`.
 
-    `FRICTION_TEST_COLUMNS` lists all columns. There may be a column of loads in units of force and another in units of
-    pressure; each row then has its load in one of them. Columns are separated by tabs, semicolons or commas. With tabs
-    or semicolons, decimal commas are accepted. The column `pair` contains the name of one of the bodies, which are
-    results or balls. Raises a `ValueError` with the number of an invalid line.
+    `FRICTION_TEST_COLUMNS` lists all columns. There may be a column of loads given as forces and another of loads given
+    as pressures; each row then has its load in one of the two columns. Columns are separated by tabs, semicolons or
+    commas. With tabs or semicolons, decimal commas are accepted. The column `pair` contains the name of a result or
+    ball in `bodies`. Raises a `ValueError` with the line number if a line is invalid.
     """
     try:
         text = decode_text(read_file_bytes(Path(path), MAX_FRICTION_TEST_FILE_BYTES)).data.decode()
@@ -87,9 +87,9 @@ def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column, with standard column names as keys.
+    """Return the index and the unit of each column, by standard column name.
 
-    The key of a column of loads in units of pressure is `pressure`.
+    The name of a column of loads given as pressures is `pressure`.
     """
     columns: dict[str, tuple[int, str]] = {}
     for index, cell in enumerate(title_row):
@@ -161,7 +161,7 @@ class _FrictionTestTable:
     separator: str
 
     def parse_rows(self) -> Iterator[FrictionTest]:
-        """Yield the friction test in each row."""
+        """Yield one friction test per row of the table."""
         number_columns = [index for name, (index, _) in self.titles.items() if name in _COLUMN_UNITS]
         cells_with_commas = [
             row[index].strip()

@@ -1,4 +1,4 @@
-"""Command-line interface `stiction`. Each module defines one group of commands."""
+"""Command-line interface `stiction`, with one module per group of commands."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ A command with a short computation allocates fewer objects, most of them in impo
 
 
 def main() -> None:
-    """Run a command, and exit with status 0, 2 after bad input, or 130 after Ctrl-C."""
+    """Run a command, and exit with status 0 after success, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
     # The matrices are small. Waiting threads of OpenBLAS would occupy the processor for a tenth of a second.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -1,4 +1,4 @@
-"""All commands as a typer application, with help texts, messages, output and exit statuses."""
+"""Typer application of all commands: help texts, messages, output and exit statuses."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def report_interruption(detail: str = "") -> typer.Exit:
 
 
 def show_status(text: str) -> None:
-    """Show the current operation in a line on a terminal. The next message overwrites the line."""
+    """Show the current operation in a line on the terminal, which the next message overwrites."""
     if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -126,7 +126,7 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
-"""Commands by group, each with its module and a help line, so that the help needs no import of the module."""
+"""Module and help line of each command, by group. The help text therefore needs no import of the modules."""
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -149,7 +149,7 @@ SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even if the value equals the default."""
+    """Return whether the command line contains an option or argument, even one with the default value."""
     parameter_source = context.get_parameter_source(name)
     return parameter_source is not None and parameter_source.name != "DEFAULT"
 
@@ -197,7 +197,7 @@ class _CommandWithHelpPanels(TyperCommand):
 
 
 class _LazyCommandGroup(TyperGroup):
-    """Group of commands that imports the module of a command only when it is needed."""
+    """Group of commands that imports the module of a command only when the command runs."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return [name for group in COMMANDS_BY_GROUP.values() for name in group]
@@ -263,7 +263,7 @@ _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": 
 
 
 def _option_name(argument: str) -> str:
-    """Return the command-line option for an argument in Python."""
+    """Return the command-line option for an argument of a Python function."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
     # Import the options only when one is needed, so that the help needs no numeric package.
@@ -332,7 +332,7 @@ def _discard_unwritable_output() -> None:
 
 
 def _add_command_suggestion(message: str) -> str:
-    """Return the parser's error message, with a similar command if the command is unknown."""
+    """Return the parser's error message and, if the command is unknown, the name of a similar command."""
     unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
     suggestions = difflib.get_close_matches(unknown_command[1], names, n=1) if unknown_command else []

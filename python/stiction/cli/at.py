@@ -166,7 +166,7 @@ def at(
 
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
-    """Warn about loads without a coefficient, or raise a `ValueError` if no load has one."""
+    """Warn about loads without a coefficient, or raise a `ValueError` if no load has a coefficient."""
     from stiction.views.text import missing_loads_text
 
     if not missing_loads:
@@ -181,7 +181,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result at several height factors. If `compute` is True, compute missing results first."""
+    """Print a result at several height factors. If `compute` is True, missing results are computed first."""
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
@@ -215,7 +215,10 @@ def _print_height_factor_results(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Parse and sort loads (mN) from the command line, by default the loads of the study."""
+    """Parse loads from the command line, by default the loads of the study.
+
+    Return the loads (mN) in ascending order.
+    """
     from stiction._arguments import parse_load, parse_quantity, reject_decimal_commas, split_values
     from stiction.mechanics.model import PROFILE_WIDTH
 
@@ -248,9 +251,9 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Return the computed fractal dimensions and amplitudes (µm) that are nearest to the requested numbers.
+    """Select the computed fractal dimensions and amplitudes (µm) nearest to the requested ones.
 
-    The default is all dimensions and the first amplitude.
+    By default, all dimensions and the first amplitude are selected.
     """
     selections = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
     for flag, (name, values) in selections.items():

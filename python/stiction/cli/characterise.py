@@ -202,7 +202,7 @@ def characterise(
 def _print_joined_spectrum(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print and write the spectrum joined from several scans."""
+    """Print the spectrum joined from several scans, and write its files."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
@@ -230,7 +230,7 @@ def _print_joined_spectrum(
 
 
 def _name_scans(files: list[Path]) -> list[str]:
-    """Return the names of files, or their paths if two names are equal."""
+    """Return the file names of scans, or their paths if two file names are equal."""
     names = [file.name for file in files]
     return names if len(set(names)) == len(names) else list(map(str, files))
 
@@ -238,7 +238,7 @@ def _name_scans(files: list[Path]) -> list[str]:
 def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print and write the comparison of two scans of the same area."""
+    """Print the comparison of two scans of the same area, and write its files."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.profile import Profile
@@ -317,7 +317,7 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or column of a surface, or the body itself if no index is given."""
+    """Return a row or column of a surface, or the whole body if no index is given."""
     from stiction.surfaces.profile import Profile
 
     for name, index, other_index in (("row", row, column), ("column", column, row)):
@@ -351,7 +351,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _reject_unused_options(context: typer.Context, *, together: bool, repeated: bool) -> None:
-    """Raise a `ValueError` for an option without effect on a joined spectrum or on repeated scans."""
+    """Raise a `ValueError` for an option that has no effect on a joined spectrum or on repeated scans."""
     names = ["lc", "ls", "robust", "band", "texture", *(["tip"] if repeated else [])]
     given_names = [name for name in names if option_was_given(context, name)]
     if given_names and (together or repeated):

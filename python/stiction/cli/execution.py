@@ -1,4 +1,4 @@
-"""Runs of a study from the command line: directory, workers and messages."""
+"""Computation of a study from the command line: directory, workers and messages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 
 
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """Return an executor that uses a number of threads, or the workers of a Dask scheduler."""
+    """Return an executor that runs tasks in a number of threads, or on the workers of a Dask scheduler."""
     if scheduler is None:
         return thread_pool_executor(workers)
     if workers is not None:
@@ -36,7 +36,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part` into the number of a part and the number of all parts."""
+    """Parse the option `--part` into the number of the part and the total number of parts."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
@@ -56,7 +56,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return advice for an output directory that contains another study."""
+    """Return advice for an output directory that already contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -74,7 +74,7 @@ def compute_result_in_directory(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip
-    """Run `complete_result` and print its messages. After Ctrl-C, print how to resume.
+    """Run `complete_result` and print its messages. After Ctrl-C, also print how to resume.
 
     `print_written` is called with the names of written files, and `show_companions` with the complete result.
     """

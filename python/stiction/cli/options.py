@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def option(
     flags: str, description: str, default: str | bool = True, *, panel: str | None = None, minimum: int | None = None
 ) -> Any:
-    """Return a typer option of a command.
+    """Declare an option of a command with typer.
 
     `flags` contains the names of the option and, unless it is a switch, a placeholder for its value, as in "--output -o
     DIR". `default` is the text that is shown as default value, or a bool that determines whether the actual default is
@@ -56,7 +56,7 @@ PartOption = Annotated[
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
-    """Load a profile or surface from a file with the reading options of the command line."""
+    """Load a profile or surface from a file, with the reading options of the command line."""
     from stiction.study.pair_options import split_option_text
     from stiction.surfaces.measured.reading import read_with_interpretation
     from stiction.surfaces.measured.spectrum_file import is_spectrum_file
@@ -80,7 +80,7 @@ def show_reader_import_status(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` with a reason if one of the named options was given."""
+    """Raise a `ValueError` with a reason if one of several options was given."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

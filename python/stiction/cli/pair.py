@@ -216,7 +216,7 @@ def pair(
 
 
 def compute_preview_line(study: Study) -> str:
-    """Return a line with a preview of the friction coefficient from the first members.
+    """Return a line that previews the friction coefficient, from the first few members.
 
     Raises `ValueError` if the surfaces do not touch.
     """
@@ -227,7 +227,7 @@ def compute_preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview of a study in one worker, and print it. Without a study or a terminal, do nothing."""
+    """Compute a preview of a study in one worker, and print it. Nothing happens without a study or a terminal."""
 
     def print_preview(future: Future[str]) -> None:
         if not future.cancelled() and future.exception() is None:  # the computation fails if the surfaces do not touch

@@ -18,7 +18,7 @@ PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.i
 
 
 class _CommandLineOptionNames(dict[str, str]):
-    """Command-line names of options, with the placeholders in help texts as keys."""
+    """Mapping from the placeholders in help texts to the command-line names of options."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
@@ -44,7 +44,7 @@ def pair_argument(name: str) -> Any:
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the `pair` options given on the command line, by field name."""
+    """Return the `pair` options that the command line contains, by field name."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

@@ -1,4 +1,4 @@
-"""Output of results for all commands: printed friction and assessment, tables, figures and reports."""
+"""Output of results for all commands: friction and assessment on the terminal, tables, figures and reports."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all points and caveats of a stored result without computing anything."""
+    """Return the command that prints all result points and caveats of a stored result without computing anything."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -60,7 +60,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print the cutoff study and the onset of sliding of a measured pair, unless friction is missing."""
+    """Print the cutoff study and the onset of sliding of a measured pair, unless the result has no coefficient."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
@@ -79,7 +79,7 @@ def print_result_json(result: Result, command: str, **fields: Any) -> None:
 def _summarize(result: Result) -> Summary:
     """Return the summary of a result.
 
-    If it raises a `ValueError`, return a summary without points and with the message as `no_points_reason`.
+    If `Result.summary` raises a `ValueError`, the summary has no points, and `no_points_reason` contains the message.
     """
     import xarray
 
@@ -97,7 +97,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     """Write report, table and figure of a measured pair to the result directory, and print the file names.
 
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
-    these values, so that they agree with the stored study.
+    these, so that they agree with the stored study.
     """
     directory = result.path
     assert directory is not None, "the result of the command is stored"
@@ -139,5 +139,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages: on standard error if JSON is printed on standard output."""
+    """Return the function that prints messages: to standard error if JSON is printed to standard output."""
     return print_message if as_json else print_output

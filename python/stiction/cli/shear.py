@@ -147,7 +147,10 @@ def shear(
 
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
-    """Load a face. Of an option given twice, the first is for the upper face, and the second for the lower."""
+    """Load the scan of a face.
+
+    If an option is given twice, the first is for the upper face, the second for the lower.
+    """
     from stiction.study.pair_options import select_body_value
 
     texts = {name: str(select_body_value(name, values, index)) for name, values in options.items()}

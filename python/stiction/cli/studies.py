@@ -91,7 +91,7 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Load a study by name, file or directory, and return it with the default directory of its results."""
+    """Load a study by name, file or directory, and return it with the default directory for its results."""
     from stiction.study.study import Study, study_names
     from stiction.study.values import StudyError
 
@@ -111,7 +111,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
-    """Parse the texts of `--set` into a dict of study keys and new values."""
+    """Parse the texts of the option `--set` into new settings by study key."""
     from stiction.study.values import StudyError
 
     overrides = {}
@@ -124,7 +124,7 @@ def parse_overrides(assignments: list[str]) -> dict[str, Any]:
 
 
 def _parse_toml_value(text: str) -> Any:
-    """Parse a TOML value. Any other text is returned unchanged, so that quantities need no quotes."""
+    """Parse a TOML value. Other texts are returned unchanged, so that quantities need no quotes."""
     from stiction.study.values import parse_toml
 
     try:

@@ -151,7 +151,7 @@ def _split(text: str) -> list[str]:
 
 
 def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | float | None:
-    """Return the given hardness, or the hardness of the softer material; None for elastic bodies."""
+    """Return the given hardness, or else the hardness of the softer material; None for elastic bodies."""
     from stiction.mechanics.materials import material, softer_hardness
 
     if hardness is not None or elasticity.materials is None:
