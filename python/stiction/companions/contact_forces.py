@@ -104,7 +104,7 @@ def build_contact_forces(
 
 
 _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, float]]
-"""Upper and lower profile, approach (µm), coordinates of the cell, and attributes."""
+"""Upper and lower profile, their approach (µm), and the coordinates and attributes that describe the pair."""
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:

@@ -64,7 +64,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Compute heights, contacts and pressures of a typical member: the one with a true area closest to the mean.
+    """Compute heights, contacts and pressures of the member whose true area is closest to the mean over members.
 
     Parameters
     ----------

@@ -400,7 +400,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate values at a height factor from values at computed factors, which are on the first axis.
+    """Interpolate a quantity at a height factor, given its values at computed factors along the first axis.
 
     The interpolation is a monotone cubic in log(factor), of log(values) if all values are positive. The result is NaN
     if a value at one of the two neighbouring factors is NaN.

@@ -68,12 +68,12 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:
-    """Compute the onset of sliding of a measured pair at one normal load (mN), averaged over the first members.
+    """Compute the onset of sliding of a measured pair at one normal load (mN), averaged over a few members.
 
-    By default, the normal load is the first load of the study. The dataset has the dimensions `fraction` (of the
-    sliding load) and `statistic`. It also contains the slip map of the first member, and the parameters of Iwan and
-    LuGre models of the mean curve. Returns None for generated bodies, for a pair without friction, or if the solver
-    fails for all members.
+    By default, the normal load is the first load of the study, and the members are the first 16 members (4 for maps in
+    the half-space model). The dataset has the dimensions `fraction` (of the sliding load) and `statistic`. It also
+    contains the slip map of the first member, and the parameters of Iwan and LuGre models of the mean curve. Returns
+    None for generated bodies, for a pair without friction, or if the solver fails for all members.
     """
     indices = _find_onset_members(study, members)
     if not indices:

@@ -51,7 +51,7 @@ MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest si
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return a smaller study of a measured pair with several cutoffs, which shows the effect of the scan resolution.
+    """Return the cutoff study of a measured pair: a few members at several cutoffs, with only the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.

@@ -49,7 +49,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Specification of one array of a result: dimensions, shape, data type and attributes."""
+    """Specification of a stored array: dimensions, shape, data type and attributes."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -65,9 +65,9 @@ class ArraySpec:
 def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return specification and values of each coordinate of a result, by name in the order of the dimensions.
+    """Return the specification and the values of each coordinate of a result, by name.
 
-    `repetitions` selects the members, by default all.
+    The coordinates are in the order of the dimensions. `repetitions` selects the members, by default all.
     """
     values_by_name: dict[str, NDArray[Any]] = {
         **study.surfaces.cell_coordinates(),
@@ -121,7 +121,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return the number of members to load into memory together, given their size in bytes: a power of two."""
+    """Return how many members of `size` bytes are loaded into memory together: a power of two."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -135,7 +135,7 @@ def list_variable_names(study: Study) -> tuple[str, ...]:
 
 
 def _list_dims(study: Study, name: str) -> tuple[str, ...]:
-    """Return the dimensions of a variable of a result.
+    """Return the dimensions of a stored variable, such as cutoff, member, direction and load.
 
     Sliding rules and directions are dimensions only if the study has lists of them.
     """
@@ -150,7 +150,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, after the axes of the cells."""
+    """Stack the arrays of several members along a new axis, behind leading axes such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)

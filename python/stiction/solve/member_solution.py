@@ -386,10 +386,11 @@ ITERATIONS_PER_LOAD = 15
 # Each step of an energy minimization counts as 2 iterations.
 MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 8000}
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
-"""Factor in the number of iterations with adhesion, fitted to 62 pairs with 64 to 256² points.
+"""Factor in the number of solver iterations with adhesion, for lines (False) and maps (True).
 
-The number is inversely proportional to E* Sq Sdq / (4 w) of the gap, up to a maximum. Bodies near complete contact need
-the most iterations: 4800 with 256² points, and 8700 with 512² points.
+The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to E* Sq Sdq / (4 w) of
+the gap, up to a maximum. Bodies near complete contact need the most iterations: 4800 with 256² points, and 8700 with
+512² points.
 """
 
 _reusable_arrays = threading.local()

@@ -1,4 +1,4 @@
-"""Contact sums of all members of a study, in memory or in a result directory."""
+"""Contact sums of all members of a study: forces and areas summed over contacts, in memory or in a directory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _Value = TypeVar("_Value")
 
 
 class MemberSums:
-    """Contact sums of all members of a study, from which friction and all other results are evaluated.
+    """Contact sums of all members of a study: forces and areas summed over contacts, from which friction is evaluated.
 
     Parameters
     ----------

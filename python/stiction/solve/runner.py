@@ -106,7 +106,7 @@ def compute_missing_blocks(
     study: Study, directory: str | Path, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None,
 ) -> int:  # fmt: skip
-    """Compute all blocks of a study that its result directory does not contain yet, and return the number of members.
+    """Compute all blocks of members that the result directory of a study lacks.
 
     With `part`, only some of the blocks are computed: the part (3, 16) is every 16th block, starting with the third.
     Several processes can compute different parts in one directory. `announce` receives a line about the work ahead.
@@ -431,7 +431,7 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory to which workers write blocks themselves if their file system contains the directory."""
+    """Result directory to which workers write block files themselves, provided that they can access it."""
 
     path: Path
     token: str  # name of the file that marks the run and exists in the blocks directory until its end

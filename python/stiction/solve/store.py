@@ -128,7 +128,7 @@ class StoreInfo:
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Result of a study that is stored as a study file and block files in a directory.
+    """Result of a study, stored in a directory as a study file and several block files.
 
     Blocks are read on demand, and a result that fits into a single piece is cached.
     """

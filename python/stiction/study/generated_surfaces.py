@@ -107,7 +107,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the fractal dimensions and the amplitudes (µm) of the study; results exist for all combinations."""
+        """Return the fractal dimensions and the amplitudes (µm) for which the contacts of the study are computed."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 

@@ -460,7 +460,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read one interface file, or all interface files in a directory, and return a dict of texts for each file name.
+    """Read one interface file, or all in a directory, and return kind, mu0, tau0 and other texts by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -486,7 +486,7 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
 
 
 class InterfaceSettings(SettingsSection):
-    """Interface in a study file, which defines mu0 and tau0 together.
+    """Section of a study file for an interface, which defines mu0 and tau0 together.
 
     `mu0`, `tau0` and `sliding` apply if the file of the interface is missing or has changed.
     """

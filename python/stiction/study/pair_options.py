@@ -168,7 +168,7 @@ class PairProperties(Protocol):
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, which are points that were not measured."""
+        """True if at least one body has masked points (points that were not measured)."""
 
     @property
     def has_surrogates(self) -> bool:

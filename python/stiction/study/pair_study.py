@@ -268,7 +268,7 @@ class MeasuredPair:
 
     @property
     def has_masked_points(self) -> bool:
-        """True if at least one body has masked points, which are points that were not measured."""
+        """True if at least one body has masked points (points that were not measured)."""
         return any(getattr(body, "missing", None) is not None for body in self.bodies)
 
     @property
@@ -951,7 +951,7 @@ def _list_scans(side: str, given: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Return the wavelengths of a scan that are instrument noise or may be noise, according to the scan's spectrum.
+    """Return the wavelengths at which the spectrum of a scan is instrument noise, or may hide such noise.
 
     Returns None if noise affects the slope only slightly.
     """

@@ -20,7 +20,7 @@ MIN_POSITIVE_STORED_VALUE = 1 / MAX_STORED_VALUE
 """Smallest allowed value above 0 of a stored load, area or length, so that quotients of stored values are finite."""
 
 ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-"""Bounds of stored numbers that have no narrower bounds."""
+"""Bounds of stored numbers for which no narrower bounds are specified."""
 
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""

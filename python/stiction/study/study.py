@@ -301,7 +301,7 @@ def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section, which validation replaces by a section with defaults that suit the surfaces."""
+    """Return an empty section. Validation replaces it by a section with defaults that suit the surfaces."""
     return {}
 
 
@@ -644,7 +644,7 @@ def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> d
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Return the keys of a section whose values are not None, in the order of study files."""
+    """Return the keys and values of a section in the order of study files, without keys whose value is None."""
     data = section.model_dump(exclude_none=True)
     order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, MeasuredMapContactSettings):

@@ -104,7 +104,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
 
 
 def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, float] | None:
-    """Return positions and mean heights of equal blocks of a levelled body, and the mean square height of the body.
+    """Average the heights of a levelled body over equal blocks of points.
 
     Returns the coordinates of the blocks (from -1 to 1 along x, and along y for a map), their mean heights above the
     least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.

@@ -145,7 +145,7 @@ class ScanDefects:
         return self._find_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the fraction of the mean square slope that is due to noise after a low-pass filter at `cut_off` (µm).
+        """Return the fraction of the mean square slope that is due to noise after a low-pass filter.
 
         The filter has a cutoff `cut_off` (µm). The noise is assumed to have the same spectrum below the limit of
         `instrument_limit` as the scan. Raises a `ValueError` if the body is flat.
@@ -162,9 +162,9 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength after a low-pass filter at `cut_off` (µm) if the tip limits it.
+        """Return the shortest reliable wavelength of the scan after a low-pass filter, if the tip determines it.
 
-        The scan is low-pass filtered at a cutoff (µm, 0 for no filter). Returns None if no tip radius is given, if
+        The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if
         pixels or noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises
         a `ValueError` if the body is flat.
         """

@@ -507,7 +507,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Find the highest narrow peak of a spectrum that is statistically significant, or return None.
+    """Find the highest narrow and statistically significant peak of a spectrum, or return None.
 
     Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.
     """

@@ -101,7 +101,7 @@ class DecodedText:
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
-        """First lines of the text that are not empty, by which layouts are recognised."""
+        """First non-empty lines of the text, by which the layouts of instruments are recognised."""
         lines = (
             self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
             for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()

@@ -542,7 +542,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
 
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
-    """Return the spacing of a profile that its header declares, and the tolerance due to rounding (both in µm)."""
+    """Return the spacing (µm) that the header of a profile declares, and its tolerance (µm) due to rounding."""
     if raw.stated is None:
         return None
     return raw.stated.to_micrometres(), 0.51 * raw.stated.digit_in_micrometres

@@ -152,7 +152,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Return a phrase for outer rows or columns that contain statistics of the remaining matrix, or None.
+    """Describe the outer rows or columns of a matrix that contain statistics of the other numbers, or return None.
 
     An example of such statistics is a last row with the mean of each column.
     """

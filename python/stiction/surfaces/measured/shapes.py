@@ -792,7 +792,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return a clause for error messages about a unit or spacing that the user must also give, or ""."""
+    """Return a clause for error messages about a unit or a spacing that a table lacks, or ""."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")
@@ -838,7 +838,8 @@ TABLE_LAYOUTS: tuple[TableLayout, ...] = (
     TableLayout("columns to choose from", _has_separate_columns, _reject_ambiguous_columns),
     TableLayout("matrix", lambda table: True, _read_matrix),
 )
-"""Shapes of tables; the first that recognises a table is used:
+"""Layouts of tables in order of priority. A table is read by the first layout that recognises the table.
+
 - heights, a column: ``0.5`` ``-0.2`` ``1.0``, one number per line
 - positions and heights: ``0.0;0.5`` ``0.1;-0.2``
 - points on a grid: ``0 0 0.5``, ``1 0 -0.2``, ``0 1 1.0``, in any order; missing nodes are missing points

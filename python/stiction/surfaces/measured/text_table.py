@@ -104,9 +104,9 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if a line above a profile is a further point of the profile, from which words separate it.
+    """Raise `FormatError` if words separate the first row of a profile from its other rows.
 
-    Such a line has two cells, and its position precedes the first position of the profile by whole steps.
+    The separate row has two cells, and its position precedes the first position of the other rows by whole steps.
     """
     start = int(block.lines[0])
     if block.values.shape != (block.lines.size, 2) or block.lines.size < 2:
