@@ -212,7 +212,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds of mu_s and of the area fraction that no finer scan can fall below.
+    """Return the lower bounds of mu_s and of the area fraction that apply to all finer scans.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -245,7 +245,7 @@ class CutoffResult:
 
 @dataclass(frozen=True, eq=False)
 class ResolutionEffect:
-    """Effect of the scan resolution on the friction of a measured pair.
+    """Effect of the scan resolution: friction of a measured pair at several cutoffs, and limits for finer scans.
 
     Attributes
     ----------
@@ -269,7 +269,7 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return the effect of the scan resolution on the friction of a measured pair.
+    """Return friction at several cutoffs and limits for finer scans, which show the effect of the scan resolution.
 
     `cutoffs` is the dataset that `evaluate_at_cutoffs` or, for several cutoffs, `Result.at` returned. Without this
     dataset, the function returns None if the roughness of the gap is not known either.

@@ -30,7 +30,7 @@ ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
     SPIKES_ALTERNATIVE: "without outliers",
     TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
 }
-"""Phrases with which caveats about an alternative preparation begin, such as "without outliers", by name."""
+"""First words of the caveats about each alternative preparation, such as "without outliers"."""
 
 TIP_CORRECTION = 4.0
 """Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.

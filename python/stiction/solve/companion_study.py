@@ -30,7 +30,7 @@ class CompanionStudy:
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored result of the companion study, and evaluate it with the current mu0 and tau0.
+        """Open the stored result of the companion study, for evaluation with the current mu0 and tau0.
 
         Returns None if the directory is missing or damaged, if it stores the result of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.

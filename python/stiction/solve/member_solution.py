@@ -68,7 +68,7 @@ STIFFNESS_DIFFERENCE_STEP = 0.02
 """Half width of the finite difference for the stiffness of asperities, as a fraction of the approach."""
 
 LOAD_JUMP_DISTANCE = 1e-11
-"""Relative distance of an approach from the next jump of the load.
+"""Distance between the approaches just before and just after a jump of the load, relative to the approach.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """

@@ -725,9 +725,10 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
-"""Bytes before the checksum at the end of an exported file. The checksum is verified first, because HDF5 may never
-return from reading a damaged file. HDF5 ignores bytes after its own data, and programs that modify the file remove
-the checksum.
+"""Bytes before the checksum at the end of an exported file.
+
+The checksum is verified first, because HDF5 may never return from reading a damaged file. HDF5 ignores bytes after its
+own data, and programs that modify the file remove the checksum.
 """
 
 _template_lock = threading.Lock()  # lets only one thread create the template file

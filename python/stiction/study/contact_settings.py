@@ -628,9 +628,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
     GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
-"""Base classes of `[contact]` with keys for several kinds of bodies. Messages about a misplaced key name the base class
-that has this key.
-"""
+"""Base classes of `[contact]`, which messages name if a key belongs to other bodies or to another contact model."""
 
 
 def select_contact_settings_class(

@@ -217,7 +217,7 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a hardness in GPa, given its limits and a text in HRC."""
+    """Return the distribution of a Rockwell hardness (GPa), widened by the error of the conversion from HRC."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -496,9 +496,9 @@ def _make_exact_value(value: float) -> InputValue:
 
 
 def format_input_value(value: InputValue | None) -> Any:
-    """Return an input in the form in which a study file contains it.
+    """Convert an input to a number or a text for a study file.
 
-    The form is a number if the input is exact and has no unit, and text otherwise.
+    The result is a number if the input is exact and has no unit, and text otherwise.
     """
     if value is None:
         return None

@@ -35,7 +35,7 @@ SIZE_EFFECT = UncertainInput(
     CENTRAL_SIZE_EFFECT_LENGTH, MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH, "log-normal",
     f"{MIN_SIZE_EFFECT_LENGTH:g}..{MAX_SIZE_EFFECT_LENGTH:g} um",
 )  # fmt: skip
-"""Length h* (µm) of the indentation size effect of metals."""
+"""Distribution of the characteristic length h* (µm) of the indentation size effect of metals."""
 
 _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of junction growth by slip-line theory
 
@@ -113,7 +113,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Return inputs with given central values, without a study. The values must include E*.
+        """Create inputs from their central values instead of a study. The values must include E*.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -213,7 +213,7 @@ def _build_input(name: str, label: str, value: InputValue) -> Input:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """Return the materials of both bodies of a study, or an empty tuple if a material is not named or unknown."""
+    """Return the materials of both bodies of a study, or an empty tuple if a name is missing or unknown."""
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:

@@ -53,7 +53,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
     pressed: ClassVar[str]
-    """Word for the bodies that are pressed, in reports."""
+    """Name of the bodies that are pressed, in reports, such as "Profiles"."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredBodySettings = Field(

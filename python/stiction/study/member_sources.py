@@ -96,7 +96,7 @@ class MemberSource(Protocol):
     """Source of the members of a study: returns the pair of bodies for each member index."""
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the member with a given index.
+        """Return the member (pair of bodies) with a given index.
 
         Raises a `ValueError` if the source has fewer members.
         """

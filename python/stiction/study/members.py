@@ -54,7 +54,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the arguments of Eq. 1 that a study specifies, except phases and grid."""
+    """Return the length scale, γ, the convention and the band limit of Eq. 1 that a study specifies."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,

@@ -850,7 +850,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Names of arguments of surface functions whose meaning equals an option of `pair`, with the name of this option."""
+"""Options of `pair`, by the name of the surface function's argument that has the same meaning."""
 
 
 def format_command_line_name(name: str) -> str:

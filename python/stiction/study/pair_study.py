@@ -452,7 +452,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) of two profiles perpendicular to the scan, over which a force acts."""
+        """Width (µm) over which a load on two profiles is distributed, if the user gives the load as a force."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))

@@ -618,7 +618,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove loads of generated surfaces that would contradict loads that change.
+        """Remove loads from a study of generated surfaces if they would contradict the loads that change.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because the validation added these two

@@ -266,14 +266,14 @@ class _SteppedValueRange(_ValueRange):
 
 
 class ApproachRange(_SteppedValueRange):
-    """Range of approaches, given in a study file by both limits, the spacing and the number of approaches."""
+    """Range of approaches: first and last approach, number of approaches, and linear or geometric spacing."""
 
     start: LengthOrZero
     stop: LengthOrZero
 
 
 class LoadRange(_SteppedValueRange):
-    """Range of normal loads, given in a study file by both limits, the spacing and the number of loads."""
+    """Range of normal loads: first and last load, number of loads, and linear or geometric spacing."""
 
     start: Force
     stop: Force

@@ -18,7 +18,7 @@ A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 
 MIN_BLOCKS = 16  # minimum number of blocks of averaged heights along each axis of a scan
 MIN_PARABOLA_DOMINANCE = 5.0
-"""Smallest mean square height of a dominant parabola, as a multiple of that of the fitted cubic and quartic terms.
+"""Smallest ratio of the mean square height of a dominant parabola to that of the fitted cubic and quartic terms.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
 parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.
@@ -64,7 +64,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the straight height step that explains most of a scan's mean square height. None if no step is sharp.
+    """Find the height step that explains most of a scan's mean square height, or return None if no step is sharp.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """

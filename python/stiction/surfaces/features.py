@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the pairs of neighbouring hills in the maximum spanning tree, with saddle ranks, highest saddle first."""
+    """Return the maximum spanning tree of hills: pairs of neighbouring hills with saddle ranks, highest first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -98,7 +98,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 
 
 def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Estimate the parameters of a circle, sphere or cylinder from a least-squares paraboloid, as start of the fit."""
+    """Estimate start parameters for the fit of a circle, sphere or cylinder from a least-squares paraboloid."""
     x, y = points
     if form == "circle":
         quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]

@@ -174,7 +174,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Typical deviations of a scan's heights from those of their neighbours, and relative deviations of all points.
+    """Median deviation of a scan's heights from their neighbours, and each point's deviation relative to the median.
 
     The medians differ between edge points and other points.
     """

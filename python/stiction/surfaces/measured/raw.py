@@ -90,7 +90,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Named caveat about a scan file, with a remedy: an option, or a change to the file."""
+    """Caveat about a scan file: its name, its text, and a remedy (an option, or a change to the file)."""
 
     name: str
     text: str

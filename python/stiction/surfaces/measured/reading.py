@@ -467,7 +467,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file that has the extension of a text file with SurfaceTopography."""
+    """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

@@ -233,9 +233,9 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the first parsed result of header lines that begin with a pattern, or None.
+    """Parse the header lines that begin with a pattern, and return the first result that is not None.
 
-    Lines that `parse_match` rejects by returning None are skipped.
+    Returns None if there is no such result.
     """
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((value for match in matches if (value := parse_match(match)) is not None), None)

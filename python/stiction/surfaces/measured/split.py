@@ -217,9 +217,9 @@ def is_numeric_row(line: str, dialect: Dialect, text: DecodedText) -> bool:
 
 
 def cell_kind(cell: str, dialect: Dialect, text: DecodedText) -> str | None:
-    """Return the kind of a cell: "number", "word" (such as NaN), "mark" (empty, dashes or stars), or None.
+    """Return the kind of a cell: "number", "word" (such as NaN) or "mark" (empty, dashes or stars).
 
-    None stands for any other text.
+    Returns None for any other text.
     """
     match = dialect.number_pattern.fullmatch(cell)
     if match is not None and (match[2] or match[3]):
