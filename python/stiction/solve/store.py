@@ -449,6 +449,8 @@ def is_complete(path: str | Path, study: Study) -> bool:
 def info(path: str | Path) -> StoreInfo:
     """Return study, number of finished members, file size and version of a stored result.
 
+    At most one block file is read.
+
     Raises
     ------
     StoreError

@@ -140,7 +140,7 @@ def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
 def gaussian_low_pass(
     body: Profile | Surface, cutoff: float, *, periodic: bool = False, samples_weights: bool = False
 ) -> Floats:
-    """Return the heights of a body after a linear Gaussian low-pass filter: the mean line or mean surface.
+    """Return the mean line or mean surface of a body: heights after a linear Gaussian filter with a cutoff (µm).
 
     By default, the weights have the analytic transmission at all wavelengths of the grid. With `samples_weights`, they
     are the weighting function of ISO 16610-21 at the points, unless the cutoff is below four points or the body is
@@ -172,7 +172,7 @@ def gaussian_low_pass(
 
 
 def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
-    """Return the heights of a body after a robust Gaussian regression filter: the mean line or mean surface."""
+    """Return the mean line or mean surface of a body: heights after a robust Gaussian filter with a cutoff (µm)."""
     mean = body.heights.mean()
     heights = body.heights - mean
     cutoffs_in_points = [cutoff / step for step in body.spacings]

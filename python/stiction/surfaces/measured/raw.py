@@ -156,7 +156,10 @@ PlaceValueFunction = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class RawHeights:
-    """Heights of a scan file before conversion to µm, with unit, positions and spacing as far as they are known."""
+    """Heights of a scan file before conversion to µm, with unit, positions and spacing as far as they are known.
+
+    Missing heights are NaN.
+    """
 
     heights: Floats  # heights in the unit of the file, with the shape (n,) or (rows, columns)
     unit: str | None = None
