@@ -46,7 +46,7 @@ NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-NUM_SOLUTIONS_PER_ONSET = 8  # time of an onset curve on one core, in times of a contact solution
+NUM_SOLUTIONS_PER_ONSET = 8  # computing time of an onset curve, divided by the time of a contact solution
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""

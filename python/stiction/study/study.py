@@ -95,7 +95,7 @@ _LEADING_KEYS = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-StudyDifference = tuple[str, str, str]  # key with dots in which two studies differ, with its TOML value in each
+StudyDifference = tuple[str, str, str]  # dotted key in which two studies differ, and its TOML value in each study
 MAX_LISTED_DIFFERENCES = 4  # maximum number of differences between two studies that a message lists
 
 SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # section `[surfaces]` of a study file

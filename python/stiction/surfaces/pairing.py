@@ -30,7 +30,7 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of pairs of lines: in one or two seconds, they give an interval of the result.
+# Default number of line pairs, for which a result with an interval takes one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
 # Largest shift of one map over the other: a quarter of its length, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4

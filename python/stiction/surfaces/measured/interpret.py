@@ -266,7 +266,7 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
 
 
 def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantity:
-    """Parse a length above 0. With `allows_zero`, the length may also be 0."""
+    """Parse a length, which must be above 0 unless `allows_zero` is set."""
     try:
         length = quantity(text.strip() if allows_zero and isinstance(text, str) else text, "length")
     except ValueError as error:
