@@ -32,7 +32,7 @@ def cut_off(body: AnyBody, wavelength: float, *, periodic: bool = False) -> AnyB
     Raises
     ------
     ValueError
-           If the wavelength is outside its range.
+        If the wavelength is outside its range.
 
     See Also
     --------

@@ -115,7 +115,7 @@ def _minimize_loss(
 
 
 def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tuple[float, Floats, Floats, Floats]:
-    """Return the negative log-likelihood of a fit, up to a constant, with its gradient and its Hessian.
+    """Return the negative log-likelihood of a fit, up to a constant, with its gradient, its Hessian and a scale.
 
     The scale is the diagonal of the expected Hessian, which is positive.
     """

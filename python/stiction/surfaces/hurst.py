@@ -371,9 +371,9 @@ class _SpectrumBins:
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Return the widest range of harmonics that one power law describes, and the binned spectrum in this range.
+    """Find the widest range of harmonics that one power law describes.
 
-    Also returns the bins of this piece and its roll-off.
+    Returns this range, and the binned spectrum in this range and in the roll-off before it.
     """
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.from_harmonics(q, power)

@@ -26,7 +26,7 @@ class JointRoughness:
     Attributes
     ----------
     sampling_interval : float, µm
-           Distance between the compared points: the multiple of the grid spacing closest to 1.27 mm, or less on a
+        Distance between the compared points: the multiple of the grid spacing closest to 1.27 mm, or less on a
         shorter face.
     z2 : float
         Root-mean-square slope. It is the same for both senses of a direction.

@@ -267,7 +267,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset in whole points that equals a position within a tolerance, or None.
+    """Return the offset in whole points that equals a position, or None.
 
     Returns None if the position is farther than `GRID_TOLERANCE` from a grid point.
     """

@@ -28,8 +28,8 @@ differences, divided by 0.67.
 MIN_SPIKE_HEIGHT_RATIO = 6.0
 """Smallest distance of a spike in a map from the median height of its neighbourhood, in robust standard deviations.
 
-A point far from its neighbours that is also an outlier is a spike. The distance is a multiple of the robust standard
-deviation of the heights. The distance is at most 4 for machined surfaces, and 5 for white noise.
+A point far from its neighbours that is also an outlier is a spike. The distance is at most 4 robust standard deviations
+of the heights for machined surfaces, and 5 for white noise.
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
@@ -164,9 +164,9 @@ class ScanDefects:
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
         """Return the shortest reliable wavelength of the scan after a low-pass filter, if the tip determines it.
 
-        The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if
-        pixels or noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises
-        a `ValueError` if the body is flat.
+        The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
+        noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
+        `ValueError` if the body is flat.
         """
         limit = self._find_limit_with_tip(cut_off)
         if limit is None or limit.reason != "tip":
