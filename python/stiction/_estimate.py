@@ -24,7 +24,7 @@ EXPONENT_CODE = -127
 MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
-"""Kinds of intervals.
+"""Kind of the interval of an estimate; "" if there is no interval.
 
 *mean*: interval of the mean over members, with exact inputs. *combined*: includes all uncertain inputs. *prediction*:
 interval for one further test. *conditional*: all uncertain inputs except one, which is exact. *fit*: interval of a

@@ -58,7 +58,7 @@ class NumberFormat(NamedTuple):
     digits: int
 
     def format(self, value: float) -> str:
-        """Return a number as text."""
+        """Return a number as text in this format."""
         number_text = format_significant(value / self.factor, self.digits)
         return "none" if math.isnan(value) else self.text.replace("{}", number_text)
 
@@ -122,7 +122,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose limit does not exceed the absolute value of a number; 0 and NaN count as 1."""
+    """Return the first format or unit whose lower limit is at most |value|, where 0 and NaN count as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 

@@ -19,7 +19,7 @@ from stiction.study.pair_options import (
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 _NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
-"""Name of the option's declaration for each command-line name without dashes."""
+"""Python name of each option, by its command-line name without dashes."""
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
@@ -34,7 +34,7 @@ FLAGS_SHARED_BY_SCANS = tuple(
     for flag, field in FORM_FIELDS_BY_FLAG.items()
     if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
 )
-"""Names of options for which the form has a field for each scan, although both scans share one value."""
+"""Names of options for which the form has a field for each scan, although both scans have the same setting."""
 
 
 SHEAR_FORM_FLAGS = ("path", "direction", "normal-stiffness", "register")

@@ -327,7 +327,7 @@ class Server:
         return Response(hide_private_paths(jobs, self.root), media_type="application/json")
 
     async def add_job(self, request: Request) -> Response:
-        """Add a job to the queue: `pair` or `shear` for two scans, `run` for generated surfaces, `info` for a result.
+        """Add a job to the queue: `pair` or `shear` for scans, `run` for generated surfaces, or `info` for a result.
 
         An invalid entry of the form is reported with its option, and no job is added.
         """
@@ -380,7 +380,7 @@ class Server:
         return self.jobs.jobs_by_number.get(request.path_params["job"]) or _raise_not_found()
 
     async def stop_job(self, request: Request) -> Response:
-        """Stop a job, and keep the finished part of its result."""
+        """Stop a job, and keep the part of its result that is finished."""
         self._find_job(request).stop()
         return JSONResponse({})
 

@@ -58,7 +58,7 @@ GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # 
 
 @dataclass(frozen=True)
 class _BestFit:
-    """Best fit to friction tests: mu0, tau0 and nuisance parameters of least squares, with the residuals."""
+    """Least-squares fit to friction tests: mu0, tau0, nuisance parameters and residuals."""
 
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
@@ -154,7 +154,7 @@ class CalibrationProblem:
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         central_coefficients = self._compute_equation_coefficients(np.zeros((1, len(self.nuisances))))
         self.area_per_load = central_coefficients[1][0] / central_coefficients[0][0]
-        """A/F (1/GPa) of each test at zero scores. If contacts grow, A is the area at the measured coefficient."""
+        """True area per load (1/GPa) of each test at zero scores; contacts grow as at the measured coefficient."""
         self._offsets, self._offset_sizes = self._compute_run_offset_vectors(central_coefficients)
 
     # ---- Equations --------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from stiction.calibration.friction_tests import FrictionTest
 from stiction.surfaces.measured.decode import decode_text
 
 FRICTION_TEST_COLUMNS = ("load", "force", "coefficient", "uncertainty", "pair", "run", "slid", "wait")
-"""Standard names of the columns."""
+"""Standard names of the columns in a file of friction tests."""
 
 _COLUMN_ALIASES = {
     "normal force": "load", "normal load": "load",

@@ -77,7 +77,7 @@ def print_result_json(result: Result, command: str, **fields: Any) -> None:
 
 
 def _summarize(result: Result) -> Summary:
-    """Return the summary of a result.
+    """Return the summary of a result, which is empty if the result has no coefficient.
 
     If `Result.summary` raises a `ValueError`, the summary has no points, and `no_points_reason` contains the message.
     """

@@ -1,4 +1,4 @@
-"""Evaluation of results at given elastic, normal or mean normal loads.
+"""Evaluation of friction and other quantities at given elastic, normal or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and coefficients are ratios of mean loads, as in the
 figures of the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load.

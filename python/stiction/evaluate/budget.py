@@ -160,7 +160,7 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add the variables of `add_uncertainty` as if there were no alternative preparations of the scans.
+    """Add the intervals of `add_uncertainty` to a dataset, without alternative preparations of the scans.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -530,7 +530,7 @@ def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Return the variables of a dataset as arrays that start with the axes of given dimensions.
+    """Return the variables of a dataset as arrays whose first axes are the given dimensions.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """

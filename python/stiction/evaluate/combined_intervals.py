@@ -338,7 +338,7 @@ class CombinedIntervals:
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
-        of arrays. With joint samples of mu0 and tau0, further pairs have mu0 or tau0 at its bound.
+        of arrays. With joint samples of mu0 and tau0, further pairs have mu0 = 0 or tau0 = 0.
         """
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
         scatter = math.sqrt(math.log1p(self.scatter**2))
@@ -413,7 +413,7 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of the sampled coefficients, extended to samples with mu0 or tau0 at its bound.
+        """Return the 95 % interval of the sampled coefficients, extended to samples with mu0 = 0 or tau0 = 0.
 
         The interval is cached, and also used if the same coefficient is evaluated again together with others.
         """
@@ -518,9 +518,9 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Insert joint samples of mu0 and tau0, sorted by the resulting coefficient.
+        """Replace mu0 and tau0 in samples of the inputs by joint samples, sorted by the resulting coefficient.
 
-        Quantiles of the samples are therefore also quantiles of the coefficient.
+        Quantiles of the joint samples are therefore also quantiles of the coefficient.
         """
         mu0, tau0, hardness, growth = self.strengths[strength_index]
         central = self.response.central

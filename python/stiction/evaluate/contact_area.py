@@ -33,7 +33,7 @@ FALLBACK_YIELD_EXPONENT = 1.15
 """Exponent of the yielding area if a result stores only capped areas. The exponent only scales these areas."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
-"""Stored sums that are proportional to the true area."""
+"""Names of the stored sums that are proportional to the true area."""
 
 
 @dataclass(frozen=True, eq=False)

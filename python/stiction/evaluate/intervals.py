@@ -23,7 +23,7 @@ CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a load from which the slope of a curve is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
-"""Largest ratio of two successive computed loads between which values are interpolated."""
+"""Largest ratio of two successive computed loads between which quantities are interpolated."""
 NUM_BATCH_VALUES = 2**17  # maximum number of numbers that are processed together; more are no faster
 MIN_SAMPLE_SIZE = 3  # minimum number of repetitions from which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions from which an interval of the mean is computed

@@ -326,7 +326,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return the normal load (mN) and each quantity along the loading steps, for some members of one cell.
+        """Return the normal load (mN) and each quantity along the loading steps, for some members of one result cell.
 
         `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
         each array runs over all pairs of mu0 and tau0.

@@ -401,7 +401,7 @@ def has_grooves(study: Study) -> bool:
 
 
 ELASTICITY_EXPONENT = 4
-"""Exponent of the ratio of the loading to the unloading stiffness in the weight of elastic contacts.
+"""Power of the ratio of loading to unloading stiffness that gives the weight of elastic contacts.
 
 For a pair of profiles that yields at 2 to 70 % of its contacts, interpolated unloading stiffnesses deviate by 1.3 %
 (rms) and at most 3 %.

@@ -1,4 +1,4 @@
-"""Response of a contact to its uncertain inputs: E*, hardness, μ0, τ0 and the inputs of yielding.
+"""Response of a contact to its uncertain inputs: E*, hardness, μ0, τ0 and the inputs that describe yielding.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -181,7 +181,7 @@ class ResponseValues:
 
 @dataclass(frozen=True, eq=False)
 class ContactResponse:
-    """Contact of a pair at one load under one sliding rule, averaged over members and directions.
+    """Response of a pair to changed inputs, at one load under one sliding rule; a mean over members and directions.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class ContactResponse:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas (µm²) before shear for given inputs, which do not depend on mu0 and tau0."""
+        """Return the true areas (µm²) before shear, without and with yielding, for given inputs."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
 
@@ -248,7 +248,7 @@ class ContactResponse:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return the stiffnesses (loading, unloading, closure) relative to the central inputs.
+        """Return the loading, unloading and closure stiffness, each relative to the stiffness at the central inputs.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness

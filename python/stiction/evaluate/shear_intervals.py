@@ -37,7 +37,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 """Quantities that have an interval at each displacement."""
 
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
-"""Attributes of a shear test that have an interval."""
+"""Attributes of a shear test dataset that have an interval."""
 
 _Samples = dict[str, Floats]  # an array of each quantity, whose first axis contains samples or strips
 
@@ -65,7 +65,7 @@ def _draw_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the inputs of a shear test. For an interface, further samples have mu0 or tau0 at its bound."""
+    """Draw samples of the inputs of a shear test. For an interface, further samples have mu0 = 0 or tau0 = 0."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
@@ -108,7 +108,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the limits of all uncertain inputs that change the contacts, at which the test is repeated."""
+    """Return both limits of each uncertain input that changes the contacts. The test is repeated at these limits."""
     if not samples:
         return []
     return [
@@ -139,7 +139,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return a curve of the shear test, which `get_curve` selects, for each sample (first axis)."""
+        """Return one curve of the shear test, selected by `get_curve`, for each sample (first axis)."""
         central = get_curve(self._test)
         return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
 

@@ -254,7 +254,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the state at the start of the iteration, or the last state of an interrupted computation."""
+        """Return the initial state of the iteration, or the last state of an interrupted computation."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -574,7 +574,7 @@ class _MinimizationState:
 
 
 class EnergyMinimizer:
-    """Energy of a contact under a constant load, minimized by preconditioned conjugate gradients.
+    """Minimizer of the energy of a contact under a constant load, by preconditioned conjugate gradients.
 
     The variables are the gap and, on free grids, the approach and the displacements around the grid, where the net
     pressure must vanish. The energy is the sum of the elastic energy, the energy of the attraction and the work of the
@@ -775,7 +775,7 @@ class EnergyMinimizer:
 
 
 def _sum_of_products(left: Floats, right: Floats) -> float:
-    """Return the sum of the products of two arrays, without the threads of a linear algebra library."""
+    """Return the sum of the products of two arrays, computed without a multithreaded linear algebra library."""
     return float(np.einsum("i,i->", left.ravel(), right.ravel()))
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 Status = Literal[
     "ok", "self-locked", "no-contact", "not-reached", "below-range", "not-solved", "seizure", "downhill", "bulk-shear"
 ]  # fmt: skip
-"""Status of a point of a curve: "ok" if a friction coefficient exists, and otherwise the reason why none exists.
+"""Status of a friction coefficient: "ok" if the coefficient exists, or else the reason why it does not exist.
 
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
@@ -78,11 +78,10 @@ Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 
 """
 
 MAX_BULK_SHEAR_EFFECT = 0.05
-"""Largest reduction of the friction force by shear of the softer body that is neglected, as a fraction of the force."""
+"""Largest fraction of the friction force that shear of the softer body may remove and that is still neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Table of `_fraction_below`: smallest mean pressure as a fraction of the largest, and number of values along each
-axis.
+"""Limits of the table of `_fraction_below`: smallest mean pressure, as a fraction of the largest, and entries per axis.
 """
 
 NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
@@ -353,14 +352,14 @@ class ContactSums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
-        """Create the sums from a mapping of names to arrays, such as the variables of a dataset."""
+        """Create the contact sums from arrays by name, such as the variables of a dataset."""
         check_instance("columns", columns, Mapping, "a mapping of names to arrays")
         if missing_names := [name for name in SUM_QUANTITIES if name not in columns]:
             raise ValueError(f"columns must contain {missing_names[0]}, got {short_repr(list(columns))}")
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
-        """Apply a function, such as indexing or averaging, to every sum, and return the new sums."""
+        """Apply a function, such as indexing or averaging, to every contact sum, and return the new sums."""
         check_callable("function", function)
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
@@ -402,7 +401,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two surfaces: the indicators for profiles, and three others.
+    """Validity indicators of the asperity model for two height maps: those for profiles, and three others.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 

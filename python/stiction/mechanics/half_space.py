@@ -258,7 +258,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Closure stiffness dp/dc (GPa/µm) at each load during first loading: nominal pressure per closure.
+        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, at each load during first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -266,7 +266,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_closure_stiffness(self) -> Floats:
-        """Closure stiffness dp/dc (GPa/µm) at each load during unloading: nominal pressure per closure.
+        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, at each load during unloading.
 
         Yielded points respond elastically as well. A tangential load starts to move the contact elastically, too: the
         initial tangential stiffness per nominal area is this stiffness times E*_t/E*.
@@ -390,7 +390,10 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute the sums that depend on the motion. Each sum has the shape (sliding rules, directions, loads)."""
+        """Compute the force and area sums that depend on the direction of motion or on the sliding rule.
+
+        Each sum has the shape (sliding rules, directions, loads).
+        """
         unit_vectors = replace(self._model, direction=tuple(directions)).directions()
         sums: Sequence[PatchSums] = self._sums
         if not np.array_equal(unit_vectors, self._model.directions()):

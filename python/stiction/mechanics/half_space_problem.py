@@ -113,7 +113,7 @@ class HalfSpaceProblem:
 
     @property
     def has_finite_approach(self) -> bool:
-        """True if distant points have a finite approach, unlike points of a free half-plane."""
+        """True if distant points have a finite approach. On a free half-plane, their approach is infinite."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -179,7 +179,7 @@ class ContactSolution:
         return grid.reshape(self.problem.gap.shape)
 
     def sums(self, directions: Floats) -> PatchSums:
-        """Return the friction sums of each patch for m directions of motion, given as unit vectors of shape (m, 2)."""
+        """Return the friction sums of each patch for m directions of motion, which are unit vectors of shape (m, 2)."""
         problem = self.problem
         slopes = [interface_slope[self.points] for interface_slope in problem.interface_slopes]
         return patch_sums(
@@ -224,7 +224,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Closure stiffness dp/dc (GPa/µm) if the contact points do not change: nominal pressure per closure.
+        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, if the contact points do not change.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -425,7 +425,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the linear response of the contact points in a mask."""
+        """Compute the linear response of the contact points that a mask selects."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 

@@ -58,7 +58,7 @@ class MaterialValue(float):
     source: str
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
-        """Create a property from a range of nonnegative numbers."""
+        """Create a material property from a range of nonnegative numbers."""
         for name, end in (("low", low), ("high", high)):
             if validate_number(name, end) < 0:
                 raise ValueError(f"{name} must be at least 0, got {short_repr(end)}")
@@ -77,7 +77,7 @@ class MaterialValue(float):
 
 @dataclass(frozen=True)
 class Material:
-    """Solid material: elastic constants and hardness, each as a range and its source.
+    """Solid material: elastic constants and hardness, each as a range with its source.
 
     Attributes
     ----------

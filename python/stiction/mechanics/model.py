@@ -34,7 +34,7 @@ _SAME_HEIGHT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class ContactModel:
-    """Parameters of a contact calculation, the argument `model` of `contacts`, `press` and `approach_at_load`.
+    """Parameters of a contact calculation: the argument `model` of `contacts`, `press` and `approach_at_load`.
 
     Keyword arguments of these functions take precedence over the model.
 
@@ -324,7 +324,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. The first rows are compared first."""
+    """Return True if two arrays differ only by a constant. To save time, the first rows are compared first."""
     tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

@@ -84,7 +84,7 @@ class PatchSums:
 DIRECTED_TOTALS = (
     "tangential_elastic", "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
-"""Names of the sums that depend on the direction of motion."""
+"""Names of the force and area sums that depend on the direction of motion."""
 
 
 def patch_sums(

@@ -30,7 +30,7 @@ QuantityAxis = Literal[
     "dwell_time",
     "percentile",
 ]
-"""Dimensions of quantities in addition to the cells and members of a result. `step` is the approach or the load."""
+"""Dimensions that a quantity may have besides surfaces and members. `step` is the approach or the load."""
 
 QuantitySource = Literal["asperities", "areal", "half-space", "adhesion", "onset", "measured", "yielding"]
 """Kinds of studies whose results may store a quantity.
@@ -45,15 +45,15 @@ STIFFNESS_PER_AREA_UNIT = "MPa/mm"
 STIFFNESS_PER_AREA_FACTOR = 1e6  # factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
 
 MAX_STORED_VALUE = 1e100
-"""Largest magnitude of a finite stored value. Sums of products of two stored values do not overflow."""
+"""Largest magnitude of a finite stored number. Sums of products of two stored numbers do not overflow."""
 
 OutputView = Literal["table", "verbose", "report", "csv", "hatch"]
-"""Views that can contain a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
+"""Outputs that can show a quantity: table, verbose table, selection list of the report, CSV file, hatching of maps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResultQuantity:
-    """Properties of a quantity, a coordinate or a dimension of a result."""
+    """Description of a quantity, coordinate or dimension of a result: unit, labels, kind and dimensions."""
 
     unit: str
     words: str  # phrase for a quantity in axis labels and in the `long_name` of a variable
@@ -516,7 +516,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "rms": _coordinate_quantity("um", "Sq of each surface", "Sq"),
     "effective_modulus": _coordinate_quantity("GPa", "effective modulus"),
 }  # fmt: skip
-"""Properties of all quantities and coordinates, in the order in which views show them."""
+"""Descriptions of all quantities and coordinates of results, in the order in which outputs show them."""
 
 
 def select_quantity_names(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
@@ -608,7 +608,7 @@ STIFFNESS_QUANTITIES = select_quantity_names(
 """Stiffnesses at a load. Their mean is the inverse of the mean compliance: the derivative of a mean displacement."""
 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)
-"""Uncertainties of the mean over all directions."""
+"""Uncertainties of the coefficient averaged over all directions."""
 
 VALIDITY_RATIO_OPERANDS = frozenset(
     part
@@ -633,7 +633,7 @@ def quantity_attributes(name: str) -> dict[str, str]:
 
 
 INTERVAL_KIND_ATTRIBUTE = "interval_kind"
-"""Name of the attribute that replaces `ResultQuantity.interval_kind` for a variable."""
+"""Name of the variable's attribute that replaces `ResultQuantity.interval_kind`."""
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:

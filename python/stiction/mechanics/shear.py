@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIN_OVERLAP_POINTS = 16
-"""Minimum number of points, along each axis, in which the faces must overlap at the end of the path."""
+"""Minimum number of grid points along each axis in the overlap of the faces at the end of the path."""
 
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
 """Minimum width of a strip in points, and limits of the number of strips into which faces are cut by default."""
@@ -121,7 +121,7 @@ class ShearBox:
 
     @cached_property
     def _motion(self) -> Floats:
-        """Unit vector of the motion along the axes of the arrays: y and x, or x for profiles."""
+        """Unit vector of the motion, in the order of the array axes: y and x, or only x for profiles."""
         angle = math.radians(self.direction)
         vector = np.array([math.sin(angle), math.cos(angle)])[-self.lower.heights.ndim :]
         return np.where(np.abs(vector) < NEGLIGIBLE_COEFFICIENT, 0.0, vector)
@@ -268,7 +268,7 @@ class ShearBox:
         return edges
 
     def _interface_slopes(self, offset: NDArray[np.int64], tilt: Floats) -> list[Floats]:
-        """Return the slopes of the deformed interface along each axis at the points of the overlap.
+        """Return the slopes of the deformed interface along each axis, at the grid points of the overlap.
 
         An edge of a face that touches the other face is pushed along the normal of the other face.
         """
@@ -442,7 +442,7 @@ def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return a face reduced to the grid points of a selection."""
+    """Return the part of a face in a range of grid rows and columns."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 

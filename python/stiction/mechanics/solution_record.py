@@ -9,7 +9,7 @@ import stiction._core as _core
 from stiction._errors import NoSolutionError
 
 StepResult = dict[str, Any]
-"""Named arrays, numbers and strings that are the result of a step, or the state in the middle of a step."""
+"""Result of a step, or the state within a step: named arrays, numbers and strings."""
 
 
 class SolutionRecord:
@@ -32,8 +32,8 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step, if an earlier computation was interrupted within it."""
+        """Return the stored state of the current step if an earlier computation was interrupted within this step."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        """Store the state of the current step, unless one was stored a short time ago."""
+        """Store the state of the current step, unless a state was stored a short time ago."""

@@ -166,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Collect the data of a report that belong to single loads, mu0 and tau0 of the study.
+    """Collect the data of a report except the arrays for its sliders: study, bodies, summary and figure data.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

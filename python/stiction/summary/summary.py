@@ -1,4 +1,4 @@
-"""Summary of a result: everything that outputs report, computed once.
+"""Summary of a result: coefficients, intervals, caveats and assessments for all outputs, computed once.
 
 A summary has one `PointSummary` for each combination of surfaces or cutoff, load, mu0 and tau0. The terminal, JSON,
 CSV, figures, reports and notebooks show these points, and compute nothing else.
@@ -609,7 +609,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients for each number of a dimension, or {} if the dataset lacks the dimension."""
+    """Return the coefficients along one dimension, by its coordinate, or {} if the dataset lacks the dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 

@@ -55,7 +55,7 @@ def joint_csv(table: JointTable, source: str) -> str:
 
 
 def joint_json(table: JointTable, source: str) -> str:
-    """Return a joint table as JSON, with its notes and the sentence about the pair."""
+    """Return a joint table as JSON, with its notes and with the sentence that describes the pair."""
     values = []
     for row in table.rows:
         at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}

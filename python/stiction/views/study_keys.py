@@ -228,7 +228,7 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return the values that a type annotation allows, as one phrase per alternative."""
+    """Describe the values that a type annotation allows, with one phrase per alternative."""
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
@@ -270,7 +270,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints of a type annotation, also those within a `Field`."""
+    """Return all constraints of a type annotation, including those within a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 

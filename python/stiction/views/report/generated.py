@@ -164,7 +164,7 @@ def _relative_half_widths(points: Floats) -> Floats:
 
 
 def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Floats, Floats]]:
-    """Return the limits of the colour scale of each positive quantity.
+    """Return the limits of the colour scale of each quantity that has positive numbers.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
     """
