@@ -425,7 +425,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return the message about a command that failed with an exit status, which is negative after a signal."""
+    """Return the message about a command that failed with an exit status. After a signal, the status is negative."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

@@ -70,7 +70,7 @@ ALLOWED_OPTIONS_BY_COMMAND = {
 ALLOWED_STUDY_CHANGE_PATTERN = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
-"""Pattern of the study settings that the page may change, none of which is a file name."""
+"""Pattern of the study settings that the page may change. None of these settings is a file name."""
 
 REPORT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "

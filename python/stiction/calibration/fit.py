@@ -272,7 +272,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the equations of tests with sliding, divided by their errors and without correlations within runs.
+        """Return the equations of tests with sliding, after division by their errors and decorrelation within runs.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -349,7 +349,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of tests with sliding, whose contacts grow under shear, for each row of `points`."""
+            """Return the residuals of the tests with sliding for each row of `points`, if contacts grow under shear."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(

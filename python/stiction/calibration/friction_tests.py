@@ -245,7 +245,7 @@ MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """Friction test: surfaces, load and measured coefficient.
+    """Friction test: the pair of surfaces or ball, the load, and the measured coefficient with its uncertainty.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ INTERVALS_COVERING_ALTERNATIVES = (
     "friction_after_dwell",
     "remaining_interval",
 )
-"""Names of the intervals of the coefficient that cover the results for alternative preparations of the scans."""
+"""Names of the coefficient's intervals that also cover the results of alternative preparations of the scans."""
 
 # attributes of the variables of `COMBINED_QUANTITIES` in a dataset
 COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}

@@ -431,7 +431,7 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """Return an interval without upper limit if the central inputs give no upper limit, or else an empty list."""
+        """List with an interval that has no upper limit, if the central inputs give none; otherwise an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
@@ -544,7 +544,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Convert the last coordinate of the Sobol points to samples of Student's t distribution."""
+    """Return samples of Student's t distribution, converted from the last coordinate of the Sobol points."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))

@@ -29,7 +29,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset at which there is no coefficient because they were not computed.
+    """Return the loads (mN) of a dataset that were not computed and therefore have no coefficient.
 
     A computed load without a coefficient, for example because the contact is self-locked, is not returned. Neither is a
     negligible load on adhesive bodies, for which there is a pull-off force.

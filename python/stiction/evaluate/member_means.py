@@ -300,7 +300,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (0 to 180 degrees) along which motion has both directions, and the indices of these directions.
+    """Return the axes (0 to 180 degrees) along which both opposite directions were computed, and their indices.
 
     The indices have the shape (axes, 2).
     """

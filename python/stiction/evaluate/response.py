@@ -314,5 +314,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact at the central inputs, some of which may be replaced."""
+        """Return all quantities of the contact at the central inputs, after replacing the inputs in `changes`."""
         return self.evaluate(replace(self.central, **changes))

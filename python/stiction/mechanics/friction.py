@@ -281,7 +281,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
 
 
 def _fraction_below(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) for Weibull-distributed pressures p of at most 1.
+    """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution that is limited at 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
@@ -448,7 +448,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute the quantities of a result that are ratios of contact sums, at a normal load (mN).
+    """Compute the contact quantities that are ratios of contact sums, such as the mean pressure, at a load (mN).
 
     The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
     require the nominal area (µm²). The keys of the returned mapping are names of quantities.

@@ -145,7 +145,7 @@ class HalfSpaceProblem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Solution of a contact problem at one load (mN): pressure (GPa), contact fraction and patch of each point."""
+    """Solution of a contact problem at one load (mN): pressure (GPa), contact fraction and patch of each grid point."""
 
     problem: HalfSpaceProblem
     load: float
@@ -470,7 +470,7 @@ def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
 
 
 class ContactSolver:
-    """Solver for one contact problem at loads (mN) or approaches (µm) up to a limit."""
+    """Solver for one contact problem, at loads (mN) or approaches (µm) that do not exceed `limit`."""
 
     def __init__(
         self, problem: HalfSpaceProblem, name: StepKind, limit: float, *, tolerance: float,

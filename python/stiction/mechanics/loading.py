@@ -143,7 +143,7 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a core function with the gap minima of the pair or, for "cell" detection, with both surfaces."""
+        """Call a function of the C++ core with the pair's gap minima or, for "cell" detection, with both surfaces."""
         model = make_pair_model(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":

@@ -159,7 +159,7 @@ class ContactModel:
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for pickling, without cached objects of the C++ core."""
+        """Return the state for pickling: all parameters, without the cached object of the C++ core."""
         return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
 

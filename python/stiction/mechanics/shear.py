@@ -250,9 +250,9 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array over the overlap that marks at which of its edges a face ends.
+        """Return an array over the overlap that marks the edges of the two faces.
 
-        It is 0 where only the upper face ends, 1 where only the lower face ends, and NaN elsewhere.
+        It is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
         if self.boundary == "periodic":
             return np.full(self.lower.heights.shape, np.nan)

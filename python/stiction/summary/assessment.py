@@ -123,7 +123,7 @@ class Caveat:
     has_second_cutoff: bool = False
     """True if the interval covers the results with and without the wavelengths that the caveat is about."""
     name: str = ""
-    """Name of the number that exceeds its limit (in `QUANTITIES` or `_compute_checked_numbers`); may be empty."""
+    """Name of the number that exceeds its limit, such as the name of a quantity; "" for other caveats."""
     value: float = field(default=math.nan, compare=False)
     """The number that exceeds its limit, in core units."""
     limit: float = field(default=math.nan, compare=False)
@@ -637,7 +637,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction has no upper limit, or nearly none, for some samples of the inputs."""
+    """Yield a caveat if friction has no upper limit, or almost has none, for some samples of the inputs."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")

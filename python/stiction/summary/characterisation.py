@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of the coefficient along x and y for two such bodies; empty for a flat body."""
+        """Small-slope estimates of the coefficient along x and y if both bodies had this roughness; empty if flat."""
         # The gap between two equally rough bodies has twice the mean square slope of one body.
         # Reverse the slopes, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]

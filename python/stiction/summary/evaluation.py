@@ -440,7 +440,7 @@ class Evaluation(MemberSums):
         return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset of `at` with `budget=True`, or a selection from it."""
+        """Summarize a dataset that `at` returned with `budget=True`, or a selection from such a dataset."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")

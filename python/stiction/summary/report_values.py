@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Stack the estimates, status codes, member counts and slope estimates of all motions into arrays."""
+    """Return the arrays of all motions: coefficients, means, status codes, member counts and small-slope estimates."""
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values

@@ -562,7 +562,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return the reported status of a coefficient: "ok" if it has a number and no shearing body limits it."""
+    """Return "ok" if the coefficient has a number that is not only a lower limit, or else the coefficient's status."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 

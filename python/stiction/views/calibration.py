@@ -224,7 +224,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _FRICTION_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
-"""Properties of an interface that are printed without their names."""
+"""Entries of an interface, such as its source, that are printed without their names."""
 
 
 def calibration_figure(interface: Interface) -> Figure:

@@ -1,4 +1,4 @@
-"""JSON records of commands, which all have the same schema.
+"""Common schema of the JSON records that commands print.
 
 A record contains ``schema`` (a number that increases with every incompatible change), ``stiction`` (the version),
 ``command``, a description of the inputs, and ``values``. Each value is the object that `Estimate.to_record` returns:

@@ -85,7 +85,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
-    """Return the caption of the table: bodies, inputs that all rows share, and what the intervals are."""
+    """Return the caption of the table: bodies, inputs that all rows share, and the kind of the intervals."""
     version = summary.at.attrs.get("stiction_version")
     intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
     bodies = "" if summary.study.is_measured else " of generated surfaces"

@@ -63,7 +63,7 @@ PICOJOULE = 1e-3  # one picojoule in mN µm
 
 
 def onset_note(onset: OnsetValues, study: Study) -> str:
-    """Return a note on the onset of sliding: the averaged members, and the assumptions."""
+    """Return a note on the onset of sliding: how many members are averaged, and what is assumed."""
     count_text = study.member_names.with_count(onset.num_members)
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):

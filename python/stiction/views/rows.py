@@ -95,7 +95,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a data frame with one row for each number of a quantity.
+    """Return a data frame of one quantity, with a row for each combination of its coordinates.
 
     The rows are created from NumPy arrays, because xarray datasets are ten times slower.
     """

@@ -164,7 +164,7 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
 FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata that identify figures of this package, by file name extension."""
+"""Metadata by which a figure file is recognized as written by this package, by file name extension."""
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:

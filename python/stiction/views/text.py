@@ -258,7 +258,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return the interpolated loads, their neighbours and assessments as JSON records."""
+    """Return each interpolated load, the computed loads around it and their assessments as JSON records."""
     return [
         {
             "load": load,

@@ -93,7 +93,7 @@ def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDAr
 
 
 ReportArray = NDArray[Any] | EstimateArray | NumberArray
-"""Array on a page: floating-point numbers, whole numbers from -128 to 127, estimates, or numbers with formats."""
+"""Array that a page stores: floating-point numbers, whole numbers from -128 to 127, estimates, or formatted numbers."""
 
 
 @dataclass(frozen=True)
