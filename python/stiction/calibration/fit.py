@@ -41,7 +41,7 @@ MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the distribution fro
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # Nuisance points are added to the result until their effective sample size reaches this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
-NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of cells along tau0 and along mu0 of the grid for their probability
+NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of cells of the probability grid, along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that a fit returns as samples
 # Increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations).
 MAX_GRID_DEVIANCE = 34.0

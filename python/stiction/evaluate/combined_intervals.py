@@ -203,8 +203,8 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The first element of `strengths` has joint samples of mu0 and tau0.
-        # In the other elements of `strengths`, mu0 or tau0 equals its bound.
+        # The first element of `strengths` has joint samples of mu0 and tau0. In the other elements of `strengths`, mu0
+        # or tau0 is 0.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central

@@ -130,7 +130,7 @@ class PointQuantities:
 
     estimates: dict[str, Estimate]
     numbers: dict[str, float]  # quantities of a result without an interval
-    # quantiles of each distribution, by the fraction of it that lies below them
+    # quantiles of each distribution, by the probability of numbers below the quantile
     distributions: dict[str, dict[float, Estimate]]
 
 

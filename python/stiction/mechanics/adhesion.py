@@ -51,7 +51,7 @@ MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = (
     1e-8  # minimum tolerance of a contact solution, because round-off may prevent convergence to smaller tolerances
 )
-# tolerance of a contact solution, as a fraction of the residual of the attraction before it
+# tolerance of a contact solution, as a fraction of the residual of the attraction before the solution
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
 # The tolerance is coarser in plain steps, which do not amplify errors of the contact solution.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
@@ -78,14 +78,14 @@ MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the
 MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
 
 MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimization
-# number of iterations of the contact solver as which each step of the minimization is counted
+# number of iterations of the contact solver that one step of the minimization counts as
 ITERATIONS_PER_MINIMIZATION_STEP = 2
 # The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
 MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 # A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
 MAX_GAP_CHANGE = 2.0
 SMALL_GAP = 5.0  # largest small gap, as a multiple of the range of the attraction
-NEGLIGIBLE_ATTRACTION_GAP = 30.0  # gap beyond which the line search neglects the attraction, in the same unit
+NEGLIGIBLE_ATTRACTION_GAP = 30.0  # gap beyond which the line search neglects the attraction, in multiples of its range
 # The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
 # first minimum. It ends if the slope of the energy is below a fraction of the initial slope.
 INITIAL_STEP_FRACTION = 0.125
@@ -649,7 +649,8 @@ class EnergyMinimizer:
             mean_attraction = float(attraction.mean())
             if load + mean_attraction < solver.min_contact:
                 return None
-            # At free points the residual is the net pressure that the gap does not balance. It vanishes in contact.
+            # At free points the residual is the net pressure that the gap does not balance. The residual vanishes at
+            # points in contact.
             residual = state.net_pressure.copy()
             grid_residual = residual[self.window]
             grid_residual += attraction
@@ -721,7 +722,7 @@ class EnergyMinimizer:
             direction[self.window][in_contact] = 0.0
             if _sum_of_products(direction, residual) + approach_direction * approach_residual >= 0:
                 direction, approach_direction = descent, approach_descent
-        # points at the edge of the contact whose gap would change against their residual
+        # Keep points at the edge of the contact in place if their gap would change against their residual.
         direction[self.window][(gap == 0) & (direction[self.window] * grid_residual > 0)] = 0.0
         state.direction, state.approach_direction = direction, approach_direction
         state.residual, state.approach_residual, state.slope = residual, approach_residual, slope

@@ -481,9 +481,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Give missing points a gap that never closes.
-            # The large gaps raise the standard deviation of the gap, so rescale the solver tolerance, which refers to
-            # it.
+            # Give missing points a gap that never closes. The large gaps raise the standard deviation of the gap, so
+            # rescale the solver tolerance, which refers to this deviation.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)

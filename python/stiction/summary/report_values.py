@@ -98,7 +98,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Combined intervals exist only for means over all directions and the quoted kind of member.
+    # Combined intervals exist only for means over all directions and for the reported kind of member.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[

@@ -426,7 +426,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
     The returned list begins with the points at the first cutoff. The points at the second cutoff are marked as covered.
     """
-    cut_off = points[0].at["cut_off"]  # quote the coefficient at the first cutoff
+    cut_off = points[0].at["cut_off"]  # report the coefficient at the first cutoff
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }
