@@ -47,7 +47,7 @@ Table to_areal_table(const std::vector<ArealSums>& rows) {
 
 void bind_areal(py::module_& module) {
   py::class_<ArealCandidates>(module, "ArealCandidates",
-                              "Contact candidates of two maps, valid for any number of approaches up to `deepest`.")
+                              "Contact candidates of two maps, valid for all approaches up to `deepest`.")
       .def("__len__", [](const ArealCandidates& candidates) { return candidates.all.size(); })
       .def_readonly("deepest", &ArealCandidates::deepest,
                     "Largest approach [µm] for which the candidates are complete.")
@@ -87,7 +87,8 @@ void bind_areal(py::module_& module) {
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("deepest"),
       py::arg("curvature"),
-      "Find the gap minima of two maps up to the approach `deepest` [µm]. `spacing` is (Δy, Δx) [µm].");
+      "Find the contact candidates of two maps up to the approach `deepest` [µm]: the minima of the gap. "
+      "`spacing` is (Δy, Δx) [µm].");
   module.def(
       "natural_slopes",
       [](const Array& heights, const std::array<double, 2>& spacing) {

@@ -7,7 +7,7 @@ namespace stiction::python {
 
 void bind_candidates(py::module_& module) {
   py::class_<Candidates>(module, "Candidates",
-                         "Contact candidates of two profiles, valid for any number of approaches up to `deepest`.")
+                         "Contact candidates of two profiles, valid for all approaches up to `deepest`.")
       .def("__len__", [](const Candidates& candidates) { return candidates.all.size(); })
       .def_readonly("deepest", &Candidates::deepest, "Largest approach [µm] for which the candidates are complete.")
       .def("columns", [](const Candidates& candidates) {
@@ -29,7 +29,8 @@ void bind_candidates(py::module_& module) {
         return candidates(pair, deepest, curvature(allowed), check_cancellation);
       },
       py::arg("upper").noconvert(), py::arg("lower").noconvert(), py::kw_only(), py::arg("spacing"), py::arg("deepest"),
-      py::arg("curvature"), "Find the gap minima of two profiles up to the approach `deepest` [µm].");
+      py::arg("curvature"),
+      "Find the contact candidates of two profiles up to the approach `deepest` [µm]: the minima of the gap.");
 }
 
 }  // namespace stiction::python

@@ -86,10 +86,10 @@ void bind_half_space(py::module_& module) {
       .def_property_readonly("count", [](const IterationCounter& counter) { return counter.count.load(); })
       .def(
           "add", [](IterationCounter& counter, std::int64_t iterations) { counter.count += iterations; },
-          py::arg("iterations"), "Add iterations of a calculation that is not repeated.");
+          py::arg("iterations"), "Add iterations of an earlier calculation whose result is reused.");
 
   py::class_<HalfSpaceGrids, std::shared_ptr<HalfSpaceGrids>>(
-      module, "HalfSpaceGrids", "Grid hierarchy and elastic kernels, shared by all problems with the same grid.")
+      module, "HalfSpaceGrids", "Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.")
       .def(py::init([](const std::vector<std::size_t>& shape, const std::vector<double>& spacing,
                        double effective_modulus, bool periodic) {
              return std::make_shared<HalfSpaceGrids>(grid_of(shape, spacing, periodic), effective_modulus);
@@ -124,18 +124,19 @@ void bind_half_space(py::module_& module) {
             return std::pair(pressure, response.compliance);
           },
           py::arg("in_contact").noconvert(), py::kw_only(), py::arg("threads") = 1,
-          "Return pressures [GPa] with a sum of 1 that displace all contact points equally, and the displacement "
-          "[µm].");
+          "Compute the pressures [GPa] with a sum of 1 that displace all contact points equally. Also returns the "
+          "displacement [µm].");
 
-  py::class_<HalfSpaceSolution>(module, "HalfSpaceSolution",
-                                "Pressure field, approach [µm], relative error and number of iterations.")
+  py::class_<HalfSpaceSolution>(
+      module, "HalfSpaceSolution",
+      "Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.")
       .def_property_readonly(
           "pressure",
           [](const py::object& self) { return field(self.cast<const HalfSpaceSolution&>().pressure, self); })
       .def_property_readonly(
           "potential",
           [](const py::object& self) { return field(self.cast<const HalfSpaceSolution&>().potential, self); },
-          "Gap plus displacement [µm] at points with a bound above 0. The array may be empty.")
+          "Gap plus displacement [µm] at the points whose pressure bound is above 0, or an empty array.")
       .def_readonly("approach", &HalfSpaceSolution::approach)
       .def_readonly("error", &HalfSpaceSolution::error)
       .def_readonly("iterations", &HalfSpaceSolution::iterations);
@@ -155,7 +156,7 @@ void bind_half_space(py::module_& module) {
         py::arg("progress") = py::none(), py::arg("counter") = py::none(), description);
   };
   py::class_<HalfSpaceSolver> solver(module, "HalfSpaceSolver",
-                                     "Solver for the contact of one gap at successive loads.");
+                                     "Solver for the contact of a half-space with a given gap, at successive loads.");
   solver.def(py::init([](const Array& gap, std::shared_ptr<HalfSpaceGrids> grids, const Array& bound, double tolerance,
                          std::size_t threads) {
                const auto heights = grid(gap);
@@ -168,9 +169,12 @@ void bind_half_space(py::module_& module) {
              py::keep_alive<1, 2>(), py::arg("gap").noconvert(), py::arg("grids"), py::kw_only(),
              py::arg("bound").noconvert(), py::arg("tolerance"), py::arg("threads") = 1);
   bind_at(solver, "at", &HalfSpaceSolver::at, "mean_pressure",
-          "Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load.");
-  bind_at(solver, "at_approach", &HalfSpaceSolver::at_approach, "approach",
-          "Solve for an approach [µm]. `near` may be the pressure at another load.");
+          "Solve the contact problem at a mean pressure [GPa]. The solver starts from `near`, the pressures at another "
+          "load, if given.");
+  bind_at(
+      solver, "at_approach", &HalfSpaceSolver::at_approach, "approach",
+      "Solve the contact problem at an approach [µm]. The solver starts from `near`, the pressures at another load, "
+      "if given.");
 
   module.def(
       "patches_of",
@@ -187,8 +191,8 @@ void bind_half_space(py::module_& module) {
                               to_array(std::move(candidates.contact_fraction)), to_array(std::move(candidates.patch)));
       },
       py::arg("pressure").noconvert(), py::kw_only(), py::arg("periodic"), py::arg("hardness"),
-      "Return index, pressure [GPa], contact fraction of its cell and patch number (from 1) of each point under "
-      "pressure.");
+      "Return the points under pressure: index, pressure [GPa], contact fraction of the cell, and patch number "
+      "(from 1).");
   module.def(
       "patch_sums",
       [](const Array& force, const Array& area, const std::optional<Array>& slope_y, const Array& slope_x,
@@ -218,7 +222,8 @@ void bind_half_space(py::module_& module) {
       },
       py::arg("force").noconvert(), py::arg("area").noconvert(), py::arg("slope_y").noconvert(),
       py::arg("slope_x").noconvert(), py::arg("patch").noconvert(), py::arg("directions"),
-      "Compute the sums over the points of each patch, some along directions (x, y). Returns a dict of arrays.");
+      "Compute force and area sums over the points of each contact patch, some of them for each direction (x, y). "
+      "Returns a dict of arrays.");
 }
 
 }  // namespace stiction::python

@@ -8,7 +8,7 @@ namespace stiction::python {
 
 void bind_harmonics(py::module_& module) {
   module.def("frequency_weights", &frequency_weights, py::arg("hurst_exponent"), py::arg("frequencies"),
-             py::arg("gamma"), py::arg("length_scale"), "Compute the amplitudes [µm] of the frequencies of Eq. 1.");
+             py::arg("gamma"), py::arg("length_scale"), "Compute the amplitude [µm] of each frequency in Eq. 1.");
   module.def(
       "harmonic_profiles",
       [](const MatrixView& phases, const MatrixView& weights, Eigen::Ref<Matrix> profiles, double spacing,
@@ -23,7 +23,8 @@ void bind_harmonics(py::module_& module) {
       },
       py::arg("phases").noconvert(), py::arg("weights").noconvert(), py::arg("profiles").noconvert(), py::kw_only(),
       py::arg("spacing"), py::arg("length_scale"), py::arg("gamma"), py::arg("band_limited"),
-      "Write Eq. 1 for every row of weights to `profiles` (rows, points) [µm]. Returns (mean, min, max) of each row.");
+      "Compute a profile by Eq. 1 for each row of weights, and write the heights [µm] to `profiles` (rows, points). "
+      "Returns (mean, min, max) of each profile.");
   module.def(
       "harmonic_surface",
       [](const MatrixView& phases, const Array& weights, Eigen::Ref<Matrix> heights, double spacing_y, double spacing_x,
@@ -36,7 +37,7 @@ void bind_harmonics(py::module_& module) {
       },
       py::arg("phases").noconvert(), py::arg("weights").noconvert(), py::arg("heights").noconvert(), py::kw_only(),
       py::arg("spacing_y"), py::arg("spacing_x"), py::arg("length_scale"), py::arg("gamma"), py::arg("band_limited"),
-      "Write the areal form of Eq. 1 to `heights` (rows, columns) [µm].");
+      "Compute a height map by the areal form of Eq. 1, and write it to `heights` (rows, columns) [µm].");
 }
 
 }  // namespace stiction::python

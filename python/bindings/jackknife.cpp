@@ -72,7 +72,7 @@ void bind_jackknife(py::module_& module) {
       py::arg("loads").noconvert(), py::arg("values").noconvert(), py::kw_only(), py::arg("curve").noconvert(),
       py::arg("step").noconvert(), py::arg("fraction").noconvert(), py::arg("load").noconvert(),
       py::arg("mean").noconvert(), py::arg("slope").noconvert(), py::arg("total_repetitions"),
-      "Compute the table of `jackknife_sums` (10, points) from curves of loads and values (curves, steps, "
+      "Compute power sums of jackknife values (10, points) from curves of loads and values (curves, steps, "
       "repetitions).");
 }
 

@@ -15,7 +15,8 @@ void bind_number_cells(py::module_& module) {
         return std::pair(to_array(std::move(rows.starts)), to_array(std::move(rows.widths)));
       },
       py::arg("text"), py::arg("separator"),
-      "Return the offsets at which the rows of a text start and the last row ends, and the number of cells per row.");
+      "Find the rows of a text. Returns the offsets at which rows start and the last row ends, and the number of cells "
+      "in each row.");
   module.def(
       "convert_cells",
       [](const py::bytes& text, char separator, Array& values, std::size_t threads) {
@@ -26,7 +27,8 @@ void bind_number_cells(py::module_& module) {
         return convert_cells(characters, separator, out, threads, check_cancellation);
       },
       py::arg("text"), py::arg("separator"), py::arg("values").noconvert(), py::kw_only(), py::arg("threads") = 1,
-      "Write the numbers in the cells of a text to `values`. Returns the indices of the cells that are not numbers.");
+      "Parse the cells of a text as numbers, and write the numbers to `values`. Returns the indices of the cells that "
+      "are not numbers.");
 }
 
 }  // namespace stiction::python

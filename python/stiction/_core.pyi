@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import typing
 
 class Candidates:
-    """Contact candidates of two profiles, valid for any number of approaches up to `deepest`."""
+    """Contact candidates of two profiles, valid for all approaches up to `deepest`."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
@@ -29,7 +29,7 @@ class ContactModel:
     ) -> None: ...
 
 class ArealCandidates:
-    """Contact candidates of two maps, valid for any number of approaches up to `deepest`."""
+    """Contact candidates of two maps, valid for all approaches up to `deepest`."""
     def __len__(self) -> int: ...
     def columns(self) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]: ...
     @property
@@ -40,12 +40,12 @@ class IterationCounter:
     """Number of solver iterations, which other threads may read during a calculation."""
     def __init__(self) -> None: ...
     def add(self, iterations: int) -> None:
-        """Add iterations of a calculation that is not repeated."""
+        """Add iterations of an earlier calculation whose result is reused."""
     @property
     def count(self) -> int: ...
 
 class HalfSpaceGrids:
-    """Grid hierarchy and elastic kernels, shared by all problems with the same grid."""
+    """Grid hierarchy and elastic kernels, shared by all contact problems on the same grid."""
     def __init__(
         self,
         shape: collections.abc.Sequence[int],
@@ -57,12 +57,12 @@ class HalfSpaceGrids:
     def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
         """Compute the displacement [µm] of each point under a pressure [GPa]."""
     def linear_response(self, in_contact: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
-        """Return pressures [GPa] with a sum of 1 that displace all contact points equally, and the displacement [µm]."""
+        """Compute the pressures [GPa] with a sum of 1 that displace all contact points equally. Also returns the displacement [µm]."""
     @property
     def periodic(self) -> bool: ...
 
 class HalfSpaceSolution:
-    """Pressure field, approach [µm], relative error and number of iterations."""
+    """Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations."""
     @property
     def approach(self) -> float: ...
     @property
@@ -71,12 +71,12 @@ class HalfSpaceSolution:
     def iterations(self) -> int: ...
     @property
     def potential(self) -> NDArray[float64]:
-        """Gap plus displacement [µm] at points with a bound above 0. The array may be empty."""
+        """Gap plus displacement [µm] at the points whose pressure bound is above 0, or an empty array."""
     @property
     def pressure(self) -> NDArray[float64]: ...
 
 class HalfSpaceSolver:
-    """Solver for the contact of one gap at successive loads."""
+    """Solver for the contact of a half-space with a given gap, at successive loads."""
     def __init__(
         self,
         gap: NDArray[float64],
@@ -95,7 +95,7 @@ class HalfSpaceSolver:
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
         counter: IterationCounter | None = None,
     ) -> HalfSpaceSolution:
-        """Solve for a mean pressure over the grid [GPa]. `near` may be the pressure at another load."""
+        """Solve the contact problem at a mean pressure [GPa]. The solver starts from `near`, the pressures at another load, if given."""
     def at_approach(
         self,
         approach: float,
@@ -105,7 +105,7 @@ class HalfSpaceSolver:
         progress: collections.abc.Callable[[int, float], typing.Any] | None = None,
         counter: IterationCounter | None = None,
     ) -> HalfSpaceSolution:
-        """Solve for an approach [µm]. `near` may be the pressure at another load."""
+        """Solve the contact problem at an approach [µm]. The solver starts from `near`, the pressures at another load, if given."""
 
 @typing.overload
 def approaches_at(
@@ -163,7 +163,7 @@ def build() -> dict[str, str]:
 def candidates(
     upper: NDArray[float64], lower: NDArray[float64], *, spacing: float, deepest: float, curvature: str
 ) -> Candidates:
-    """Find the gap minima of two profiles up to the approach `deepest` [µm]."""
+    """Find the contact candidates of two profiles up to the approach `deepest` [µm]: the minima of the gap."""
 
 @typing.overload
 def candidates(
@@ -174,7 +174,7 @@ def candidates(
     deepest: float,
     curvature: str,
 ) -> ArealCandidates:
-    """Find the gap minima of two maps up to the approach `deepest` [µm]. `spacing` is (Δy, Δx) [µm]."""
+    """Find the contact candidates of two maps up to the approach `deepest` [µm]: the minima of the gap. `spacing` is (Δy, Δx) [µm]."""
 
 @typing.overload
 def contacts(
@@ -195,10 +195,10 @@ def contacts(
     """List the contacts of two maps at one approach [µm], as a dict of columns."""
 
 def convert_cells(text: bytes, separator: str, values: NDArray[float64], *, threads: int = 1) -> list[int]:
-    """Write the numbers in the cells of a text to `values`. Returns the indices of the cells that are not numbers."""
+    """Parse the cells of a text as numbers, and write the numbers to `values`. Returns the indices of the cells that are not numbers."""
 
 def find_rows(text: bytes, separator: str) -> tuple[NDArray[numpy.int64], NDArray[numpy.int64]]:
-    """Return the offsets at which the rows of a text start and the last row ends, and the number of cells per row."""
+    """Find the rows of a text. Returns the offsets at which rows start and the last row ends, and the number of cells in each row."""
 
 def force_and_area(
     law: str, parameters: collections.abc.Mapping[str, float], *, overlap: float, radius: float
@@ -206,7 +206,7 @@ def force_and_area(
     """Compute force [mN] and area [µm²] of one contact for a named law with all of its parameters."""
 
 def frequency_weights(hurst_exponent: float, frequencies: int, gamma: float, length_scale: float) -> list[float]:
-    """Compute the amplitudes [µm] of the frequencies of Eq. 1."""
+    """Compute the amplitude [µm] of each frequency in Eq. 1."""
 
 def harmonic_profiles(
     phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
@@ -218,7 +218,7 @@ def harmonic_profiles(
     gamma: float,
     band_limited: bool,
 ) -> NDArray[float64]:
-    """Write Eq. 1 for every row of weights to `profiles` (rows, points) [µm]. Returns (mean, min, max) of each row."""
+    """Compute a profile by Eq. 1 for each row of weights, and write the heights [µm] to `profiles` (rows, points). Returns (mean, min, max) of each profile."""
 
 def harmonic_surface(
     phases: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
@@ -231,7 +231,7 @@ def harmonic_surface(
     gamma: float,
     band_limited: bool,
 ) -> None:
-    """Write the areal form of Eq. 1 to `heights` (rows, columns) [µm]."""
+    """Compute a height map by the areal form of Eq. 1, and write it to `heights` (rows, columns) [µm]."""
 
 def jackknife_sums(
     loads: NDArray[float64],
@@ -245,7 +245,7 @@ def jackknife_sums(
     slope: NDArray[float64],
     total_repetitions: int,
 ) -> NDArray[float64]:
-    """Compute the table of `jackknife_sums` (10, points) from curves of loads and values (curves, steps, repetitions)."""
+    """Compute power sums of jackknife values (10, points) from curves of loads and values (curves, steps, repetitions)."""
 
 def natural_slopes(
     heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
@@ -260,12 +260,12 @@ def patch_sums(
     patch: NDArray[numpy.int32],
     directions: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]],
 ) -> dict[str, typing.Any]:
-    """Compute the sums over the points of each patch, some along directions (x, y). Returns a dict of arrays."""
+    """Compute force and area sums over the points of each contact patch, some of them for each direction (x, y). Returns a dict of arrays."""
 
 def patches_of(
     pressure: NDArray[float64], *, periodic: bool, hardness: float
 ) -> tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]:
-    """Return index, pressure [GPa], contact fraction of its cell and patch number (from 1) of each point under pressure."""
+    """Return the points under pressure: index, pressure [GPa], contact fraction of the cell, and patch number (from 1)."""
 
 @typing.overload
 def press(
