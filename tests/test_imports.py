@@ -2,6 +2,7 @@
 
 import ast
 import functools
+import json
 import re
 import subprocess
 import sys
@@ -177,11 +178,17 @@ def test_views_import_neither_stores_nor_readers_nor_statistics():
                 assert imported.isupper() or f"{module}.{imported}" in ALLOWED_IMPORTS_OF_VIEWS, f"{source}: {name}"
 
 
+def select_dependencies(modules):
+    """Return the third-party packages of loaded modules."""
+    packages = {name.split(".")[0] for name in modules}
+    return {name for name in packages - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
+
+
 def loaded_dependencies(code):
+    """Run code in a new process, and return the third-party packages that it loads."""
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
     message = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
-    loaded = {name.split(".")[0] for name in message.split()}
-    return {name for name in loaded - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
+    return select_dependencies(message.split())
 
 
 def test_importing_the_package_loads_no_dependencies():
@@ -195,26 +202,60 @@ def test_command_line_module_imports_nothing_before_the_command_starts():
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
-def test_options_help_and_version_load_no_numeric_packages():
-    for option in ("--help", "--version"):
-        assert loaded_dependencies(
-            f"sys.argv[1:] = ['{option}']; from stiction.cli.application import run_command_line; run_command_line()"
-        ) <= (DEPENDENCIES_OF_HELP)
-
-
 MODULES_WITH_PAIR_OPTIONS = {"pair", "shear", "characterise", "calibrate", "table"}
 """Modules of commands with options that are declared in `study.pair_options`, which needs NumPy."""
 
+MODULE_BY_COMMAND = {
+    name: module for group in application.COMMANDS_BY_GROUP.values() for name, (module, _) in group.items()
+}
 
-@pytest.mark.parametrize(
-    ("command", "module"),
-    [(name, module) for group in application.COMMANDS_BY_GROUP.values() for name, (module, _) in group.items()],
-)
-def test_help_of_a_command_loads_numpy_only_for_pair_options(command, module):
-    numpy_if_needed = {"numpy"} if module in MODULES_WITH_PAIR_OPTIONS else set()
-    code = f"sys.argv[1:] = ['{command}', '--help']; from stiction.cli.application import run_command_line"
-    loaded = loaded_dependencies(f"{code}; run_command_line()")
-    assert loaded <= DEPENDENCIES_OF_HELP | ALLOWED_DEPENDENCIES - {"numpy"} | numpy_if_needed
+LISTING_SCRIPT = """
+import contextlib, io, json, sys
+before = set(sys.modules)
+loaded = []
+for code in json.loads(sys.argv[1]):
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(code)
+    loaded.append(sorted(set(sys.modules) - before))
+print(json.dumps(loaded))
+"""
+"""Script that runs pieces of code one after another, and prints the modules that are loaded after each piece."""
+
+
+def list_dependencies_of_steps(code_by_step):
+    """Run the code of each step in the same new process, and return the third-party packages loaded after each step.
+
+    The step that may load the fewest packages must be the first. A package that a step loads is listed for this step
+    and for all later ones, so that no step hides what another one loads.
+    """
+    command = [sys.executable, "-c", LISTING_SCRIPT, json.dumps(list(code_by_step.values()))]
+    modules = json.loads(subprocess.check_output(command, text=True))
+    return dict(zip(code_by_step, map(select_dependencies, modules), strict=True))
+
+
+@pytest.fixture(scope="module")
+def dependencies_by_command():
+    """Third-party packages that are loaded after each command, by its arguments."""
+    helps = sorted(MODULE_BY_COMMAND, key=lambda name: MODULE_BY_COMMAND[name] in MODULES_WITH_PAIR_OPTIONS)
+    commands = [("--help",), ("--version",), *((name, "--help") for name in helps), ("studies",)]
+    code = "from stiction.cli.application import run_command_line; sys.argv[1:] = {!r}; run_command_line()"
+    return list_dependencies_of_steps({command: code.format(command) for command in commands})
+
+
+@pytest.mark.parametrize("option", ["--help", "--version"])
+def test_options_help_and_version_load_no_numeric_packages(option, dependencies_by_command):
+    assert dependencies_by_command[option,] <= DEPENDENCIES_OF_HELP
+
+
+@pytest.mark.parametrize("command", MODULE_BY_COMMAND)
+def test_help_of_a_command_loads_numpy_only_for_pair_options(command, dependencies_by_command):
+    numpy_if_needed = {"numpy"} if MODULE_BY_COMMAND[command] in MODULES_WITH_PAIR_OPTIONS else set()
+    allowed_dependencies = DEPENDENCIES_OF_HELP | ALLOWED_DEPENDENCIES - {"numpy"} | numpy_if_needed
+    assert dependencies_by_command[command, "--help"] <= allowed_dependencies
+
+
+def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers(dependencies_by_command):
+    assert dependencies_by_command["studies",] <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
 
 
 def test_sampling_uncertain_inputs_does_not_load_scipy_stats():
@@ -222,9 +263,10 @@ def test_sampling_uncertain_inputs_does_not_load_scipy_stats():
     assert "scipy" not in loaded_dependencies(code)
 
 
-def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers():
-    code = "sys.argv[1:] = ['studies']; from stiction.cli.application import run_command_line; run_command_line()"
-    assert loaded_dependencies(code) <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
+SMALL_STUDY_CHANGES = (
+    "surfaces.fractal_dimension=[1.1]", "surfaces.points=1000", "surfaces.extent=1 um", "ensemble.repetitions=2",
+    "contact.approach.count=3", 'figures.draw=["area"]',
+)  # fmt: skip
 
 
 def test_commands_load_dask_only_for_a_cluster(tmp_path):
@@ -232,41 +274,52 @@ def test_commands_load_dask_only_for_a_cluster(tmp_path):
     pytest.importorskip("distributed")
 
     def run_small_study(*options):
-        changes = ["--set", "ensemble.repetitions=2", "--set", "surfaces.points=3000", "-o", tmp_path / "quick"]
+        changes = [f"--set={change}" for change in SMALL_STUDY_CHANGES]
         command = [sys.executable, "-X", "importtime", "-m", "stiction", "run", "quick", *changes, *options]
-        return subprocess.run(command, capture_output=True, text=True, check=False).stderr
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False).stderr
 
     assert not re.search(r"\| +dask\b", run_small_study())
     assert re.search(r"\| +dask\b", message := run_small_study("--scheduler", "host"))
     assert "the address of a Dask scheduler must have the form" in message
 
 
+STYLE_SHEET_CODE = """
+import asyncio, pathlib, starlette.requests, stiction.app.server
+server = stiction.app.server.Server(pathlib.Path(), pathlib.Path(), 0)
+request = starlette.requests.Request({'type': 'http', 'path_params': {'kind': 'css'}})
+assert asyncio.run(server.get_asset(request)).body
+"""
+
+
+@pytest.fixture(scope="module")
+def dependencies_by_step(tmp_path_factory):
+    """Third-party packages that are loaded after a preview, the style sheet of the app, and two modules of views."""
+    path = tmp_path_factory.mktemp("scan") / "map.npy"
+    np.save(path, np.random.default_rng(1).standard_normal((16, 16)))
+    preview = f"preview_scan({str(path)!r}, {{'unit': 'um', 'spacing': '1 um'}})"
+    code_by_step = {
+        "preview": f"from stiction.app.preview import preview_scan; assert 'Sq' in {preview}",
+        "style sheet": STYLE_SHEET_CODE,
+        "files": "import stiction.views.files",
+        "report": "import stiction.views.report",
+    }
+    return list_dependencies_of_steps(code_by_step)
+
+
 @pytest.mark.parametrize("module", ["files", "report"])
-def test_modules_for_exported_files_and_reports_load_no_matplotlib(module):
+def test_modules_for_exported_files_and_reports_load_no_matplotlib(module, dependencies_by_step):
     """Check reports because their numbers are evaluated in a copy of the process while Matplotlib is imported."""
-    assert "matplotlib" not in loaded_dependencies(f"import stiction.views.{module}")
+    assert "matplotlib" not in dependencies_by_step[module]
 
 
-def test_style_sheet_of_the_app_loads_neither_matplotlib_nor_pandas():
+def test_style_sheet_of_the_app_loads_neither_matplotlib_nor_pandas(dependencies_by_step):
     """Check this because the page of the app is not drawn until its style sheet has arrived."""
-    code = (
-        "import asyncio, pathlib, starlette.requests, stiction.app.server; "
-        "server = stiction.app.server.Server(pathlib.Path(), pathlib.Path(), 0); "
-        "request = starlette.requests.Request({'type': 'http', 'path_params': {'kind': 'css'}}); "
-        "assert asyncio.run(server.get_asset(request)).body"
-    )
-    assert not {"matplotlib", "pandas"} & loaded_dependencies(code)
+    assert not {"matplotlib", "pandas"} & dependencies_by_step["style sheet"]
 
 
-def test_preview_of_a_scan_loads_neither_matplotlib_nor_pydantic(tmp_path):
+def test_preview_of_a_scan_loads_neither_matplotlib_nor_pydantic(dependencies_by_step):
     """Check this because the import of these packages would take longer than the preview of a small map."""
-    np.save(tmp_path / "map.npy", np.random.default_rng(1).standard_normal((16, 16)))
-    options = {"unit": "um", "spacing": "1 um"}
-    code = (
-        "from stiction.app.preview import preview_scan; "
-        f"assert 'Sq' in preview_scan({str(tmp_path / 'map.npy')!r}, {options})"
-    )
-    assert not {"matplotlib", "pydantic"} & loaded_dependencies(code)
+    assert not {"matplotlib", "pydantic"} & dependencies_by_step["preview"]
 
 
 def test_stub_of_the_package_lists_public_names_with_their_modules():
