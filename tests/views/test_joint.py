@@ -1,5 +1,6 @@
 """Test joint tables against `Result.at`, their files, and the card of CalculiX in a finite-element model."""
 
+import copy
 import io
 import json
 import pickle
@@ -28,17 +29,25 @@ NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
 
 @pytest.fixture(scope="module", autouse=True)
 def evaluate_once():
-    """Evaluate each result only once at the same loads, because files in all units and formats show equal values."""
-    evaluate, datasets = Evaluation.at, {}
+    """Evaluate each result only once at the same loads, because files in all units and formats show equal values.
 
-    def evaluate_or_copy(result, *arguments, **options):
-        key = id(result), pickle.dumps((arguments, options))
-        if key not in datasets:
-            datasets[key] = result, evaluate(result, *arguments, **options)
-        return datasets[key][1].copy(deep=True)
+    For the same reason, the joint table of a result in one system of units is computed only once.
+    """
+
+    def call_once(method):
+        values = {}
+
+        def call_or_copy(result, *arguments, **options):
+            key = id(result), pickle.dumps((arguments, options))
+            if key not in values:
+                values[key] = result, method(result, *arguments, **options)
+            return copy.deepcopy(values[key][1])
+
+        return call_or_copy
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Evaluation, "at", evaluate_or_copy)
+        for name in ("at", "joint_table"):
+            patch.setattr(Evaluation, name, call_once(getattr(Evaluation, name)))
         yield
 
 
