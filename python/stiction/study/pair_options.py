@@ -450,7 +450,7 @@ class OptionGroup(BaseModel):
     The value None of an option stands for its default.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, arbitrary_types_allowed=True, defer_build=True)
 
     title: ClassVar[str]
 

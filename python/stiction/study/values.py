@@ -173,7 +173,9 @@ SlidingRules = Annotated[
 class SettingsSection(BaseModel):
     """Base class for the sections of a study file. A section declares its keys, and is immutable."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True, defer_build=True
+    )
 
     def __init__(self, **values: Any) -> None:
         """Validate the values of the section's keys. An invalid value raises a `StudyError` that names the key."""
