@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from stiction._patterns import LazyPattern
 from stiction.surfaces.measured.raw import HeaderDeclarations, parse_length_unit, parse_number, parse_positive_number
 from stiction.surfaces.measured.spacing_lines import (
     DECIMAL_PATTERN,
@@ -33,14 +34,14 @@ _UNIT_WORDS = (
     r"単位|値の単位|单位|값 단위|단위|единицы измерения)"
 )
 _HEIGHT_WORDS = r"(?:z|(?:image )?data|heights?|values?|amplitude|vertical|profile|channel|signal|image|topography)"
-_HEIGHT_UNIT_PATTERN = re.compile(
+_HEIGHT_UNIT_PATTERN = LazyPattern(
     r"\W*(?:(?:z|heights?|höhen?|hauteurs?|data|values?)\s+(?:are\s+)?in\s+(?:1(?:[.,]0*)?\s+)?|"
     rf"(?:(?:{_HEIGHT_WORDS}|figure|plot)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
     rf"(?:\s?[ ._:-]\s?(?:of )?{_HEIGHT_WORDS}(?![^\W_]))?"
     r"\s*[:=,;\t]\s*)[\"']?([^\s\"',;:]{1,20})[\"']?\W*",
     re.IGNORECASE,
 )
-_UNKNOWN_UNIT_PATTERN = re.compile(
+_UNKNOWN_UNIT_PATTERN = LazyPattern(
     r"\W*(?:(?:z|heights?|höhen?)\s+(?:are\s+)?in\s+(?!the\b|an?\b|this\b|columns?\b|rows?\b|lines?\b|files?\b)|"
     rf"(?:(?:{_HEIGHT_WORDS}|figure|plot)[\s_-]*)?(?:axis[\s_-]*)?{_UNIT_WORDS}"
     rf"(?:\s?[ ._:-]\s?(?:of )?{_HEIGHT_WORDS}(?![^\W_]))?"
@@ -50,7 +51,7 @@ _UNKNOWN_UNIT_PATTERN = re.compile(
 )
 """Regular expression for a line that declares the unit of the heights in any words, even if the unit is unknown."""
 
-_UNIT_OF_Z_PATTERN = re.compile(
+_UNIT_OF_Z_PATTERN = LazyPattern(
     r"\W*(?:z\s*([:=])\s*|(?:z|(heights?|höhen?))[\s_/]+|(?:z[\s_-]*)?(?:units?|einheit)(\s+))([^:=]{1,16}?)[\s,;]*",
     re.IGNORECASE,
 )
@@ -58,28 +59,28 @@ _UNIT_OF_Z_PATTERN = re.compile(
 size.
 """
 
-_UNIT_WITH_FACTOR_PATTERN = re.compile(
+_UNIT_WITH_FACTOR_PATTERN = LazyPattern(
     rf"(?:{_FACTOR_PATTERN}|[0-9](?=[^\W\d]))([^\W\d_]+)(?:/10+)?|([^\W\d_]+)\s?[/*×·x]\s?10+", re.IGNORECASE
 )
 """Regular expression for a unit with a factor."""
 
-_UNIT_OF_Y_PATTERN = re.compile(
+_UNIT_OF_Y_PATTERN = LazyPattern(
     rf"\W*y[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}(?:[\s_-]*label)?\s*[:=,;\t]\s*[\"']?([^\"',;\t]{{1,20}}?)[\"']?[\s,;\t]*",
     re.IGNORECASE,
 )
 """Regular expression for a line with the unit along y, which is the unit of the heights of a profile."""
 
-_PLAIN_UNIT_PATTERN = re.compile(
+_PLAIN_UNIT_PATTERN = LazyPattern(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*[\"']?([^\W\d][^\s\"',;]{{0,11}})[\"']?\W*", re.IGNORECASE
 )
 """Regular expression for a line with a unit, but without the name of a quantity."""
 
-_UNIT_IN_RECORD_PATTERN = re.compile(rf"[{{,]\s*{_UNIT_WORDS}\s*[:=]\s*([^\s,;}}\]]{{1,12}})", re.IGNORECASE)
+_UNIT_IN_RECORD_PATTERN = LazyPattern(rf"[{{,]\s*{_UNIT_WORDS}\s*[:=]\s*([^\s,;}}\]]{{1,12}})", re.IGNORECASE)
 """Regular expression for the unit of a column in a line such as ``{"name": "x", "unit": "mm"}, {"name": "z", "unit":
 "um"}``.
 """
 
-_UNITS_OF_COLUMNS_PATTERN = re.compile(
+_UNITS_OF_COLUMNS_PATTERN = LazyPattern(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*(?:[^\W\d][\w ]{{0,20}}[=:]\s*)?([^\s,;=:]{{1,12}})\s*[,;]\s*"
     r"(?:[^\W\d][\w ]{0,20}[=:]\s*)?([^\s,;=:]{1,12})\s*",
     re.IGNORECASE,
@@ -87,12 +88,12 @@ _UNITS_OF_COLUMNS_PATTERN = re.compile(
 """Regular expression for a line with the units of positions and heights, as in "Units: mm, um" or "Units: x=mm, z=um".
 """
 
-_POSITION_UNIT_PATTERN = re.compile(
+_POSITION_UNIT_PATTERN = LazyPattern(
     rf"\W*(?:x|lateral|horizontal|position|length)[\s_-]*(?:axis[\s_-]*)?{_UNIT_WORDS}\s*[:=,;\t]\s*"
     r"[\"']?([^\"',;]{1,20}?)[\"']?[\s,;]*",
     re.IGNORECASE,
 )
-_POSITION_QUANTITY_PATTERN = re.compile(
+_POSITION_QUANTITY_PATTERN = LazyPattern(
     r"\W*x[\s_-]*(?:axis[\s_-]*)?(?:dimension|quantity|label|name|title|axis)\s*[:=,;\t]\s*[\"']?([^\"',;\t]{1,30}).*",
     re.IGNORECASE,
 )
@@ -103,7 +104,7 @@ _NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", 
 _POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
 _DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 _NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
-_UNAPPLIED_FACTOR_PATTERN = re.compile(
+_UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     # matches a factor above a matrix of heights, such as "1.0e-03 *"
     rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
     rf"\W*{_POWER_PATTERN}\W*|"
@@ -141,35 +142,35 @@ _UNAPPLIED_FACTOR_PATTERN = re.compile(
 )
 """Regular expression for a line that describes in words a factor that may apply to the heights."""
 
-_OTHER_FACTOR_PATTERN = re.compile(
+_OTHER_FACTOR_PATTERN = LazyPattern(
     r"objective|objektiv|(?<!vertical )(?<!height )(?<!\bz )magnif|zoom|lens|shape|form|crest|filter|quality|aspect|"
     r"exaggerat|spring|frequency|defl|piezo|bias|feedback|\bdB\b",
     re.IGNORECASE,
 )
-_HEIGHT_FACTOR_PATTERN = re.compile(
+_HEIGHT_FACTOR_PATTERN = LazyPattern(
     rf"\W*(?:(?:z|height|vertical|data|value)[\s_-]*)+(?:conversion[\s_-]*)?(?:factor|scale|scaling|multiplier)"
     rf"\s*(?:\(\s*-?>?\s*({UNIT_PATTERN})\s*\)|[\[(]({UNIT_PATTERN})[^\])]{{0,20}}[\])])?{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN})\s*({UNIT_PATTERN})?\W*.{{0,20}}",
     re.IGNORECASE,
 )
-_CONVERSION_WORD_PATTERN = re.compile(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
+_CONVERSION_WORD_PATTERN = LazyPattern(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
 """Regular expression for words that mark a scale as conversion from numbers to heights, rather than as a colour range.
 """
 
-_MISSING_CODE_PATTERN = re.compile(
+_MISSING_CODE_PATTERN = LazyPattern(
     rf"\W*(?:no[\s_-]?data|missing|void|invalid|bad|undefined|fill|null|mask(?:ed)?|fehl)[\s_-]*"
     rf"(?:data|points?|pixels?|height)?[\s_-]*(values?|code|wert)?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\W*",
     re.IGNORECASE,
 )
-_POINT_COUNT_PATTERN = re.compile(
+_POINT_COUNT_PATTERN = LazyPattern(
     r"\W*(?:(?:number|no\.?|anzahl) (?:of |der )?(?:data[ _-]?)?(?:points|punkte)|num[ _-]?points|data[ _-]?size|"
     r"points|datenpunkte|messpunkte)" + SEPARATOR_PATTERN + r"([0-9]{1,9})\W*",
     re.IGNORECASE,
 )
-_TIP_RADIUS_PATTERN = re.compile(
+_TIP_RADIUS_PATTERN = LazyPattern(
     rf"\W*(?:stylus|tip|probe)[\s,;:_-]*radius\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-_HEIGHT_RANGE_PATTERN = re.compile(
+_HEIGHT_RANGE_PATTERN = LazyPattern(
     rf"\W*(?:z[\s_-]*(?:amplitude|range|p-?v)|height[\s_-]*range|peak[\s_-]*(?:to|-)[\s_-]*valley)"
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
@@ -177,7 +178,7 @@ _HEIGHT_RANGE_PATTERN = re.compile(
 MAX_UNIT_LENGTH = 12  # maximum number of characters of a word that may be an unknown unit
 _HISTORY_PREFIX = "# history: "
 
-NON_LENGTH_UNIT_PATTERN = re.compile(
+NON_LENGTH_UNIT_PATTERN = LazyPattern(
     r"(?:[afpnuµμmcdhkMGT]|micror?|milli|nano|kilo)?[ -]?"
     r"(?:V|A|N|s|Hz|Pa|K|C|W|J|g|F|T|dB|%|°|°C|in|ft|yd|pts?|px|1/0|0/1|1|"
     r"(?i:rad(?:ians?)?|volts?|amp(?:ere)?s?|newtons?|seconds?|sec|min|deg(?:rees?)?|"
@@ -190,7 +191,7 @@ NON_LENGTH_UNIT_PATTERN = re.compile(
 )
 """Regular expression for units of other quantities than length, and for ambiguous units of length."""
 
-NON_HEIGHT_NAME_PATTERN = re.compile(
+NON_HEIGHT_NAME_PATTERN = LazyPattern(
     r"\b(slopes?|steigung|pente|phase|current|strom|voltage|spannung|intensity|intensität|luminance|brightness|"
     r"deflection|friction|lateral force|force|kraft|time|zeit|curvature|krümmung|gradient|temperature|"
     r"psd|power spectr\w*|spectr(?:um|al density)|acf|autocorrelation|probability|frequency|frequenz|reflect\w*)\b",
@@ -198,22 +199,22 @@ NON_HEIGHT_NAME_PATTERN = re.compile(
 )
 """Regular expression for the names of quantities that are not heights."""
 
-_SLOPE_LINE_PATTERN = re.compile(
+_SLOPE_LINE_PATTERN = LazyPattern(
     r"\W*(?:[^\W\d]+[\s_]+)?slopes?[\s_-]*(?:errors?|profiles?|data|scan|values?)\b(?!.*(?:remov|correct|subtract)).*|"
     r"\W*(?:ordinates?|[yz]|data|values?|quantity|type|(?:second |2nd )?column(?: 2)?)\W+(?:(?:are|is|contains?)\W+)?"
     r"slopes?\b.*",
     re.IGNORECASE,
 )
-_SLOPE_NAME_PATTERN = re.compile(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
+_SLOPE_NAME_PATTERN = LazyPattern(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
 """Regular expressions for a header line (`_SLOPE_LINE_PATTERN`) and for the line above the numbers that declare the
 numbers to be slopes.
 """
-_SLOPE_VALUE_PATTERN = re.compile(r"[:=(]\s*[-+]?[0-9]")
+_SLOPE_VALUE_PATTERN = LazyPattern(r"[:=(]\s*[-+]?[0-9]")
 """Regular expression for a value in a header line. A line that gives the value of a slope does not declare the numbers
 to be slopes.
 """
 
-_NON_POSITION_NAME_PATTERN = re.compile(
+_NON_POSITION_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
     r"freq|lag|load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
     r"grad|radians?|f|q|k|pressure|druck|temp(?:eratur\w*)?|voltage|spannung|current|strom|cycles?|zyklen|"
@@ -224,7 +225,7 @@ _NON_POSITION_NAME_PATTERN = re.compile(
 position, whatever their unit.
 """
 
-_LENGTH_AXIS_PATTERN = re.compile(
+_LENGTH_AXIS_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:[xy]\w?|(?:pos|coord|koord|dist|length|län[gn]|lateral|horiz|travers|track|scan|path|abstand|"
     r"strecke|weg|mess(?:weg|länge)|ort|abscis|longit|longueur|lungh|compr|poz|odle|dłu[gż]|dél|vzd|poloh|afst|avst|"
     r"lengte|lengde|läge|etäis|paik|pituus|távol|hossz|mesafe|konum|uzun|полож|коорд|длин|расст|путь)\w*)(?![^\W_])|"
@@ -233,25 +234,25 @@ _LENGTH_AXIS_PATTERN = re.compile(
 )
 """Regular expression for the names of positions along a profile, in several languages."""
 
-_CALCULATION_PATTERN = re.compile(
+_CALCULATION_PATTERN = LazyPattern(
     r"[*×·^√]|(?<![^\W_])x\s?(?:10+(?![0-9])|[0-9]*[.,][0-9])|[0-9]x(?![^\W_])|\|\w[^|]*\||/\s*(?:[0-9]|[RS][aqz]\b)|^\W*[-−]\s*z\b|"
     r"\b(?:log(?:10)?|ln|sqrt)\b|\b(?:abs|exp)\s*(?:[0-9]|z\b)|\bd\w\s*/\s*d\w\b|"
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
 )
-_FUNCTION_PATTERN = re.compile(r"\b(?:abs|exp)\s*[(\[{][^)\]}]*\b(?:z|heights?|höhen?)\b", re.IGNORECASE)
-_HEIGHT_NAME_PATTERN = re.compile(
+_FUNCTION_PATTERN = LazyPattern(r"\b(?:abs|exp)\s*[(\[{][^)\]}]*\b(?:z|heights?|höhen?)\b", re.IGNORECASE)
+_HEIGHT_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
     re.I,
 )
-_POSITION_NAME_PATTERN = re.compile(
+_POSITION_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:[xy]+|xyz|positions?|coordinates?|lateral\w*|lengths?|all|spacings?|distances?|weg)(?![^\W_])", re.I
 )
-_BRACKETED_WORD_PATTERN = re.compile(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
-_VALUE_PATTERN = re.compile(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
+_BRACKETED_WORD_PATTERN = LazyPattern(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
+_VALUE_PATTERN = LazyPattern(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
 
-_REMARK_PATTERN = re.compile(
+_REMARK_PATTERN = LazyPattern(
     r"\W*|[0-9.]+|.{13,}|(?:(?:un)?(?:raw|filtered|level(?:l?ed)?|corrected|calibrated|measured|smoothed|processed)|trace|retrace|"
     r"forwards?|backwards?|fwd|bwd|mean|average|avg|left|right|abs|absolute|rel|relative|top|bottom|upper|lower|primary|"
     r"roughness|waviness|profile|p|r|w|heights?|depth|x|y|z|pos\w*|lateral|vertical|no|yes|optional|nominal|text|numbers?|"
@@ -265,21 +266,21 @@ _AXIS_NAME_PATTERN = (
     r"depth|profile?|pos(?:itions?)?|distances?|lengths?|weg|abstand|lateral)"
     r"(?:[ _-]?(?:axis|achse|pos(?:ition)?|coord\w*|values?|wert))?"
 )
-_UNIT_AFTER_NAME_PATTERN = re.compile(
+_UNIT_AFTER_NAME_PATTERN = LazyPattern(
     rf"{_AXIS_NAME_PATTERN}\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|\S{{1,8}}(?: \S{{1,8}})?$)))\s*(\S{{1,12}}(?: \S{{1,12}})?)",
     re.IGNORECASE,
 )
 """Regular expression for a column name that ends with a unit after a stroke, a comma or "in"."""
 
-_SHORT_UNIT_AFTER_NAME_PATTERN = re.compile(
+_SHORT_UNIT_AFTER_NAME_PATTERN = LazyPattern(
     rf"\W*(?:{_AXIS_NAME_PATTERN}|{_HEIGHT_WORDS})\s*[(\[]\s*(?-i:[a-zµ]{{1,4}})\s*[)\]]\W*", re.IGNORECASE
 )
 """Regular expression for the name of a single column that ends with a short word in brackets, as in "Profile (nmi)"."""
 
-_TEXT_AFTER_AXIS_NAME_PATTERN = re.compile(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
+_TEXT_AFTER_AXIS_NAME_PATTERN = LazyPattern(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
 """Regular expression for a column name with further words, which may be a unit."""
 
-_SCALED_UNIT_PATTERN = re.compile(
+_SCALED_UNIT_PATTERN = LazyPattern(
     r"(.*?[^\W_])[\s_,.:/|-]+"
     rf"((?:{_FACTOR_PATTERN}|[0-9]+[.,][0-9]+[\s_]*|[0-9]+)([^\W\d_]+)(?:/10+)?|([^\W\d_]+)\s?[/*×·x]\s?10+|"
     r"[nuµmp] m|(?:tenth|hundredth|thousandth)s? of [^\W\d_]+)",
@@ -289,7 +290,7 @@ _SCALED_UNIT_PATTERN = re.compile(
 m".
 """
 
-_NUMBERED_NAME_PATTERN = re.compile(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
+_NUMBERED_NAME_PATTERN = LazyPattern(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
 """Regular expression for words before the number of a profile, as in "Profile 10 um"."""
 
 _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
@@ -305,8 +306,8 @@ class ColumnHeadings:
     height_unit: str | None = None  # unit of the heights, if a header line mentions heights and no other quantity
 
 
-_INCH_MARK_PATTERN = re.compile(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
-_UNPAIRED_INCH_MARK_PATTERN = re.compile(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
+_INCH_MARK_PATTERN = LazyPattern(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
+_UNPAIRED_INCH_MARK_PATTERN = LazyPattern(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
 """Regular expression for an inch mark in a line with an odd number of double quotes, as in `Unit: "`."""
 
 

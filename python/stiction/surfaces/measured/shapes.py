@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
+from stiction._patterns import LazyPattern
 from stiction._text import printable_text
 from stiction.surfaces.measured.grid import to_grid
 from stiction.surfaces.measured.header import (
@@ -61,7 +62,7 @@ MIN_COMPARED_NUMBERS = 20
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
-_NUMBERING_NAME_PATTERN = re.compile(
+_NUMBERING_NAME_PATTERN = LazyPattern(
     r"|index|idx|unnamed: ?0|(?:lfd\.? ?)?(?:no\.?|nr\.?|number|num|nummer|n[úu]mero|n°)|#|n|i|id|seq|"
     r"(?:data ?)?points?|pt\.?|番号|序号|번호|номер|"
     r"(?:mess)?punkt\w*|"
@@ -69,17 +70,17 @@ _NUMBERING_NAME_PATTERN = re.compile(
     r"(?:points?|samples?|punkt|pos(?:ition)?)[ _-]?(?:no|nr|number|index)\.?",
     re.IGNORECASE,
 )
-_VALIDITY_COLUMN_PATTERN = re.compile(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
-_INVALIDITY_COLUMN_PATTERN = re.compile(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
+_VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
+_INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # Matches names of columns of flags, which do not show whether 1 means valid or invalid.
-_FLAG_COLUMN_PATTERN = re.compile(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # matches a multiple of a unit, such as "10 nm" but not "1 nm"
-_NUMBERED_UNIT_PATTERN = re.compile(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
-_RAW_HEIGHTS_PATTERN = re.compile(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
+_NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
+_RAW_HEIGHTS_PATTERN = LazyPattern(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
-    re.compile(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
+    LazyPattern(rf"\W*{axis}(?![a-z0-9]).*|.*\b{axis}[\s_-]*(?:pos|coord).*", re.I) for axis in "xy"
 )
-_HEIGHT_COLUMN_PATTERN = re.compile(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
+_HEIGHT_COLUMN_PATTERN = LazyPattern(r"\W*(?:z(?![a-z0-9])|height|höhe|hauteur|altezza|altura|topo).*", re.I)
 
 
 def select_heights(

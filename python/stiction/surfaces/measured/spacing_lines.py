@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from stiction._patterns import LazyPattern
 from stiction.surfaces.measured.raw import (
     LENGTH_UNITS,
     DeclaredLength,
@@ -40,18 +41,18 @@ length.
 
 _BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
 _STEP_NAMES = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"
-_SPACING_PATTERN = re.compile(
+_SPACING_PATTERN = LazyPattern(
     r"\W*((?:(?:measurement|measuring|x|lateral|horizontal|sampl\w*|point|data|scan|pixel)[\s_-]*)*)"
     rf"({_STEP_NAMES}|dx|Schrittweite|Punktabstand|Messpunktabstand|Abstand|Pixelgr(?:ö|oe)(?:ß|ss)e)"
     rf"{_BRACKETED_UNIT_PATTERN}\s*[:=,;\t ]\s*(?={DECLARED_NUMBER_PATTERN})(.*)",
     re.IGNORECASE,
 )
-_UNQUALIFIED_NAME_PATTERN = re.compile(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
+_UNQUALIFIED_NAME_PATTERN = LazyPattern(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Regular expression for names that may also denote other lengths, such as the pitch of a grating."""
 
 MIN_SPECIMEN_DISTANCE = 100.0  # a "sample spacing" above this limit (µm) may be the distance between specimens
 
-_POINTS_REMARK_PATTERN = re.compile(
+_POINTS_REMARK_PATTERN = LazyPattern(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
     re.IGNORECASE,
 )
@@ -64,14 +65,14 @@ _LENGTH_PATTERN = (
     r"(?:(?:/|per\b|pro\b)\s*([^\W\d_]{1,12}))?\s*"
     r"(?:\(?\s*(?:in |along )?\s*([xy])(?:[ -]?(?:axis|direction))?\s*\)?(?![^\W_]))?"
 )
-_LENGTHS_PATTERN = re.compile(
+_LENGTHS_PATTERN = LazyPattern(
     rf"{_LENGTH_PATTERN}(?:\s*(?:[x×*,;\t/]|by\b|and\b|und\b|\s)\s*{_LENGTH_PATTERN})?"
     r"(?:\s*\((?![^)]*(?:track|line|row|profile|trace|\by\b))[^)]{1,40}\))?[\s,;\t.]*",
     re.IGNORECASE,
 )
 _ROW_SPACING_NAMES = r"(?:row|line|track|trace|profile)[\s_-]*(?:spacing|step|pitch|interval|distance)|Zeilenabstand|"
 _AXIS_SPACING_PATTERNS = {
-    axis: re.compile(
+    axis: LazyPattern(
         rf"\W*(?:{axis}[\s_-]*(?:{_STEP_NAMES}|scale|direction)|d{axis}|{other_names}"
         rf"(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
         rf"{_BRACKETED_UNIT_PATTERN}{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?"
@@ -80,20 +81,20 @@ _AXIS_SPACING_PATTERNS = {
     )
     for axis, other_names in (("y", _ROW_SPACING_NAMES), ("x", ""))
 }
-_NEXT_DECLARATION_PATTERN = re.compile(
+_NEXT_DECLARATION_PATTERN = LazyPattern(
     rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_STEP_NAMES})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
     re.IGNORECASE,
 )
 """Regular expression for the text between two spacings in one line, as in "dx = 0.5 um, dy = 10 um"."""
 
 _STICTION_SPACING_PATTERNS = tuple(
-    re.compile(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
+    LazyPattern(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
 """Regular expressions for the header lines with spacings that `write_surface` writes above a matrix."""
 
 _SIZE_PATTERNS = tuple(
-    re.compile(
+    LazyPattern(
         rf"\W{{0,4}}(?:{name}){_BRACKETED_UNIT_PATTERN}{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN})\s*({UNIT_PATTERN})?\s*",
         re.IGNORECASE,
     )
@@ -231,7 +232,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 
 
 def find_first_match(
-    pattern: re.Pattern[str], lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
+    pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
     """Parse the header lines that begin with a pattern, and return the first result that is not None.
 

@@ -1,0 +1,48 @@
+"""Regular expressions that are compiled when they are first used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from stiction._caching import cached_property
+
+
+class LazyPattern:
+    """Regular expression that is compiled when it is first used.
+
+    Most files need few of the long patterns that describe headers. Compiling all of them would take longer than reading
+    a small file.
+    """
+
+    def __init__(self, pattern: str, flags: int | re.RegexFlag = 0) -> None:
+        self.pattern, self.flags = pattern, flags
+
+    @cached_property
+    def compiled(self) -> re.Pattern[str]:
+        """The compiled pattern."""
+        return re.compile(self.pattern, self.flags)
+
+    def match(self, text: str) -> re.Match[str] | None:
+        """Return the match at the start of a text, or None."""
+        return self.compiled.match(text)
+
+    def fullmatch(self, text: str) -> re.Match[str] | None:
+        """Return the match of a whole text, or None."""
+        return self.compiled.fullmatch(text)
+
+    def search(self, text: str) -> re.Match[str] | None:
+        """Return the first match in a text, or None."""
+        return self.compiled.search(text)
+
+    def findall(self, text: str) -> list[str]:
+        """Return the matches in a text, or the groups of a pattern with one group."""
+        return self.compiled.findall(text)
+
+    def split(self, text: str) -> list[str]:
+        """Split a text at all matches."""
+        return self.compiled.split(text)
+
+    def sub(self, replacement: str | Callable[[re.Match[str]], str], text: str) -> str:
+        """Replace all matches in a text."""
+        return self.compiled.sub(replacement, text)
