@@ -166,7 +166,7 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse the distribution of an input from a text in which words are separated by single spaces."""
+    """Parse the text of an input, such as a range, to a distribution. Single spaces must separate the words."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first, last = match.groups()

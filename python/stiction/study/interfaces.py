@@ -248,7 +248,7 @@ class InterfaceStrength:
 
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Pairs of mu0 and tau0 samples (GPa) with mu0 = 0 or tau0 = 0, for each parameter whose interval includes 0.
+        """Pairs of mu0 and tau0 samples (GPa) in which one parameter is 0, provided that its interval includes 0.
 
         The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """

@@ -309,7 +309,7 @@ def estimate_hurst_exponent(
 
 
 def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a profile to which a power law is fitted, and the height scale (µm)."""
+    """Return wave numbers and powers of a profile for a power-law fit, and the length (µm) that scales its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -328,7 +328,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a map to which a power law is fitted, and the height scale (µm)."""
+    """Return the wave numbers and powers of a map for a power-law fit, and the length (µm) that scales its heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

@@ -91,7 +91,7 @@ def _read_sheets(
 
 
 def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Replace formulas for which the file stores no number by a word, so that their cells do not count as empty."""
+    """Write a word into cells whose formula has no stored result, so that these cells do not count as empty."""
     shown_rows = []
     for number, formula_row in enumerate(formulas):
         row = rows[number] if number < len(rows) else ()

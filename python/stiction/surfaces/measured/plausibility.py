@@ -122,7 +122,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
-    """Return the number in the file from which a height (µm) was converted."""
+    """Return the number that the file contains for a height (µm)."""
     return float(f"{height / scan.factor:.12g}")
 
 

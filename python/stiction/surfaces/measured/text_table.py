@@ -90,7 +90,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
-    """Raise `FormatError` if there are many lines of numbers above a table that are neither counts nor sizes."""
+    """Raise `FormatError` if many lines above a table contain numbers that are neither counts nor sizes."""
     lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
     if len(lines) <= max_rows:
@@ -127,7 +127,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a matrix of numbers, with the header from line `header_start` on and the footer, to a table."""
+    """Convert a matrix of numbers to a table, together with its footer and its header from line `header_start` on."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
