@@ -1,1 +1,1 @@
-"""Additional computations for a pair, stored in the directory of its result."""
+"""Computations in addition to a result: onset of sliding, scaled heights, several cutoffs, and single contacts."""

@@ -554,7 +554,10 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute initial stiffness, displacement at sliding and slipped load of generated bodies at each approach."""
+    """Compute initial stiffness, displacement at sliding and slipped load of generated bodies at each approach.
+
+    The bodies move in the first direction of the section `[contact]`.
+    """
     contact = study.contact
     assert isinstance(contact, AsperityModelSettings)
     assert contact.onset is not None

@@ -306,7 +306,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial with weights around each point, and return the height of the polynomial at the point."""
+    """Fit a polynomial around each point, with Gaussian weights times `weights`, and return its height at the point."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]

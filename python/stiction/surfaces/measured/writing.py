@@ -1,4 +1,4 @@
-"""Writers of profiles and height maps to files that preserve every bit of the numbers."""
+"""Lossless file output of profiles and height maps, as .csv or .npy."""
 
 from __future__ import annotations
 
