@@ -21,7 +21,7 @@ def set_window_size(driver, width: int, height: int) -> None:
 
 
 def measure_wait_for_script(driver, script: str) -> float:
-    """Return the seconds until a script returns true."""
+    """Return the time (s) until a JavaScript expression is true."""
     start = time.perf_counter()
     browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))
     return time.perf_counter() - start

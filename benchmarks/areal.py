@@ -44,7 +44,7 @@ def measure_thread_time(call: Callable[[], object]) -> float:
 
 
 def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
-    """Return the median time of each call. The calls alternate, so that other jobs slow all of them equally."""
+    """Return the median time of each call. The calls alternate, so that other jobs slow down all calls equally."""
     times = [[measure_thread_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
@@ -103,7 +103,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
 
 
 def compare_with_boundary_elements() -> list[tuple[str, str]]:
-    """Compare with tamaas for a periodic map at one load (1 % of the area in contact) and a mean error of 1e-6."""
+    """Compare with tamaas: one periodic map at one load (1 % of the area in contact), with a mean error of 1e-6."""
     import tamaas
 
     points = 1024

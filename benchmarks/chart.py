@@ -26,7 +26,7 @@ RESULT_PATTERNS_BY_TASK = {
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
 }
-"""Alternatives for each task, and the row of the table with their run time relative to stiction."""
+"""Alternatives to stiction for each task, each with the table row of its relative run time."""
 
 
 def parse_answers_by_question(table: str) -> dict[str, str]:
@@ -35,7 +35,7 @@ def parse_answers_by_question(table: str) -> dict[str, str]:
 
 
 def parse_relative_time(time_text: str, name: str) -> float | None:
-    """Return the run time of the whole task, or of a part, relative to stiction."""
+    """Return the run time of a task, or of a part of the task, relative to stiction."""
     if ";" in time_text or " s, " in time_text:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", time_text)
         return float(result[1]) if result else None
@@ -57,7 +57,7 @@ def collect_relative_times(table: str) -> dict[str, dict[str, float]]:
 
 
 def draw_chart() -> None:
-    """Draw a group of bars for each task, with stiction first."""
+    """Draw one group of bars for each task, starting with stiction."""
     ratios_by_task = collect_relative_times((DOCS_DIRECTORY / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         num_bars = sum(1 + len(group) for group in ratios_by_task.values())

@@ -1,4 +1,4 @@
-"""Measure how many repetitions per second idle Dask workers can store, and how many workers this supports.
+"""Measure how many repetitions per second idle Dask workers can store, and how many workers this rate supports.
 
 The cluster consists of two workers on this machine and the scheduling process. Workers write the blocks themselves, or
 send them.
@@ -25,10 +25,10 @@ NUM_BLOCKS = 60
 """Number of blocks that are stored."""
 
 NUM_DIFFERENT_MEMBERS = 7
-"""Number of different repetitions, which are stored again and again."""
+"""Number of different repetitions that are stored repeatedly."""
 
 NUM_RUNS = 3
-"""Number of runs with and without a shared directory; the result is their median."""
+"""Number of runs with and without a shared directory. The median of the runs is reported."""
 
 _compute_real_block = runner.compute_block
 
@@ -56,7 +56,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
-    """Return the sums of a repetition with random digits, so that they compress like real sums. Zeros are unchanged."""
+    """Return the contact sums of a repetition with random digits, so that they compress like real sums."""
     generator = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:
@@ -70,7 +70,7 @@ def randomise_sums(sums: dict) -> list[dict]:
 def measure_storage_rates(
     study: Study, sums: list[dict], executor: Executor, *, has_shared_directory: bool
 ) -> tuple[float, float]:
-    """Return the repetitions per second, and the processor seconds of the driver per repetition."""
+    """Return the repetitions stored per second, and the processor time (s) of the driver per repetition."""
     with tempfile.TemporaryDirectory() as directory:
         file = Path(directory) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))

@@ -19,7 +19,7 @@ RELATIVE_MEAN_PRESSURES = (0.005, 0.03, 0.1)
 
 
 def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
-    """Return a self-affine surface of unit length with H = 0.8, rms slope 0.1, and a given range of wavenumbers."""
+    """Return a self-affine surface of unit length with an rms slope of 0.1 and a given range of wavelengths."""
     generator = np.random.default_rng(1)
     axis_wave_numbers = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
     k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*axis_wave_numbers, indexing="ij")))
@@ -33,7 +33,7 @@ def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: f
 
 
 def compute_solution_error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """Return a common error measure, Σ p (v - min v)/(F h): an energy bound divided by load and rms height."""
+    """Return an error measure for all solvers, Σ p (v - min v)/(F h): an energy bound over load and rms height."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / EFFECTIVE_MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -126,7 +126,7 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
 
 
 def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest pressure difference from tamaas relative to the highest pressure; this call takes minutes."""
+    """Print the largest difference from the pressures of tamaas, relative to the highest pressure. Takes minutes."""
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
@@ -150,7 +150,7 @@ def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -
 
 
 def measure_map_position_time(grid_size: int = 384) -> tuple[str, str]:
-    """Measure one position of a pair of maps: three loads, 12 directions, both sliding rules and the stiffness."""
+    """Measure the time for one position of two maps: three loads, 12 directions, two sliding rules and stiffness."""
     heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
     body = Surface(heights, spacing=1 / grid_size)
     flat = Surface(np.zeros(heights.shape), spacing=1 / grid_size)
@@ -176,7 +176,7 @@ def measure_map_position_time(grid_size: int = 384) -> tuple[str, str]:
 
 
 def measure_thread_speedup(grid_size: int = 1024) -> tuple[str, str]:
-    """Return the speed-up by a second thread, of the solver and of transforms alone (`scipy.fft.set_workers`)."""
+    """Return the speedup by a second thread, for the solver and for Fourier transforms alone."""
     heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
     body = Surface(heights, spacing=1 / grid_size)
     flat = Surface(np.zeros(heights.shape), spacing=1 / grid_size)

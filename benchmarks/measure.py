@@ -1,4 +1,4 @@
-"""Measure time and memory of one run.
+"""Measurement of the time and memory of a run.
 
 The unit of time, U, is one real FFT of 150 000 numbers, which is measured between the other calls.
 
@@ -25,7 +25,7 @@ def retain_freed_memory() -> None:
 
 
 def median_time(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median time of a call."""
+    """Return the median time (s) of a call."""
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
@@ -35,13 +35,13 @@ def median_time(call: Callable[[], object], repeats: int = 5) -> float:
 
 
 def measure_time_unit(repeats: int = 40) -> float:
-    """Return the unit U in seconds."""
+    """Return the time unit U in seconds."""
     retain_freed_memory()
     return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 
 
 def measure_in_time_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median ratio of the call time to U. U is timed around each call, because the clock rate drifts."""
+    """Return the median of the call time divided by U, which is timed around each call as the clock rate drifts."""
     ratios = []
     for _ in range(repeats):
         unit_before = measure_time_unit(10)
@@ -51,7 +51,7 @@ def measure_in_time_units(call: Callable[[], object], repeats: int = 5) -> float
 
 
 def measure_peak_mebibytes(call: Callable[[], object]) -> float:
-    """Return the peak memory of a new process that makes a call."""
+    """Return the peak memory (MiB) of a new process that makes a call."""
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
     process = context.Process(target=_send_peak_mebibytes, args=(call, queue))

@@ -42,7 +42,7 @@ def measure_peak_memory(directory: str, arguments: list[str]) -> float:
 
 
 def find_process_tree(pid: int) -> list[int]:
-    """Return a process and all its descendants."""
+    """Return the ids of a process and all its descendants."""
     parents = {}
     for stat_file in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):

@@ -32,7 +32,7 @@ NUM_DIFFERENT_MEMBERS = 4099
 
 
 def create_synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]:
-    """Return synthetic sums: powers of the approach (Hertz's law) times a random factor for each repetition."""
+    """Return a function that gives synthetic sums: powers of the approach (Hertz) times a random factor."""
     generator = np.random.default_rng(study.ensemble.seed)
     approach_numbers = np.arange(1.0, 1 + study.contact.loading_steps().size)
     stored_members = []

@@ -42,7 +42,7 @@ def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
 
 
 def prepare_load_solver(study: Study) -> Callable[[], None]:
-    """Solve prepared members at every load in one direction."""
+    """Return a function that solves prepared members at every load in one direction."""
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair

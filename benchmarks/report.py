@@ -41,7 +41,7 @@ def measure_key_press(driver, slider: str) -> float:
 
 
 def measure_largest_error(driver, dataset: xarray.Dataset) -> float:
-    """Return the largest relative error of values and interval limits at random points."""
+    """Return the largest relative error of numbers and interval limits at random points of the report."""
     generator = np.random.default_rng(1)
     errors = [0.0]
     loads, parameters = driver.execute_script("return [loads, parameters]")

@@ -11,7 +11,7 @@ BENCHMARK_NAMES = (
 
 
 def parse_names(arguments: list[str] | None = None) -> list[str]:
-    """Return the names of benchmarks on the command line, or an empty list for all benchmarks."""
+    """Return the names of benchmarks in the arguments, or an empty list for all benchmarks."""
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__)
     known_names = ", ".join(BENCHMARK_NAMES)
     parser.add_argument("name", nargs="*", help=f"benchmark to run, by default all of them: {known_names}")

@@ -38,16 +38,16 @@ PYTHON_DIRECTORIES = ("python/stiction", "tests", "benchmarks", "docs", "example
 IMPORTABLE_DIRECTORIES = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
 TextsByPath = Mapping[str, str]
-"""Texts of files by their path in the tree."""
+"""Contents of text files, by their path in the tree."""
 SampledText = tuple[str, str]
-"""Place and text of a sentence or name."""
+"""Location and text of a sentence or name."""
 
 
 # ---- Reading the tree -----------------------------------------------------------------------------------------------
 
 
 def read_commit_files() -> TextsByPath:
-    """Return the text files of the current commit."""
+    """Return the contents of all text files in the current commit, by path."""
     archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
     texts = {}
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
@@ -60,7 +60,7 @@ def read_commit_files() -> TextsByPath:
 
 
 def read_tracked_python_files() -> TextsByPath:
-    """Return the Python files of the working tree."""
+    """Return the contents of all tracked Python files in the working tree, by path."""
     tracked_files = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
     ).stdout.split()
@@ -80,7 +80,7 @@ def is_in_directories(name: str, directories: tuple[str, ...]) -> bool:
 def iterate_syntax_nodes(
     files: TextsByPath, directories: tuple[str, ...] = PYTHON_DIRECTORIES
 ) -> Iterator[tuple[str, ast.AST]]:
-    """Yield the path of each Python file with each node of its syntax tree."""
+    """Yield each node in the syntax tree of each Python file, with the path of the file."""
     for name, text in sorted(files.items()):
         if is_python(name) and is_in_directories(name, directories):
             for node in list_syntax_nodes(text):
@@ -183,7 +183,7 @@ SENTENCE_SOURCES: dict[str, Callable[[TextsByPath], Iterator[SampledText]]] = di
 
 
 def bound_names(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield the kind and spelling of each name that a syntax tree node binds."""
+    """Yield the kind and the spelling of each name that a node of the syntax tree binds."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
         yield ("test" if node.name.startswith("test_") else "function"), node.name
     elif isinstance(node, ast.ClassDef):
@@ -200,7 +200,7 @@ def is_constant(name: str) -> bool:
 
 
 def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
-    """Return the place and spelling of each name by kind. A repeated name counts once per file."""
+    """Return the location and the spelling of each name, by kind. A repeated name counts once per file."""
     unique_names: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in iterate_syntax_nodes(files):
         for kind, name in bound_names(node):
@@ -213,7 +213,7 @@ def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
 
 
 def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, generator: random.Random) -> Iterator[str]:
-    """Yield table rows of `number` items, with equal numbers of each kind where possible."""
+    """Yield the table rows of `number` items, with equal numbers of each kind if possible."""
     yield "| mark | kind | place | text |\n|---|---|---|---|"
     for i, (kind, items) in enumerate(items_by_kind.items()):
         count = number // len(items_by_kind) + (i < number % len(items_by_kind))

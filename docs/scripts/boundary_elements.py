@@ -39,7 +39,7 @@ FRACTION_COLUMN, COUNT_COLUMN, STIFFNESS_COLUMN = range(3)
 def compute_profile_results(
     bandwidth: int, hurst: float, repetition: int, refinement: int = 1, tolerance: float = SOLVER_TOLERANCE
 ) -> np.ndarray:
-    """Return contact fraction, contact count and stiffness (GPa/µm) in an array (load, 3 models, 3 quantities).
+    """Return contact fraction, contact count and stiffness (GPa/µm) as an array (loads, 3 models, 3 quantities).
 
     The models are boundary elements, the asperity model, and the asperity model with interaction.
     """
@@ -64,7 +64,7 @@ def compute_profile_results(
 
 
 def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean over array axis 0, and the ends of its 95 % t interval; NaNs are ignored."""
+    """Return the geometric mean along the first axis, and the limits of its 95 % t interval, ignoring NaN."""
     log_ratios = np.log(ratios)
     n = np.isfinite(log_ratios).sum(axis=0)
     mean = np.nanmean(log_ratios, axis=0)
@@ -105,7 +105,7 @@ def render_load_rows(results: dict) -> list[str]:
 
 
 def render_count_rows(results: dict) -> list[str]:
-    """Return a table of area ratios by the number of contacts; each repetition counts once in a row."""
+    """Return table rows of area ratios by the number of contacts. Each repetition counts once per row."""
     contact_count_ranges = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
         "| contacts per period, boundary elements | "

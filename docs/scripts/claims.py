@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]
 ClaimQuantity = Literal["friction", "area", "stiffness"]
 IntervalMethod = Literal["percentiles", "bands"]
-"""Method for the interval of an extreme value over D: extremes of resampled ensembles, or simultaneous bands."""
+"""Method for the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
 
 Verdict = Literal["true", "false", "undecided", "undefined"]
 
@@ -84,7 +84,7 @@ STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 @dataclass(frozen=True)
 class ClaimsTableColumn:
-    """Column of the table: other surfaces or mechanics, as a built-in study with changes and a sliding rule.
+    """Column of the table of claims: other surfaces or mechanics, as changes of a built-in study, and a sliding rule.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class ClaimsTableColumn:
     directory: str
 
     def to_study(self, repetitions: int) -> Study:
-        """Return the study with its fraction of the repetitions."""
+        """Return the study of the column, with the column's fraction of the repetitions."""
         reduced_repetitions = max(MIN_REPETITIONS, repetitions // self.divisor)
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
@@ -154,11 +154,11 @@ CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
         "figure6-areal", _HALF_SPACE_STUDY_CHANGES, "all", 66, "half-spaces"
     ),
 }
-"""Columns by title."""
+"""Columns of the table of claims, by title."""
 
 
 def column_titles(repetitions: int) -> dict[str, str]:
-    """Return the heading of each column by title: the title with the number of repetitions."""
+    """Return the heading of each column by its title: the title followed by the number of repetitions."""
     return {
         name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}"
         for name, column in CLAIMS_TABLE_COLUMNS.items()
@@ -166,7 +166,7 @@ def column_titles(repetitions: int) -> dict[str, str]:
 
 
 def check_study_suits_claims(study: Study) -> None:
-    """Raise a `ValueError`, before anything is computed, if claims cannot be judged on a study's result."""
+    """Raise a `ValueError` if claims cannot be tested on a study, before the study is computed."""
     if "direction" in study.motion_coordinates():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
     if study.ensemble.repetitions < MIN_REPETITIONS:
@@ -198,7 +198,7 @@ def variant_study(name: str) -> Study:
 
 
 def has_claim_amplitudes(amplitudes: Floats) -> bool:
-    """Return whether the amplitudes of claim 7 are among those of a result."""
+    """Return whether a result contains the amplitudes (µm) of claim 7."""
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (LOW_AMPLITUDE, HIGH_AMPLITUDE))
 
 
@@ -252,7 +252,7 @@ class ResampledMeans:
         )
 
     def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
-        """Return the ends (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
+        """Return the limits (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
         elastic_loads = np.stack(
             [self.mean_sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)]
         )
@@ -260,14 +260,14 @@ class ResampledMeans:
         return lowest, np.quantile(elastic_loads.max(axis=-1), 0.01, axis=1).min(axis=0)
 
     def mean_sums(self, name: str, amplitude: float) -> Floats:
-        """Return mean sums, (resample, D, approach)."""
+        """Return the mean of a contact sum at one amplitude, as an array (resample, D, approach)."""
         amplitude_index = int(np.argmin(np.abs(self._amplitudes - amplitude)))
         if not math.isclose(self._amplitudes[amplitude_index], amplitude, rel_tol=1e-9):
             raise ValueError(f"the result has no amplitude of {amplitude:g} µm, which a claim needs")
         return np.asarray(self._means[name][:, :, amplitude_index])
 
     def middle_load_of_all_amplitudes(self) -> Floats | None:
-        """Return the geometric middle (D,) of the loads that all amplitudes reach.
+        """Return the geometric mean (D,) of the lowest and highest load that all amplitudes reach.
 
         None if the result lacks the amplitudes of claim 7.
         """
@@ -278,8 +278,8 @@ class ResampledMeans:
     def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
         """Return a mask of the fractal dimensions for which `values` (resample, D) exist, and record the others.
 
-        The mask is all false if fewer than half of the requested dimensions have a value, or if only one dimension is
-        requested, because the remaining dimensions would not represent the range.
+        The mask is false everywhere if fewer than half of the requested dimensions have a number, or if only one
+        dimension is requested, because the remaining dimensions would not represent the range.
         """
         is_usable = is_requested & np.isfinite(values[0]) & (np.isfinite(values).mean(axis=0) > 1 - 1 / 40)
         self.excluded_dimensions.update(float(dimension) for dimension in self.dimensions[is_requested & ~is_usable])
@@ -295,7 +295,7 @@ class ResampledMeans:
         tau0: float = 0.0,
         amplitude: float | None = None,
     ) -> Floats:
-        """Return a quantity (resample, D) at one load, or at a load for each D; NaN if the load is not reached."""
+        """Return a quantity (resample, D) at one load or at one load per D; NaN if the load is not reached."""
         resampled_sums: Any = SimpleNamespace(
             **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
@@ -323,12 +323,12 @@ class ResampledMeans:
         return result / loads if quantity == "friction" else result
 
     def dimension_range_mask(self, start: float, stop: float) -> Any:
-        """Return a mask of the fractal dimensions in a range, both ends included."""
+        """Return a mask of the fractal dimensions from `start` to `stop`, both included."""
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
 def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
-    """Return the load at a fraction of the logarithmic range from lowest to highest, or NaN."""
+    """Return the load at a fraction of the logarithmic range between two loads, or NaN if the range is empty."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
 
@@ -338,7 +338,7 @@ def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
 
 @dataclass(frozen=True)
 class SimultaneousInterval:
-    """Value of a part of a claim, with its interval from simultaneous bands."""
+    """Number for a part of a claim, with its interval from simultaneous bands."""
 
     value: float
     lower: float
@@ -350,7 +350,7 @@ MeasureFunction = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
 
 @dataclass(frozen=True)
 class ClaimPart:
-    """Part of a claim: a measured value, and the range of values for which the part is true."""
+    """Part of a claim: how a number is measured, and the range of numbers for which the part is true."""
 
     name: str
     statement: str
@@ -365,7 +365,7 @@ class ClaimPart:
 
 
 def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
-    """Return the mean over fractal dimensions in a range."""
+    """Return the mean over the fractal dimensions from `start` to `stop`."""
     finite_values = values[:, r.finite_value_mask(values, r.dimension_range_mask(start, stop))]
     return np.asarray(np.nansum(finite_values, axis=1) / np.isfinite(finite_values).sum(axis=1))
 
@@ -373,7 +373,7 @@ def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop:
 def _find_extreme_over_dimensions(
     r: ResampledMeans, arrays: list[Floats], extreme_function: np.ufunc
 ) -> Floats | SimultaneousInterval:
-    """Return the largest (fmax) or smallest (fmin) value over the D at which all quantities have a value."""
+    """Return the largest (fmax) or smallest (fmin) number over the D at which all quantities are known."""
     is_usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_FULL_DIMENSION_RANGE))
     usable_values = np.concatenate([values[:, is_usable] for values in arrays], axis=1)
     if r.interval_method == "percentiles" or not usable_values.size:
@@ -391,7 +391,7 @@ def _find_extreme_over_dimensions(
 
 
 def _fit_slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop: float) -> Floats:
-    """Return the least-squares slope over fractal dimensions in a range."""
+    """Return the least-squares slope over the fractal dimensions from `start` to `stop`."""
     is_used = r.finite_value_mask(values, r.dimension_range_mask(start, stop))
     if is_used.sum() < 2:
         return np.full(values.shape[0], np.nan)
@@ -458,7 +458,7 @@ def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitu
 
 
 def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
-    """Return friction with adhesion over friction without it, at three loads."""
+    """Return friction with tau0 divided by friction without tau0, at three loads."""
     return [
         r.at("friction", load, tau0=tau0) / r.at("friction", load)
         for load in (r.light_load, r.middle_load, r.heavy_load)
@@ -724,7 +724,7 @@ CLAIM_PARTS = (
 
 @dataclass(frozen=True)
 class ClaimPartOutcome:
-    """Measured value of a part of a claim, and the verdict on the part.
+    """Measured number of a part of a claim, and the verdict on the part.
 
     Attributes
     ----------
@@ -745,7 +745,7 @@ class ClaimPartOutcome:
 
     @classmethod
     def of(cls, part: ClaimPart, resampled: ResampledMeans) -> "ClaimPartOutcome":
-        """Measure a part; the verdict is "undefined" if the ensemble itself has no number."""
+        """Measure a part of a claim. The verdict is "undefined" if the ensemble itself gives no number."""
         resampled.excluded_dimensions.clear()
         with np.errstate(divide="ignore", invalid="ignore"):
             values = part.measure(resampled)
@@ -777,7 +777,7 @@ def judge_claims(
     sliding: SlidingRule | None = None,
     interval_method: IntervalMethod = "percentiles",
 ) -> list[ClaimPartOutcome]:
-    """Measure every part of every claim on a result.
+    """Measure all parts of all claims on a result, and return the outcome of each part.
 
     Parameters
     ----------
@@ -803,7 +803,7 @@ def judge_claims(
 
 
 def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
-    """Return "true" if all parts are true, else "false", "undefined" or "undecided" if any part is."""
+    """Return the verdict on a claim: "true" if all parts are true, or else "false", "undefined" or "undecided"."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim_number == claim}
     for verdict in ("false", "undefined", "undecided"):
         if verdict in verdicts:
@@ -815,7 +815,7 @@ def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
 
 
 def render_claims(outcomes: list[ClaimPartOutcome]) -> str:
-    """Render a table with a row for each part."""
+    """Render a table with one row for each part of a claim."""
     lines = [
         "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
         "|---|---|---|---|---|",
@@ -832,26 +832,26 @@ def render_claims(outcomes: list[ClaimPartOutcome]) -> str:
 
 
 def _verdict_badge(verdict: str) -> str:
-    """Render a verdict with its colour."""
+    """Render a verdict as a coloured badge."""
     return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
 
 
 def _replace_symbols(text: str) -> str:
-    """Return a text with mu0, tau0 and F_N as mathematical symbols."""
+    """Replace mu0, tau0 and F_N in a text by mathematical symbols."""
     for plain_symbol, symbol in (("mu_s", "μ_s"), ("mu0", "μ0"), ("tau0", "τ0")):
         text = text.replace(plain_symbol, symbol)
     return text
 
 
 def render_claim_variants(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render a table of parts by variants; a star marks numbers that exclude some D."""
+    """Render a table of claim parts by variants of the study. A star marks numbers that exclude some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )
 
 
 def render_claim_columns(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render a table with the outcome of each part of a claim for each kind of surface."""
+    """Render a table with the outcome of each part of a claim in each column of surfaces."""
 
     def outcome_cell(outcome: ClaimPartOutcome) -> str:
         if not math.isfinite(outcome.value):

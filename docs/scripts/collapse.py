@@ -62,7 +62,7 @@ BodyPair = tuple[Surface, Surface] | tuple[Profile, Profile]
 
 
 def iterate_cases() -> Iterator[dict]:
-    """Yield every case of the figures: surfaces and contact model."""
+    """Yield all cases of the figures. A case specifies surfaces and a contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
     for dimension, height, (scale, num_frequencies) in product(
         dimensions, (0.03, 0.1, 0.3, 0.6), ((2.0, 8), (2.0, 5), (1.0, 6), (1.0, 4))
@@ -114,7 +114,7 @@ def iterate_cases() -> Iterator[dict]:
 
 
 def generate_case_pairs(case: dict) -> tuple[list[BodyPair], str]:
-    """Return the pairs of a case and their boundary condition."""
+    """Return the pairs of surfaces in a case, and their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
             return [
@@ -147,7 +147,7 @@ def generate_fractal_pair(case: dict, repetition: int, family: str) -> BodyPair:
 
 
 def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
-    """Return two self-affine surfaces, one flatter by a ratio, scaled to the gap gradient of the case."""
+    """Return two self-affine surfaces, one of them flatter by a ratio, scaled to the gap gradient of the case."""
     line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
@@ -181,7 +181,7 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
 
 
 class LoadSums:
-    """Load sums as attributes, for `FrictionLaw.load`."""
+    """Contact sums as attributes, as `FrictionLaw.load` requires."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -193,7 +193,7 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
 
 
 def load_map_pairs(case: dict) -> list[BodyPair]:
-    """Return pairs of quarters of a map; the upper one is flipped."""
+    """Return pairs of quarters of a measured map, of which the upper one is flipped."""
     surface = levelled(read_surface(DATA_DIRECTORY / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
     corners = product((0, half_shape[0]), (0, half_shape[1]))
@@ -205,7 +205,7 @@ def load_map_pairs(case: dict) -> list[BodyPair]:
 
 
 def load_profile_pairs(case: dict) -> list[BodyPair]:
-    """Return pairs of quarters of a profile; the upper one is flipped."""
+    """Return pairs of quarters of a measured profile, of which the upper one is flipped."""
     line = levelled(read_profile(DATA_DIRECTORY / case["file"]), "line")
     quarter_length = len(line) // 4
     quarter_maps = [
@@ -218,7 +218,7 @@ def load_profile_pairs(case: dict) -> list[BodyPair]:
 
 
 def compute_case_results(case: dict) -> dict:
-    """Return slopes, κ, contact counts and friction of each pair by both models, averaged over both directions."""
+    """Return slopes, κ, contact counts and friction of each pair in both models, averaged over both directions."""
     pairs, boundary = generate_case_pairs(case)
     return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in pairs]}
 
@@ -298,7 +298,7 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
 
 
 def asperity_models(upper) -> list[tuple[str, dict]]:
-    """Return the names of the asperity models that apply to a pair."""
+    """Return the asperity models that apply to a pair, each with its name and arguments."""
     if isinstance(upper, Surface):
         return [("asperities", {})]
     cylinder_options = {"law": "hertz-cylinder", "detection": "gap-minimum", "curvature": "signed"}
@@ -330,7 +330,7 @@ def solve_asperities(
 
 
 def load_results() -> dict[str, dict]:
-    """Return the stored results by the text of their case."""
+    """Return the stored results by the JSON text of their case."""
     if not RESULTS_FILE.exists():
         return {}
     rows = [json.loads(line) for line in RESULTS_FILE.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
@@ -338,7 +338,7 @@ def load_results() -> dict[str, dict]:
 
 
 def load_or_compute_case_results() -> list[dict]:
-    """Return the result of every case whose data exist. Results that are not stored are computed."""
+    """Return the results of all cases whose data exist. Results that are not stored are computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
     stored_results = load_results()
     cases = [case for case in iterate_cases() if "file" not in case or (DATA_DIRECTORY / case["file"]).exists()]
@@ -361,7 +361,7 @@ SURFACE_FAMILY_TITLES = {
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
 GRADIENT_BIN_EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
-"""Edges of the ranges of h' in the table."""
+"""Limits of the ranges of h' in the table."""
 RULE_TITLES = {
     "points": "opposing, point by point",
     "opposing": "opposing, by patches",
@@ -370,7 +370,7 @@ RULE_TITLES = {
 
 
 def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
-    """Return the closed form with the slopes and κ of the pair."""
+    """Return the closed-form coefficient for the slopes and κ of a pair."""
     return float(
         gentle_friction(
             MU0, tau0, rms_gradient=pair["rms_gradient"], rms_slope=min(pair["rms_slope"], pair["rms_gradient"]),
@@ -408,7 +408,7 @@ def summarise_case(row: dict) -> dict:
 
 
 def format_residuals_in_percent(points: list[dict], name: str) -> str:
-    """Return mean and largest residual in per cent."""
+    """Return the mean and the largest residual in per cent as text."""
     residuals = np.array([100 * (point[f"{name} over form"] - 1) for point in points if f"{name} over form" in point])
     residuals = residuals[np.isfinite(residuals)]
     if not residuals.size:
@@ -448,7 +448,7 @@ def render_family_rows(points: list[dict]) -> list[str]:
 
 
 def render_limit_rows(points: list[dict]) -> list[str]:
-    """Render the limits of the curve: a row for each secondary case."""
+    """Render the rows of the table of limits: one row for each secondary case."""
     rows = [
         "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | friction at all contacts |",
         "|" + "---|" * 8,
@@ -601,7 +601,7 @@ def draw_limits_of_closed_form(points: list[dict]) -> None:
 
 
 def write_case_means(points: list[dict]) -> None:
-    """Write the means over the pairs of every case."""
+    """Write the means over the pairs of all cases to a CSV file."""
     column_names = sorted({key for point in points for key in point if key not in ("case", "together")})
     column_names = ["family", "of", *(key for key in column_names if key != "family")]
     with (DOCS_DIRECTORY / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:

@@ -20,7 +20,7 @@ IMAGE_FILE = Path(__file__).parents[1] / "images/conventions.png"
 APPROACH = 0.15  # µm
 MU0 = 0.4
 ENLARGED_CONTACT_INDEX = 1
-"""Index of the enlarged contact."""
+"""Index of the contact that is drawn enlarged."""
 
 LOWER_BODY_COLOUR, UPPER_BODY_COLOUR, OVERLAP_COLOUR, INK_COLOUR = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
 OPPOSING_COLOUR, ASSISTING_COLOUR = "#B84C00", "#0072B2"
@@ -36,22 +36,22 @@ class ContactingProfiles:
 
     @property
     def first_contact_displacement(self) -> float:
-        """Return the displacement (µm) of the upper profile at which grid points first touch."""
+        """Displacement (µm) of the upper profile at which grid points first touch."""
         return float((self.upper.heights - self.lower.heights).min())
 
     @property
     def upper_displacement(self) -> float:
-        """Return the displacement (µm) of the upper profile at the approach of the drawing."""
+        """Displacement (µm) of the upper profile at the approach of the drawing."""
         return self.first_contact_displacement + APPROACH
 
 
 def project_to_plane(vectors: np.ndarray) -> np.ndarray:
-    """Return the x and z components of vectors."""
+    """Return the x and z components of vectors (x, y, z)."""
     return vectors[:, ::2]
 
 
 def create_pair() -> ContactingProfiles:
-    """Return a pair with contacts on both kinds of flanks."""
+    """Return two profiles that touch on flanks with positive and on flanks with negative slope."""
     lower, upper = (
         weierstrass_mandelbrot(
             random_phases(2096, side=side, directions=5, frequencies=3), 1.3, length_scale=4.0, extent=9.0, points=900

@@ -31,13 +31,13 @@ def create_pair():
 
 
 def draw_arrow(axes, start, vector, colour, text, length=0.8, beyond=1.15):
-    """Draw an arrow from a point along a vector, with a label at its end."""
+    """Draw an arrow along a vector from a point, with a label at its tip."""
     axes.quiver(*start, *(length * np.asarray(vector)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
     axes.text(*(start + beyond * length * np.asarray(vector)), text, color=colour, ha="center", va="center")
 
 
 def hide_axes(axes, heights=1.0, zoom=1.0):
-    """Set equal proportions and remove the box of the axes."""
+    """Set the proportions of three-dimensional axes, and hide their box."""
     axes.set_box_aspect((1, 1, heights), zoom=zoom)
     axes.set_axis_off()
 

@@ -28,12 +28,12 @@ EXAMPLE_PAIR_OPTIONS = {"upper": "steel", "lower": "brass", "hardness": "120 HV 
 """Options of `pair` in the example of README, without the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
 DRAWN_PROFILE_HALF_WIDTH = 20.0
-"""Half of the width of the left plot, µm."""
+"""Half width (µm) of the profile in the left plot."""
 MARKED_LOAD = 10.0
 FIGURE_WIDTH, FIGURE_HEIGHT = 124.0, 56.0
-"""Size in mm; the width is 470 px at 96 dots per inch."""
+"""Size of the figure in mm; the width is 470 px at 96 dots per inch."""
 MAX_MARKER_DISTANCE_FROM_MIDDLE = 150.0
-"""Largest distance of the shown contacts from the middle of the profile, µm."""
+"""Largest distance (µm) of a marked contact from the middle of the profile."""
 DARK_STYLE = {
     "text.color": "0.9",
     "axes.edgecolor": "0.6",
@@ -44,7 +44,7 @@ DARK_STYLE = {
 
 
 def compute_friction():
-    """Return the coefficient and the ends of its combined interval at every load, by sliding rule."""
+    """Return the coefficient and the limits of its combined interval at every load, by sliding rule."""
     with tempfile.TemporaryDirectory() as directory:
         result = pair(
             SCANS_DIRECTORY / "lapped_upper.csv",
@@ -60,7 +60,7 @@ def compute_friction():
 
 
 def solve_contact():
-    """Return x and heights of the lower profile, and the solution of one pair under MARKED_LOAD."""
+    """Return x and heights of the lower profile, and the contact of one pair under MARKED_LOAD."""
     upper, lower = (
         levelled(read_profile(SCANS_DIRECTORY / f"lapped_{side}.csv"), "line") for side in ("upper", "lower")
     )

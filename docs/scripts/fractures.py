@@ -54,7 +54,7 @@ def read_gap(directory, name, *, square=True):
 
 
 def read_load_test(directory, name):
-    """Return displacement (mm) and stress (MPa) of loading and unloading."""
+    """Return the displacement (mm) and the stress (MPa) during loading and during unloading."""
     number, displacement, stress = np.loadtxt(directory / f"{name}-closure.csv", delimiter=",", skiprows=2).T
     top = int(stress.argmax())
     assert (np.diff(number) == 1).all()
@@ -64,7 +64,7 @@ def read_load_test(directory, name):
 def compute_closure(
     gap, stress, *, young=YOUNG_MODULUS, poisson=POISSON_RATIO, boundary="free", tilt="free", hardness=None
 ):
-    """Return the closure (mm) since first contact at stresses (MPa), and the load curve."""
+    """Return the closure (mm) since first contact at given stresses (MPa), and the load curve."""
     flat_surface = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
     rough_surface = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
     area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
@@ -82,7 +82,7 @@ def compute_closure(
 
 
 def secant_stiffness(closure, stress, stress_range):
-    """Return the secant stiffness (MPa/mm) between two stresses, by linear interpolation."""
+    """Return the secant stiffness (MPa/mm) between two stresses (MPa), by linear interpolation."""
     return float(np.diff(stress_range)[0] / np.diff(np.interp(stress_range, stress, closure))[0])
 
 
@@ -101,7 +101,7 @@ def estimate_spectrum(gap):
 
 
 def random_roughness_heights(shape, spacing, density, longest, seed):
-    """Return random heights (µm) with a given spectrum at wavelengths below `longest` (µm)."""
+    """Return random heights (µm) with a given spectral density at wavelengths below `longest` (µm)."""
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave_number[0, 0] = np.inf
     amplitude = np.where(wave_number > 1 / longest, np.sqrt(density(wave_number) / (np.prod(shape) * spacing**2)), 0.0)
@@ -110,7 +110,7 @@ def random_roughness_heights(shape, spacing, density, longest, seed):
 
 
 def refine_gap(gap, factor, seed=1):
-    """Return the gap on a grid refined by a factor, with self-affine roughness at the new wavelengths."""
+    """Return a gap on a grid refined by a factor, with self-affine roughness at the added wavelengths."""
     _, density = estimate_spectrum(gap)
     spacing = gap.spacing[0] / factor
     smooth_heights = zoom(gap.heights, factor, order=1)
@@ -121,7 +121,7 @@ def refine_gap(gap, factor, seed=1):
 
 
 def shift_gap(gap, displacement, seed=1):
-    """Return the gap after a shift of one surface along x. This surface is random and has the spectrum of the gap."""
+    """Return the gap after a shift of one surface along x. The surface is random and has the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
     displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
     return Surface(
@@ -135,7 +135,7 @@ def change_heights(gap, change):
 
 
 def list_gap_variants(directory, name):
-    """Return the variants: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
+    """Return the variants of a gap: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
     gap, generator = read_gap(directory, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
@@ -218,7 +218,7 @@ def main(directory, names):
 
 
 def combine_variant_intervals(curves_by_kind):
-    """Return the interval ends of closure and stiffness: root sum of squares of the largest deviation of each kind."""
+    """Return the limits of closure and stiffness: root sum of squares of the largest deviation of each kind."""
     intervals = []
     for quantity_index in (0, 1):
         reference_curve = curves_by_kind[""][0][quantity_index]

@@ -23,7 +23,7 @@ CURVE_STYLES = {
 
 
 def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
-    """Return the rms gradient of the gap of two maps of the study, from the exact slopes of Eq. 1."""
+    """Return the rms gradient of the gap between two maps of the study, from the exact slopes of Eq. 1, for each D."""
     values = []
     for dimension in dimensions:
         heights = [
@@ -42,7 +42,7 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
 
 
 def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, is_hollow: bool = False) -> None:
-    """Draw the values of the ensemble against D, with a 95 % band where the resamples have values."""
+    """Draw ensemble means against D, with a 95 % band, where more than 97.5 % of the resamples give a number."""
     colour, marker, label = CURVE_STYLES[name]
     has_interval = np.isfinite(values).mean(axis=0) > 0.975
     lower, upper = np.nanquantile(values[1:, has_interval], [0.025, 0.975], axis=0)
@@ -55,7 +55,7 @@ def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, 
 
 
 def area_exponents(result: ResampledMeans) -> np.ndarray:
-    """Return exponents of the area as a function of load, (resample, D)."""
+    """Return the exponent of the area as a function of load, as an array (resample, D)."""
     load = np.log(result.mean_sums("normal_elastic", AMPLITUDE))
     area = np.log(result.mean_sums("contact_area", AMPLITUDE))
     load = load - load.mean(axis=2, keepdims=True)

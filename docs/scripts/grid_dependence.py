@@ -26,7 +26,7 @@ FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
 CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
-"""Half the default number of points, the default, and its double."""
+"""Half the default number of points, the default number, and twice the default number."""
 CLAIM_LOAD = 33e-6  # load in mN, the middle load of the other claims
 
 
@@ -74,7 +74,7 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
 
 
 def compute_resampled_areas(detection: str) -> list[np.ndarray]:
-    """Return the area (µm²) at `CLAIM_LOAD` for each number of points, as arrays (resample, dimension).
+    """Return the area (µm²) at `CLAIM_LOAD` for each number of points, as arrays (resample, D).
 
     The studies have the same seed, so that each resample consists of the same repetitions for every number of points.
     """

@@ -21,16 +21,16 @@ RMS_SLOPE = 0.1
 """Root-mean-square slope of each body, along the profile or in all directions."""
 MU0 = 0.4
 TAU0_OVER_MODULUS = (0.0, 0.02)
-"""tau0 in units of E*."""
+"""tau0 divided by E*."""
 RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
 HURST_EXPONENTS = (0.5, 0.8)
 PAIR_COUNTS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
-"""Number of pairs by kind and bandwidth (ratio of the longest to the shortest wavelength)."""
+"""Number of pairs, by kind of surface and bandwidth (ratio of the longest to the shortest wavelength)."""
 NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
-"""Length in units of the longest wavelength."""
+"""Side length of a surface, in longest wavelengths."""
 POINTS_PER_SHORTEST_WAVELENGTH = {"lines": 16, "surfaces": 8}
-"""Points per shortest wavelength."""
+"""Grid points per shortest wavelength."""
 SLIDING_RULES = ("opposing", "all")
 SEED = 2016
 COLOURS, MARKERS = {8: "#0072B2", 32: "#D55E00", 128: "#009E73"}, {0.5: "o", 0.8: "s"}  # Okabe & Ito
@@ -45,7 +45,7 @@ COLUMN_NAMES = [
 
 
 def create_body(kind: str, hurst: float, bandwidth: int, repetition: int, side: str) -> Profile | Surface:
-    """Return one surface of a pair: periodic on unit length, with rms slope RMS_SLOPE."""
+    """Return one surface of a pair, periodic on unit length, with the rms slope `RMS_SLOPE`."""
     n = NUM_LONGEST_WAVELENGTHS[kind] * bandwidth * POINTS_PER_SHORTEST_WAVELENGTH[kind]
     options = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
     options |= {
@@ -76,7 +76,7 @@ def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.nda
 
 
 def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
-    """Return results (load, column) of the half-space; friction is the mean of both directions along x."""
+    """Return half-space results (load, column). Friction is the mean of both directions along x."""
     curves = [half_space(upper, lower, loads, boundary="periodic", direction=direction) for direction in ("+x", "-x")]
     columns = [curves[0].contact_area, curves[0].stiffness]
     for rule in SLIDING_RULES:
@@ -92,7 +92,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
 
 
 def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
-    """Return the results of the asperity model when its elastic load first reaches that of the half-space."""
+    """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
     names = [
@@ -125,7 +125,7 @@ def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np
 
 
 def compute_pair_results(kind: str, bandwidth: int, hurst: float, repetition: int) -> np.ndarray:
-    """Return results (load, model, column) of a pair: half-space, asperities."""
+    """Return the results of a pair in the half-space and the asperity model, as an array (load, model, column)."""
     upper, lower = (create_body(kind, hurst, bandwidth, repetition, side) for side in ("upper", "lower"))
     slope = RMS_SLOPE * math.sqrt(2)
     loads = np.array(RELATIVE_PRESSURES) * EFFECTIVE_MODULUS * slope  # mN on 1 µm²
@@ -142,7 +142,7 @@ def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean (load,) of the ratio of asperities to half-space, and the ends of its interval."""
+    """Return the geometric mean (load,) of the ratio of asperities to half-space, and the limits of its interval."""
     mean, half_width = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
     return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 

@@ -21,17 +21,17 @@ NUM_TRIALS = 2000
 POSITION_COUNTS = (8, 16, 32, 64, 200)
 CORRELATIONS = (0.0, 0.4, 0.8)
 MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
-"""Values outside these limits are printed bold; the standard error of a coverage is 0.005."""
+"""Coverages and width ratios outside these limits are printed bold; the standard error of a coverage is 0.005."""
 
 
 def uncorrelated_interval(values):
-    """Return Student's interval, which assumes uncorrelated values."""
+    """Return Student's interval, which assumes uncorrelated positions."""
     half_width = stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size)
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
 def lag_one_corrected_interval(values):
-    """Return Student's interval, corrected for the estimated correlation of neighbours."""
+    """Return Student's interval, corrected for the estimated correlation of neighbouring positions."""
     count, deviations = values.size, values - values.mean()
     correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
     correlation = min(max(correlation, 0.0), 1 - 2 / count)

@@ -14,7 +14,7 @@ PRESSURE = 0.02  # GPa
 
 
 def create_map(side, hurst, stretch):
-    """Return a map of rms gradient 0.15 with wavelengths of 0.8 to 6.4 µm, longer by `stretch` along y."""
+    """Return a map with an rms gradient of 0.15 and wavelengths of 0.8 to 6.4 µm, stretched along y."""
     body = self_affine_surface(
         11,
         hurst_exponent=hurst,

@@ -24,7 +24,7 @@ def generate_surfaces(repetition):
 
 
 def compute_pair_results(upper, lower):
-    """Return A/A0 (%) and mu_s of each contact model."""
+    """Return A/A0 (%) and mu_s of a pair for each contact model."""
     area = (NUM_POINTS * SPACING) ** 2
     load = [PRESSURE * area]
     results = {}

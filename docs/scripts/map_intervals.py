@@ -18,7 +18,7 @@ STUDY_OPTIONS = {
 
 
 def select_area_and_friction(dataset):
-    """Return A/A0 and mu_s towards +x by both rules, for each member or each statistic."""
+    """Return A/A0 and mu_s towards +x under both sliding rules, for each member or each statistic."""
     friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
     return np.stack([area, friction.sel(sliding="opposing"), friction.sel(sliding="all")])
@@ -57,7 +57,7 @@ def main():
 
 
 def format_table(pair_means, intervals):
-    """Return a table of coverage and median width of each interval, for the pairs so far."""
+    """Return a table of the coverage and the median width of each interval, for the pairs so far."""
     num_pairs, overall_means = len(pair_means), pair_means.mean(axis=0)
     overall_mean_by_pair = np.broadcast_to(overall_means, pair_means.shape)
     rows = [

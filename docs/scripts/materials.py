@@ -12,7 +12,7 @@ def format_range(value: MaterialValue) -> str:
 
 
 def format_table() -> str:
-    """Return a table with a row for each material and numbered sources below."""
+    """Return a table with one row per material, and the numbered sources below."""
     sources: list[str] = []
 
     def format_with_source(value: MaterialValue | None) -> str:

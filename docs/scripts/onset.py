@@ -23,11 +23,11 @@ EFFECTIVE_MODULUS = 10.0
 MU0 = 0.3
 POISSON_RATIO = 0.3
 TAU0_OVER_MODULUS = (0.0, 0.02)
-"""tau0 in units of E*, at an rms gradient of the gap of 0.14."""
+"""tau0 divided by E*, for an rms gradient of the gap of 0.14."""
 BANDWIDTHS = (8, 16, 32)
 """Ratio of the longest to the shortest wavelength."""
 RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
-"""Mean pressure in units of E* h'."""
+"""Mean pressure divided by E* h'."""
 NUM_PAIRS = 6
 MAP_STUDY_CHANGES = {
     "surfaces.kind": "surface", "surfaces.shape": [256, 256], "surfaces.extent": ["10 um", "10 um"],
@@ -38,7 +38,7 @@ ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe 
 
 
 def create_surface(bandwidth: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
-    """Return a periodic unit square with an rms gradient; it contains two of the longest wavelengths."""
+    """Return a periodic unit square with a given rms gradient and two of the longest wavelengths per side."""
     n = 2 * bandwidth * points
     surface = self_affine_surface(
         SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
@@ -59,12 +59,12 @@ def create_pair(bandwidth: int, repetition: int, **surface_options: float) -> tu
 
 
 def table_header(*names: str) -> list[str]:
-    """Return the header of a table."""
+    """Return the header lines of a table."""
     return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
 
 
 def format_ratio_interval(ratios: list[float]) -> str:
-    """Return the geometric mean with its 95 % interval."""
+    """Return the geometric mean of ratios with its 95 % interval as text."""
     log_ratios = np.log(ratios)
     half_width = student.ppf(0.975, log_ratios.size - 1) * log_ratios.std(ddof=1) / math.sqrt(log_ratios.size)
     mean = log_ratios.mean()
@@ -72,7 +72,7 @@ def format_ratio_interval(ratios: list[float]) -> str:
 
 
 def compare_asperity_model() -> list[str]:
-    """Return the ratio of the asperity model to the half-space at equal elastic load."""
+    """Return table rows: results of the asperity model divided by the half-space at equal elastic load."""
     lines = table_header(
         "longest / shortest wavelength",
         "mean pressure / (E\\* h')",
@@ -123,7 +123,7 @@ def compare_asperity_model() -> list[str]:
 
 
 def compare_tangential_kernels() -> list[str]:
-    """Return the ratio of initial stiffnesses with the full and with the isotropic tangential kernel at ν = 0.3."""
+    """Return table rows: initial stiffness with the full kernel divided by that with the isotropic one, at ν = 0.3."""
     lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
@@ -193,7 +193,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
 
 
 def fit_presliding_models() -> list[str]:
-    """Fit the Iwan and LuGre models to the curve."""
+    """Fit the Iwan and LuGre models to onset curves, and return table rows."""
     lines = table_header(
         "boundary", "mean pressure / (E\\* h')", "τ0 / E\\*", "Iwan: χ, β", "Iwan: rms error of the load",
         "Iwan: rms error of the energy per cycle", "LuGre: σ0 / initial stiffness", "LuGre: rms error of the load",
@@ -240,7 +240,7 @@ def compare_gap_slopes() -> list[str]:
 
 
 def compute_onset_over_dimension() -> list[str]:
-    """Compute the onset of profiles (built-in study) and of maps against D."""
+    """Compute the onset of profiles (built-in study) and of maps as a function of D, and return table rows."""
     lines = run(Study.named("presliding"), progress=True)
     areas = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
     rows = table_header(

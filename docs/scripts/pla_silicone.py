@@ -32,7 +32,7 @@ COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 
 def fit_laws(load, coefficient, standard_error):
-    """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat, and residuals over errors; in mN."""
+    """Return (mu0, tau0 A0) of a flat, (mu0, tau0 A0, F1) of a rough flat (mN), and residuals divided by errors."""
     columns = np.stack([np.ones_like(load), 1 / load], axis=1) / standard_error[:, np.newaxis]
     flat_law = np.linalg.lstsq(columns, coefficient / standard_error, rcond=None)[0]
 

@@ -17,17 +17,17 @@ from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
 API_ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
-"""Pattern of a name in a reference page."""
+"""Pattern of a documented name in a reference page."""
 CLAIMS_COLUMN_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
 CLAIMS_BY_SURFACE_COLUMN_TITLES = (
     "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25",
     "half-planes, 20", "half-spaces, 30",
 )  # fmt: skip
-"""Titles of the columns of `generated/columns.md` that the page about friction shows."""
+"""Titles of the columns in `generated/columns.md` that the page about friction shows."""
 
 
 def render_pages(docs: Path) -> dict[str, str]:
-    """Return the text of each page by its file name."""
+    """Return the text of each reference page by file name."""
     return {
         "names.md": render_api_tables(docs),
         "commands.md": render_command_sections(),
@@ -43,7 +43,7 @@ def _markdown_row(*cells: str) -> str:
 
 
 def verdict_table(table: Path, titles: Sequence[str]) -> str:
-    """Return the columns of a table of claims that have the given titles, with one row for each claim."""
+    """Return the columns with given titles of a table of claims, with one row for each claim."""
     header, separator, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
@@ -70,7 +70,7 @@ PAGE_GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", 
 
 
 def render_api_tables(docs: Path) -> str:
-    """Return a table for each group: names with the first line of their docstrings."""
+    """Return a table for each group of the Python reference: names, and first lines of their docstrings."""
     lines = []
     for group in PAGE_GROUPS:
         text = (docs / f"reference/api_{group}.md").read_text("utf-8")
@@ -116,7 +116,7 @@ def _docstring_summary(name: str) -> str:
 
 
 def render_command_sections() -> str:
-    """Return the section of every command: usage, arguments, options and epilogue."""
+    """Return one section for each command: usage, arguments, options and epilogue."""
     command_group: Any = typer.main.get_command(app)
     lines = []
     for name in (name for group in COMMANDS_BY_GROUP.values() for name in group):
@@ -160,7 +160,7 @@ _PROFILE_TITLES = {"P": "primary profile", "R": "roughness profile", "W": "wavin
 
 
 def render_parameter_tables() -> str:
-    """Return a table of the parameters of each kind of profile, and of surfaces."""
+    """Return a table of the parameters of each kind of generated profile, and of surfaces."""
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
     for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():

@@ -69,7 +69,7 @@ def compute_coarser_cutoffs():
 
 
 def compute_brackets():
-    """Compute many smaller pairs with a hardness, to test the brackets of coarse results."""
+    """Compute many smaller pairs with a hardness, to test the bounds that coarse results give for finer scans."""
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_BRACKET_TEST_PAIRS):
@@ -105,7 +105,7 @@ def compute_pair_results(bodies, cutoffs, hardness, name):
 
 
 def simulate_coarser_scan(body, shortest, step):
-    """Return a low-pass filtered surface (cutoff in points) on every `step`-th point."""
+    """Return every `step`-th point of a surface after a low-pass filter (cutoff in points)."""
     transform = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_SIDE_POINTS),) * 2, indexing="ij"))
     filtered_heights = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, transform, 0)).real
@@ -231,7 +231,7 @@ def load_results(name):
 
 
 def render_coarser_cutoff_rows(rows):
-    """Return the table of one Hurst exponent: differences of results at coarser cutoffs from the finest result."""
+    """Return table rows for one Hurst exponent: differences of results at coarser cutoffs from the finest result."""
 
     def format_means(model, name, factor=1.0, digits=3):
         values = np.mean([row[model][name] for row in rows], axis=0)
@@ -261,7 +261,7 @@ def render_coarser_cutoff_rows(rows):
 
 
 def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
-    """Count pairs for which every bracket, from the limit to its end, contains all results at finer cutoffs."""
+    """Count the pairs for which the bounds at every cutoff contain the results at all finer cutoffs."""
     count = 0
     for row in rows:
         values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
@@ -278,13 +278,13 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
 
 
 def median_bracket_widths(rows, name, limit_index, upper_key):
-    """Return the median width of brackets relative to the limit (%), at each cutoff but the finest."""
+    """Return the median width of the bounds relative to the limit (%), at each cutoff except the finest."""
     relative_bounds = np.array([np.array(row["plastic"][upper_key]) / row["limit"][limit_index] for row in rows])
     return ", ".join(f"{100 * (width_ratio - 1):.1f}" for width_ratio in np.median(relative_bounds, axis=0)[1:])
 
 
 def render_bracket_rows(groups):
-    """Return the fractions of pairs inside their brackets and inside narrower brackets, and the bracket widths."""
+    """Return table rows: fractions of pairs inside their bounds and inside narrower bounds, and width of bounds."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
         "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
@@ -308,7 +308,7 @@ def render_bracket_rows(groups):
 
 
 def render_yield_deviation_rows(rows_by_exponent):
-    """Return deviations of the coarsest result from the finest at elastic pressures of 1 and 2 times the hardness."""
+    """Return table rows: deviation of the coarsest from the finest result at pressures of H and 2 H."""
     lines = [
         f"| μ_s, friction at all contacts, at {CUTOFFS_IN_POINTS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",
@@ -327,7 +327,10 @@ def render_yield_deviation_rows(rows_by_exponent):
 
 
 def count_covered_pairs(rows, name):
-    """Count pairs whose predicted interval contains the true value; a missing interval is replaced by zeros."""
+    """Count the pairs whose predicted interval contains the true number.
+
+    A missing interval counts as zero width at 0.
+    """
     intervals = np.nan_to_num([row[f"said_{name}"][1:] for row in rows])
     true_values = np.array([row[name] for row in rows])
     return f"{int(((intervals[:, 0] <= true_values) & (true_values <= intervals[:, 1])).sum())} of {len(rows)}"

@@ -34,7 +34,7 @@ LABELLED_LINE_PARTS = [
     "% of the contact slips",
     "wrote ",
 ]
-"""Text in the first line of each numbered part of the output."""
+"""Text that the first line of each numbered part of the output contains."""
 
 
 def run_readme_example() -> list[str]:
@@ -60,7 +60,7 @@ def run_readme_example() -> list[str]:
 
 
 def find_part_starts(lines: list[str]) -> list[int]:
-    """Return the index of the first line of each part; raise `ValueError` if the output has changed."""
+    """Return the index of the first line of each part. Raises a `ValueError` if the output has changed."""
     indices = []
     for part in LABELLED_LINE_PARTS:
         matching_indices = [i for i, line in enumerate(lines) if part in line]
@@ -75,7 +75,7 @@ def find_part_starts(lines: list[str]) -> list[int]:
 
 
 def draw_figure(lines: list[str], dark: bool) -> Figure:
-    """Return a picture of the output, for a light or a dark page."""
+    """Return a figure of the output, for a light or a dark page."""
     colours = DARK_COLOURS if dark else LIGHT_COLOURS
     start_lines = find_part_starts(lines)
     width = NUM_COLUMNS * CHARACTER_WIDTH + LABEL_WIDTH + 2 * IMAGE_MARGIN

@@ -30,14 +30,14 @@ def set_theme(driver, dark: bool) -> None:
 
 
 def save_screenshot(driver, name: str, height: int) -> None:
-    """Save the upper part of the page, from its top."""
+    """Save a screenshot of the upper part of a page."""
     clip_area = {"x": 0, "y": 0, "width": WINDOW_WIDTH, "height": height, "scale": 1}
     completed = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip_area})
     (IMAGE_DIRECTORY / f"{name}.png").write_bytes(base64.b64decode(completed["data"]))
 
 
 def save_report_screenshots(driver, directory: Path) -> None:
-    """Draw the report of README's pair, light and dark."""
+    """Save screenshots of the report of README's pair, in light and dark mode."""
     result = st.pair(
         SCANS_DIRECTORY / "lapped_upper.csv",
         SCANS_DIRECTORY / "lapped_lower.csv",
@@ -53,7 +53,7 @@ def save_report_screenshots(driver, directory: Path) -> None:
 
 
 def save_app_screenshots(driver, directory: Path) -> None:
-    """Draw the app with its two sample surfaces: the form, and the result of the half-space model."""
+    """Save screenshots of the app with its two sample surfaces: the form, and the result of the half-space model."""
     wait_until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
         [sys.executable, "-m", "stiction", "app", "--demo"], cwd=directory, stderr=subprocess.PIPE, text=True,

@@ -29,7 +29,7 @@ RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at oppos
 
 
 def asperity_heights(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """Return the height of a row of circular asperities above their centres."""
+    """Return the heights at x of a row of circular asperities with given centres."""
     heights = np.sqrt(np.clip(ASPERITY_RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
     return np.maximum(heights.max(axis=1), FLAT_HEIGHT)
 
@@ -78,7 +78,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
 
 
 def draw_figure(dark: bool) -> Figure:
-    """Return the picture for a light or a dark page."""
+    """Return the figure for a light or a dark page."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
         for i, rule in enumerate(RULE_TITLES):

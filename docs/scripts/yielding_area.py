@@ -32,24 +32,24 @@ EFFECTIVE_MODULUS = 1 / (1 - POISSON_RATIO**2)
 CONSTRAINED_MODULUS = (1 - POISSON_RATIO) / ((1 + POISSON_RATIO) * (1 - 2 * POISSON_RATIO))
 """Stress per strain if the lateral strain is 0."""
 PROFILE_HARDNESS_FACTOR = (2 + math.pi) / math.sqrt(3)
-"""Hardness over yield strength: a flat punch in plane strain (Prandtl)."""
+"""Hardness divided by yield strength for a flat punch in plane strain (Prandtl)."""
 BALL_HARDNESS_FACTOR = 2.84
-"""Hardness over yield strength of a ball (Jackson & Green 2005)."""
+"""Hardness divided by yield strength for a ball (Jackson & Green 2005)."""
 CONTACT_STIFFNESS = 30.0
 """Pressure per overlap of the rigid flat and the solid, times the width of the smallest element."""
 SPRING_LENGTH = 10.0
 NUM_WEDGES = 180
 """Number of wedges of an axisymmetric solid; CalculiX computes one of them."""
 MAX_AREA_FRACTION = 0.4
-"""A/A0 of the pressure cap at the largest load of a case."""
+"""A/A0 with limited pressure at the largest load of a case."""
 AREA_FRACTIONS = (0.02, 0.04, 0.07, 0.11, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0)
-"""Values of A/A0 at which areas are compared."""
+"""Area fractions A/A0 at which areas are compared."""
 MAX_RMS_SLOPE = 0.1
 """Largest rms slope for which the hardness of a flat surface is used without reservation."""
 MAX_COMPARED_FRACTION = 0.42
-"""Largest A/A0 of areas in summaries."""
+"""Largest A/A0 of areas that summaries include."""
 ONSET_OF_YIELD = 0.5
-"""Mean pressure over hardness above which yield below the surface adds area."""
+"""Mean pressure divided by hardness above which yielding below the surface adds area."""
 POWERS = (2.0, 2.25, 2.5)
 EXPONENTS_FROM_ONSET = (0.7, 1.0, 1.15, 1.25, 1.6)
 """Exponents m: the limits and the centre of the default range of `pair`, and two values in between."""
@@ -235,7 +235,7 @@ class InputFile:
 
 
 def node_weights(case: Case) -> np.ndarray:
-    """Return the area that belongs to each node of the pressed surface, for a uniform pressure."""
+    """Return the area (of a uniform pressure) that belongs to each node of the pressed surface."""
     columns = case.columns()
     weights = np.zeros(2 * columns.size - 1)
     points, point_weights = np.polynomial.legendre.leggauss(3)
@@ -331,7 +331,7 @@ def interpolate_edges(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power
 
 
 def measure_area(case: Case, x: np.ndarray, gap: np.ndarray, force: np.ndarray) -> tuple[float, ...]:
-    """Return the true area by nodes that carry a force, and by the edges of contacts."""
+    """Return the true area from the nodes that carry a force, and from the interpolated edges of contacts."""
     contact = force > 0
     middles = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
     by_edges = interpolate_edges(x, gap, contact, 1.5)
@@ -391,7 +391,10 @@ def read_result(case: Case, directory: Path, approach: float) -> dict[str, list[
 
 
 def load_result(name: str, directory: Path) -> dict[str, list[float]] | None:
-    """Return the stored result of a case; compute and store it if CalculiX is installed."""
+    """Return the stored result of a case.
+
+    If it is missing, compute and store it, provided that CalculiX is installed.
+    """
     path = directory / f"{name.replace(', ', '_').replace(' ', '_')}.json"
     if path.exists():
         return json.loads(path.read_text("utf-8"))
@@ -407,7 +410,7 @@ def load_result(name: str, directory: Path) -> dict[str, list[float]] | None:
 
 @dataclass(frozen=True)
 class HalfSpaceAreas:
-    """Areas by the half-space model at the loads of the finite elements."""
+    """Areas in the half-space model at the loads of the finite-element results."""
 
     elastic: np.ndarray
     capped: np.ndarray
@@ -446,18 +449,18 @@ def solve_half_space(case: Case, loads: np.ndarray) -> HalfSpaceAreas:
 
 
 def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
-    """Return the area between the elastic area and the plastic area F/H."""
+    """Return (A_el^m + (F/H)^m)^(1/m), which joins the elastic area A_el and the plastic area F/H."""
     return (elastic**exponent + plastic**exponent) ** (1 / exponent)
 
 
 def combine_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
-    """Return the elastic area below the onset of yield, and above an area between the elastic area and F/H."""
+    """Return the elastic area below the onset of yielding, and the area by `yielded_area` above the onset."""
     return yielded_area(elastic, plastic, 1.0, exponent)
 
 
 @dataclass(frozen=True)
 class AreaComparison:
-    """True area of a case at one load by finite elements, and areas by other models divided by it."""
+    """True area of a case at one load by finite elements, and the areas of other models divided by this area."""
 
     case: str
     pressure_ratio: float
@@ -468,7 +471,7 @@ class AreaComparison:
 
 
 def compare_case(name: str, result: dict[str, list[float]]) -> list[AreaComparison]:
-    """Compare areas at selected loads of a case."""
+    """Compare the areas of a case at selected loads."""
     case = CASES[name]
     loads, areas, areas_by_nodes = (np.array(result[key]) for key in ("load", "area_edges", "area_nodes"))
     fractions = areas / case.nominal_area
@@ -526,7 +529,7 @@ def published_ball_fits() -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 
 def normalize_by_hertz(loads: np.ndarray, areas: np.ndarray, hardness: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return F/(A_el H) and A/A_el for a ball of radius 1."""
+    """Return F/(A_el H) and A/A_el for a ball of radius 1, where A_el is Hertz's area."""
     elastic = math.pi * (3 * loads / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
     return loads / (elastic * hardness), areas / elastic
 
@@ -617,7 +620,7 @@ def format_cases(points: list[AreaComparison]) -> list[str]:
 
 
 def write_points(points: list[AreaComparison]) -> None:
-    """Write areas divided by the finite-element area, one row for each load of each case."""
+    """Write the areas divided by the finite-element area as CSV, one row for each load of each case."""
     names = [name for name in points[0].ratios if name not in ("n = 2", "n = 2.5")]
     with (DOCS_DIRECTORY / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -39,9 +39,9 @@ NUM_FINE_POINTS = 160
 EDGE_CORRECTION = (math.pi - 1 + math.log(2)) / 24
 """Area of a grid point by which points in contact overestimate the area, for each side between contact and gap."""
 MIN_NUM_POINTS = 60
-"""Smallest number of points in contact of a ball whose area is compared."""
+"""Smallest number of points in contact for which the area of a ball is compared."""
 AREA_FRACTION_RANGE = (0.02, 0.4)
-"""Smallest and largest A/A0 of areas to which exponents are fitted."""
+"""Smallest and largest area fraction A/A0 to which exponents are fitted."""
 MIN_NUM_LOADS = 3
 """Smallest number of loads to which an exponent is fitted."""
 EXPONENTS = np.geomspace(0.3, 8.0, 800)
@@ -59,7 +59,7 @@ class RoughMap:
     relative_modulus: float
     """E* h'/(2 H), where h' is the rms slope: about 1.2 times the pressure ratio x."""
     area_fractions: tuple[float, ...] = (0.08, 0.16, 0.24, 0.34)
-    """A/A0 by the closed form at the computed loads."""
+    """Area fractions A/A0 by the closed form at the computed loads."""
     num_points: int = 32
     num_layers: int = 14
     depth: float = 0.35
@@ -126,7 +126,7 @@ CASES: dict[str, RoughMap | PeriodicBall] = {
 
 
 def measure_area_fraction(contact: np.ndarray) -> float:
-    """Return A/A0 of the points in contact, corrected for the edges of contacts."""
+    """Return the area fraction A/A0 of the points in contact, corrected for the edges of contacts."""
     num_sides = sum(int((contact != np.roll(contact, 1, axis)).sum()) for axis in (0, 1))
     return float(contact.sum() - EDGE_CORRECTION * num_sides) / contact.size
 
@@ -161,7 +161,7 @@ def run_case(case: RoughMap | PeriodicBall) -> dict[str, list[float]]:
 
 
 def load_result(name: str, directory: Path) -> dict[str, list[float]]:
-    """Return the stored result of a case; compute and store it if it is missing."""
+    """Return the stored result of a case. If it is missing, compute and store it."""
     path = directory / f"{name.replace(', ', '_').replace(' ', '_')}.json"
     if not path.exists():
         path.write_text(json.dumps(run_case(CASES[name])), encoding="utf-8")
@@ -174,7 +174,7 @@ def load_result(name: str, directory: Path) -> dict[str, list[float]]:
 def solve_half_space(
     case: RoughMap | PeriodicBall, pressures: np.ndarray, num_points: int = NUM_FINE_POINTS
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return A/A0 of the elastic contact, A/A0 with the pressure cap, and numbers of elastic contact patches."""
+    """Return A/A0 of the elastic contact, A/A0 with limited pressure, and numbers of elastic contact patches."""
     if isinstance(case, PeriodicBall):
         elastic = math.pi * (3 * pressures * case.radius / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
         return elastic, np.full(pressures.size, math.nan), np.ones(pressures.size, dtype=int)
@@ -189,7 +189,7 @@ def solve_half_space(
 
 @dataclass(frozen=True)
 class Areas:
-    """Areas at the loads of a case: elastic, F/H, true, by the pressure cap; and numbers of contact patches."""
+    """Areas at the loads of a case (elastic, F/H, true, with limited pressure), and numbers of contact patches."""
 
     elastic: np.ndarray
     plastic: np.ndarray
@@ -205,17 +205,17 @@ class Areas:
         return self.plastic / self.elastic
 
     def deviations(self, combine: Callable[[np.ndarray, np.ndarray, float], np.ndarray], exponent: float) -> np.ndarray:
-        """Return the logarithm of the area by a form over the true area."""
+        """Return ln(area by a closed form / true area)."""
         return np.log(combine(self.elastic, self.plastic, exponent) / self.true)
 
     def fit_exponent(self) -> float:
-        """Return the exponent m with the smallest mean squared deviation."""
+        """Return the exponent m for which the mean squared deviation is smallest."""
         errors = [float(np.mean(self.deviations(combine_from_onset, m) ** 2)) for m in EXPONENTS]
         return float(EXPONENTS[int(np.argmin(errors))])
 
 
 def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> Areas:
-    """Return areas divided by A0; true areas of maps are multiplied by the error of the elastic area on their grid."""
+    """Return areas divided by A0. True areas of maps are multiplied by the error of the elastic area on their grid."""
     pressures, true, on_grid = (np.array(result[key]) for key in ("pressure", "area", "elastic_area"))
     elastic, capped, num_patches = solve_half_space(case, pressures)
     if isinstance(case, RoughMap):

@@ -1,4 +1,4 @@
-"""Run the `stiction` command in tests."""
+"""Run of the `stiction` command in tests."""
 
 import contextlib
 import functools
@@ -19,7 +19,7 @@ with contextlib.suppress(ImportError):
 
 @contextlib.contextmanager
 def disable_drawing():
-    """Return a context manager that disables drawing and the layout of figures by Matplotlib, to save time."""
+    """Return a context manager in which Matplotlib neither draws nor lays out figures, to save time."""
     with (
         mock.patch("matplotlib.figure.Figure.draw", return_value=None),
         mock.patch("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", return_value=None),
@@ -29,7 +29,7 @@ def disable_drawing():
 
 @contextlib.contextmanager
 def disable_companion_files():
-    """Return a context manager that omits contact pictures, cutoff studies and onsets of pairs, to save time."""
+    """Return a context manager in which pairs compute no contact picture, cutoff study or onset, to save time."""
     with (
         mock.patch("stiction.pipeline.contact_picture", return_value=None),
         mock.patch("stiction.pipeline.compute_companion_files", return_value=None),
@@ -52,7 +52,7 @@ def empty_figures():
 
 
 def disable_reports():
-    """Return a context manager that replaces the reports of results by empty pages, to save time."""
+    """Return a context manager in which reports of results are empty pages, to save time."""
 
     def write_empty_page(path):
         replace_text_file(path, REPORT_FILE_SIGNATURE, REPORT_FILE_SIGNATURE.encode())
@@ -66,10 +66,10 @@ def disable_reports():
 
 
 def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_report=False):
-    """Run `stiction` in this process and return its exit status and output.
+    """Run `stiction` in this process, and return its exit status and output.
 
-    This is faster than a new process. If `without_figures` is true, figures are empty. If `without_report` is true,
-    the report on a result is empty.
+    Running in this process is faster than starting a new one. If `without_figures` is true, figures are empty. If
+    `without_report` is true, the report on a result is empty.
     """
     out, err = io.StringIO(), io.StringIO()
     with (
@@ -93,14 +93,14 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
 
 
 def check_stiction(*arguments, **options):
-    """Run `stiction` by `call_stiction`, and assert exit status 0."""
+    """Run `stiction` with `call_stiction`, and assert exit status 0."""
     completed = call_stiction(*arguments, **options)
     assert completed.returncode == 0, completed.stderr
     return completed
 
 
 def assert_rejected(completed, *words):
-    """Assert that a command failed with exit status 2 and a short message that contains the given words."""
+    """Assert that a command failed with exit status 2 and a short message that contains given words."""
     assert completed.returncode == 2, completed
     assert "Traceback" not in completed.stderr
     assert len(completed.stderr.splitlines()) <= 8, completed.stderr

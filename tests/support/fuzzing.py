@@ -1,4 +1,4 @@
-"""Call functions and commands with random inputs, which must be accepted, or rejected without a traceback.
+"""Calls of functions and commands with random inputs, which must be accepted, or rejected without a traceback.
 
 Functions must raise `ValueError`; commands must end with exit status 2. The caller provides a NumPy generator, so
 that runs with the same seed are equal.
@@ -40,7 +40,7 @@ _SMALL_STUDY_CHANGES = {
 
 
 def random_study_text(random):
-    """Return the text of a valid study after random changes of lines, values or bytes."""
+    """Return the text of a valid study after random changes of lines, numbers or bytes."""
     lines = (
         Study()
         .with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
@@ -78,7 +78,7 @@ def _parse_value(text):
 
 
 def fuzz_study_file(random, directory):
-    """Run `stiction run` on a random study file; return its exit status, or None if the study is too large to run."""
+    """Run `stiction run` on a random study file. Return the exit status, or None if the study is too large to run."""
     path = directory / "study.toml"
     text = random_study_text(random)
     path.write_bytes(text)
@@ -112,7 +112,7 @@ def small_fuzz_study():
 
 
 def fuzz_stored_result(random, original, directory):
-    """Run `stiction info`, `export` and `plot` on a damaged result, and return the last exit status."""
+    """Run `stiction info`, `export` and `plot` on a damaged result, and return the exit status of the last command."""
     copy = directory / "copy"
     shutil.rmtree(copy, ignore_errors=True)
     shutil.copytree(original, copy)
@@ -181,7 +181,7 @@ _INSERTED_NUMBERS = [
 
 
 def fuzz_measurement_file(random, name, original, directory):
-    """Read a damaged file as a profile and as a surface; return "read" if one reader accepts it, else "refused"."""
+    """Read a damaged file as a profile and as a surface. Return "read" if a reader accepts it, or else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damage_zip_archive(random, original)
@@ -233,7 +233,7 @@ def scramble_bytes(random, data):
 
 
 def _damage_zip_archive(random, original):
-    """Return a valid ZIP archive in which one file is damaged."""
+    """Return a valid ZIP archive that contains one damaged file."""
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(original)) as original_archive, zipfile.ZipFile(stream, "w") as damaged_archive:
         names = original_archive.namelist()
@@ -269,12 +269,12 @@ _FUZZED_OPTION_VALUES = [
 
 
 def random_number(random, valid_number):
-    """Return a valid number, or sometimes an extreme number or another object."""
+    """Return a valid number or, sometimes, an extreme number or an object that is no number."""
     return valid_number if random.random() < 0.9 else _FUZZED_NUMBERS[int(random.integers(len(_FUZZED_NUMBERS)))]
 
 
 def random_choice(random, valid_choice):
-    """Return a valid option value, or sometimes another value."""
+    """Return a valid choice or, sometimes, another object."""
     return (
         valid_choice
         if random.random() < 0.95
@@ -283,7 +283,7 @@ def random_choice(random, valid_choice):
 
 
 def random_array(random, size):
-    """Return heights, sometimes as an array of an unusual type, shape or size."""
+    """Return an array of heights, sometimes of an unusual type, shape or size."""
     values = random.normal(size=size) * 10.0 ** random.integers(-12, 4)
     match random.integers(30):
         case 0:
@@ -310,7 +310,7 @@ def random_array(random, size):
 
 
 def fuzz_numeric_function(random):
-    """Call a numeric function with random arguments; return the ValueError that it raises, or None."""
+    """Call a numeric function with random arguments. Return the ValueError that it raises, or None."""
     size = int(random.integers(0, 120))
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):

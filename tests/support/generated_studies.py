@@ -37,7 +37,7 @@ TINY_STUDY = Study().with_changes(
 
 
 def empty_dataset(study):
-    """Return the dataset of a study with all values zero, and with units, names and attributes."""
+    """Return the dataset that a study would give, with all numbers zero, and with units, names and attributes."""
     numbers = np.arange(study.ensemble.repetitions)
     arrays = {
         name: np.zeros(variable.shape, variable.dtype) for name, variable in variable_specs(study, numbers).items()
@@ -65,14 +65,14 @@ class InlineExecutor(ThreadPoolExecutor):
 
 
 def assert_same_bits(actual, expected):
-    """Assert that two datasets are identical, including every bit of their arrays."""
+    """Assert that two datasets are identical, including all bits of their arrays."""
     xarray.testing.assert_identical(actual, expected)
     for name in actual.variables:
         assert actual[name].values.tobytes() == expected[name].values.tobytes(), name
 
 
 def rewrite_variable(file, name, change):
-    """Replace the values of a variable in a netCDF file by `change(values)`, with the same dimensions."""
+    """Replace a variable in a netCDF file by the result of `change(values)`, with the same dimensions."""
     scales = [[dim[i] for i in range(len(dim))] for dim in file[name].dims]
     values = change(file[name][...])
     del file[name]

@@ -1,4 +1,4 @@
-"""Generate profiles and maps of machined surfaces with rms height 1; lengths are in grid points."""
+"""Generators of machined surfaces with an rms height of 1. Lengths are in grid points."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def scale_to_unit_rms(heights):
 
 
 def coordinate_across_grooves(rng, dimensions):
-    """Return the coordinate perpendicular to straight grooves; on a map, the angle of the grooves is random."""
+    """Return the coordinate perpendicular to straight grooves. On a map, the grooves have a random angle."""
     if dimensions == 1:
         return np.arange(GRID_SHAPES[1][0]) * 1.0
     angle = rng.uniform(0, np.pi)

@@ -1,4 +1,4 @@
-"""Compute the numbers of an interactive report without a browser: run its script `numbers.js` in the engine V8."""
+"""Numbers of an interactive report without a browser: its script `numbers.js` runs in the engine V8."""
 
 import base64
 import json
@@ -28,7 +28,7 @@ class ReportEvaluator:
         )
 
     def __call__(self, function, *arguments):
-        """Call a JavaScript function, and return its value with the exact numbers, including NaN and infinities."""
+        """Call a JavaScript function, and return its result with exact numbers, including NaN and infinities."""
         values = ", ".join(json.dumps(argument) for argument in arguments)
         # JSON cannot represent NaN and infinities, so these numbers are passed as text.
         replacer = "(_, value) => typeof value === 'number' && !Number.isFinite(value) ? `number ${value}` : value"
@@ -36,7 +36,7 @@ class ReportEvaluator:
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
 
     def coefficient_index(self, *, kind=0, cell=0, amplitude=0, rule=0, way=0, load=0):
-        """Return the index of a coefficient in the tables of the report."""
+        """Return the index of a coefficient in the arrays of the report."""
         facts = self.facts
         cell_index = (kind * len(facts["cells"]["values"]) + cell) * max(1, len(facts["amplitudes"])) + amplitude
         return ((cell_index * len(facts["rules"]) + rule) * len(facts["ways"]) + way) * len(
@@ -44,7 +44,7 @@ class ReportEvaluator:
         ) + load
 
     def parameters(self, mu0, tau0):
-        """Return the values of the sliders (tau0 in MPa) that are equal to mu0 and tau0 (GPa)."""
+        """Return the slider positions (tau0 in MPa) for given mu0 and tau0 (GPa)."""
         values = [
             min(self.facts["axes"][name]["values"], key=lambda candidate, value=value: abs(candidate - value))
             for name, value in (("mu0", mu0), ("tau0", 1000 * tau0))
@@ -53,7 +53,7 @@ class ReportEvaluator:
         return values
 
     def evaluate_quantity(self, name, mu0, tau0, **place):
-        """Return a quantity at mu0 and tau0 (GPa) as a dict of value, ends, decimals, text and status."""
+        """Return a quantity at mu0 and tau0 (GPa) as a dict of number, limits, decimals, text and status."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
             " const point = pointAt(numbers, name, index, place);"
@@ -84,6 +84,6 @@ class ReportEvaluator:
 
 
 def _script_text(page, name):
-    """Return the text of a script element of a page, or an empty text if the element is absent."""
+    """Return the text of a script element in a page, or "" if the element is absent."""
     match = re.search(rf'<script type="[\w/-]+" id="{name}">(.*?)</script>', page, re.DOTALL)
     return match[1] if match else ""

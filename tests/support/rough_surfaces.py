@@ -16,12 +16,12 @@ def sinusoid(points_per_wavelength, waves=8):
 
 
 def rough_profile(seed=3, **changes):
-    """Return a self-affine profile of 1000 points; `changes` replace arguments of `self_affine`."""
+    """Return a self-affine profile of 1000 points. `changes` replace arguments of `self_affine`."""
     return self_affine(seed, **({"hurst_exponent": 0.8, "rms": 0.1, "points": 1000, "spacing": 0.01} | changes))
 
 
 def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longest=math.inf, whole=1, stretch=1.0):
-    """Return a self-affine map with a constant spectrum above the wavelength `longest`.
+    """Return a self-affine map whose spectrum is constant at wavelengths above `longest`.
 
     The map is cut from a periodic map that is `whole` times larger along both axes.
     """

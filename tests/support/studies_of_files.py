@@ -70,7 +70,7 @@ RESULT_STUDY_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [
 
 
 def run_pair_of_maps(directory, cut_off='["0 um"]'):
-    """Return the result of two maps at four shifts, four directions and three loads, two of them requested."""
+    """Return the result of two maps at four shifts, in four directions and at three loads, two of them requested."""
     write_heights(
         directory, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8
     )

@@ -1,4 +1,4 @@
-"""Build datasets like those of `at_load`, with numbers that a test can choose."""
+"""Datasets like those of `at_load`, with numbers that a test chooses."""
 
 import numpy as np
 import xarray
@@ -10,7 +10,7 @@ SLIDING_RULES = ("all", "opposing")
 
 
 def value_and_ends(mean, half_width_ratio=0.05):
-    """Return [mean, lower end, upper end] for a half-width that is the fraction `half_width_ratio` of the mean."""
+    """Return [mean, lower limit, upper limit] for a half width that is a given fraction of the mean."""
     return [mean, mean - half_width_ratio * abs(mean), mean + half_width_ratio * abs(mean)]
 
 
@@ -42,14 +42,17 @@ QUANTITIES_AT_LOAD = {
     "normal_stiffness": 800.0, "approach": 0.05, "share_on_largest": 0.1, "share_at_edge": 0.05,
     "fraction_on_small": 0.05, "share_opposing": 0.5, "load_share_at_hardness": 0.0, "error": 1e-7,
 }  # fmt: skip
-"""Values of the quantities at a load that cause no caveat."""
+"""Quantities at a load with numbers that cause no caveat."""
 
 
 def measured_result(
     *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,),
     half_width_ratio=0.05, all_contacts=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
-    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0; `changes` replace them."""
+    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0.
+
+    `changes` replace numbers.
+    """
     axes = sorted({direction % 180 for direction in directions})
     sizes = {
         "cut_off": len(cut_offs), "sliding": 2, "direction": len(directions), "axis": len(axes), "load": len(loads),
@@ -58,7 +61,7 @@ def measured_result(
     friction = np.array([value_and_ends(all_contacts, half_width_ratio), value_and_ends(opposing, half_width_ratio)])
 
     def fill_dimensions(values, *dims):
-        """Return dimensions and values, repeated along the leading dimensions."""
+        """Return dimensions, and an array that repeats `values` along the leading dimensions."""
         return dims, np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
 
     condition_dims, statistic_dim = ("load", "mu0", "tau0"), "statistic"
