@@ -116,7 +116,7 @@ class Estimate:
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return the estimate in another unit, in which its numbers are multiplied by `factor` (positive)."""
+        """Return the estimate in another unit. Its number and limits are multiplied by `factor`, which is positive."""
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
@@ -209,7 +209,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals to print: for the number and lower limit of each estimate, and for its upper limit.
+    """Return how many decimals to print for each estimate: for number and lower limit, and for the upper limit.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is

@@ -18,7 +18,7 @@ from pathlib import Path
 from stiction._text import printable_path
 
 PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
-"""Pattern of the names of partial files. A killed process leaves its partial file behind.
+"""Pattern for the names of partial files, which a process leaves behind when it is killed.
 
 The name contains the machine, the process id, the run and a random number.
 """

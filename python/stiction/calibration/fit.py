@@ -272,7 +272,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the equations of tests with sliding, after division by their errors and decorrelation within runs.
+        """Divide the equations of tests with sliding by their errors, and remove the correlation of tests in one run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -281,7 +281,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform the equations of tests with sliding so that the tests of one run are uncorrelated.
+        """Transform the equations of tests with sliding so that the tests in one run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """

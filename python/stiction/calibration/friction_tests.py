@@ -28,7 +28,7 @@ from stiction.study.moduli import UncertainModulus, find_default_area_loss, pars
 from stiction.study.study import parse_study_of_dataset
 
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Minimum area ratio and minimum growth effect of a coefficient that depends on junction growth.
+"""Area ratio and growth effect above which a coefficient counts as dependent on junction growth.
 
 The area ratio is the true area divided by the area of plastic contact. The growth effect is the relative change of the
 coefficient due to junction growth. A coefficient depends on junction growth if it exceeds both limits.
@@ -165,7 +165,7 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball, or None if the factor is always 1.
+        """Return the ratio of true to computed area of a ball as a function of the inputs, or None if it is always 1.
 
         It is 1 if the moduli are exact and shear does not change the area.
         """
@@ -192,7 +192,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a result, or None if no uncertain input, creep or shear changes the area."""
+        """Return the ratio of true to computed area as a function of the inputs, or None if it is always 1."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
@@ -342,7 +342,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test, or None if no uncertain input, creep or shear changes the area."""
+        """Ratio of true to computed area as a function of the inputs, or None if neither inputs nor shear change it."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))

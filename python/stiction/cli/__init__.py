@@ -14,7 +14,7 @@ MIN_ADDRESS_SPACE = 2**30
 """Minimum address space in bytes (ulimit -v). With less, OpenBLAS may block forever while SciPy is imported."""
 
 ALLOCATIONS_PER_COLLECTION = 1_000_000
-"""Number of new objects until Python's garbage collector searches for unused cycles of objects.
+"""Number of new objects after which Python's garbage collector searches for unused cycles of objects.
 
 A command with a short computation allocates fewer objects, most of them in imported libraries. With Python's default,
 700 in Python 3.11, the collector traverses these objects so often that `stiction pair` takes a tenth longer.

@@ -1,4 +1,4 @@
-"""Exit statuses of `stiction`, and the exit on Ctrl-C while modules are imported."""
+"""Exit statuses of `stiction`, and a context that exits on Ctrl-C while modules are imported."""
 
 from __future__ import annotations
 

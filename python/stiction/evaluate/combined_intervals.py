@@ -431,7 +431,7 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with an interval that has no upper limit, if the central inputs give none; otherwise an empty list."""
+        """One interval without upper limit if the central inputs give no upper limit; otherwise an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(

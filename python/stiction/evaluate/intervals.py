@@ -237,7 +237,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add repetitions: arrays (curves, steps, repetitions) of normal loads and of each quantity."""
+        """Add further repetitions: normal loads and each quantity, as arrays (curves, steps, repetitions)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -279,7 +279,7 @@ class _QuantityAtLoads:
         self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
     def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
-        """Add repetitions: arrays (curves, steps, repetitions) of normal loads and of one quantity."""
+        """Add further repetitions: normal loads and the quantity, as arrays (curves, steps, repetitions)."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -315,7 +315,7 @@ class PowerSums:
         self._sums = np.zeros((4, *shape))
 
     def add(self, values: Floats) -> None:
-        """Add the powers of jackknife values to the sums."""
+        """Add the first four powers of further jackknife values to the sums."""
         self._count += values.shape[-1]
         square = values * values
         self._sums[0] += values.sum(axis=-1)
@@ -324,7 +324,7 @@ class PowerSums:
             self._sums[index] += np.einsum("...r,...r", *factors)
 
     def add_sums(self, count: int, sums: Floats) -> None:
-        """Add sums of the first four powers of jackknife values."""
+        """Add the sums of the first four powers of `count` further jackknife values."""
         self._count += count
         self._sums += sums
 

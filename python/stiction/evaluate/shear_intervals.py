@@ -190,7 +190,7 @@ class _StripErrors:
     counts: _Samples
 
     def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return the deviation of a mean over strips at each probability (first axis), by Student's t distribution.
+        """Return deviations of a mean over strips at given probabilities (first axis), by Student's t distribution.
 
         The deviations are NaN if fewer than two strips have a solution.
         """

@@ -73,7 +73,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
 
 
 class AsperityTangentialProblem:
-    """Tangential problem of parallel asperity contacts that move in the direction `angle` (degrees).
+    """Asperity contacts under a tangential load in the direction `angle` (degrees), all with the same displacement.
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -179,7 +179,7 @@ class AsperityTangentialProblem:
 
 
 class HalfSpaceTangentialProblem:
-    """Tangential problem of a half-space contact at one normal load."""
+    """Half-space contact at one normal load under a tangential load."""
 
     def __init__(
         self,

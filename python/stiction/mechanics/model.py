@@ -227,7 +227,7 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given effective modulus (GPa), or the default of generated surfaces.
+    """Return the given effective modulus (GPa), or the default modulus if the surfaces are generated.
 
     For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
     """

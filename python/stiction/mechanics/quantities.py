@@ -104,7 +104,7 @@ class ResultQuantity:
 
 CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
-"""Units and descriptions of the additional sums on surfaces. The core declares them and determines their order."""
+"""Units and descriptions of the contact sums that only height maps have. The core declares the sums and their order."""
 
 _STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")

@@ -72,7 +72,7 @@ of both maps are missing at random, this is 1.3 times the fraction of points tha
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Minimum relative standard error of the coefficient due to roughness drift that causes a caveat."""
+"""Relative standard error of the coefficient due to roughness drift, above which there is a caveat."""
 MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the result has a caveat
 
 # Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
@@ -266,7 +266,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks of a coefficient and its interval, of which at most the first failed check is reported."""
+    """Return the checks of a coefficient and its interval. Only the first check that fails is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -286,7 +286,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks for too few contacts, of which at most the first failed check is reported."""
+    """Return the checks for too few contacts. Only the first check that fails is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"

@@ -29,7 +29,7 @@ LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale at which
 MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
 MAX_DRAWN_STRENGTHS = 2  # maximum number of tau0 in a figure: the lowest and the highest
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Fractions of the logarithmic load range at which the onset of sliding is drawn."""
+"""Loads at which the onset of sliding is drawn, as fractions of the logarithmic load range."""
 
 
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------

@@ -185,7 +185,7 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
 
 
 MIN_GAP_REDUCTION = 2.0
-"""Minimum ratio of rms gaps for a caveat that the faces fit better if the upper map is mirrored."""
+"""Minimum factor by which mirroring the upper map must reduce the rms gap for a caveat about mirrored faces."""
 
 _MIRROR_ALTERNATIVES = (
     ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Statuses in the order of their codes. If several directions have no coefficient, the smallest code is reported."""
+"""Status of each code. If several directions have no coefficient, the smallest code is reported."""
 
 LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
 
@@ -178,7 +178,7 @@ GENERATED_STATUSES = (
     (friction.STATUS_OK, False),
     *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
 )
-"""Statuses in the order of their codes, each with a flag that is True if the asperity model is valid."""
+"""Status of each code, with a flag that is True if the asperity model is valid."""
 
 
 @dataclass(frozen=True, eq=False)

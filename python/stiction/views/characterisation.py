@@ -306,7 +306,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the spectral density at the longest wavelength of a band, divided by that at longer wavelengths.
+        """Return the spectral density at a band's longest wavelength, divided by the density at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
