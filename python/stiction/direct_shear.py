@@ -123,8 +123,8 @@ def shear_test(
         True to start where the faces fit best: the upper face is shifted, rotated by up to 3 degrees (maps) and tilted
         until the gap is smallest, also between grid points. The attributes of the result contain the position.
     strips : int, optional
-        Number of strips along the motion that are also sheared one by one. Their scatter widens the intervals. By
-        default 4 to 8 strips of maps with at least 128 points across the motion; 0 for none.
+        Number of strips along the motion that are also sheared one by one. The scatter between strips widens the
+        intervals. By default 4 to 8 strips of maps with at least 128 points across the motion; 0 for none.
     spacing, unit
         Distance of the points and unit of the heights, for arrays.
     tolerance : float

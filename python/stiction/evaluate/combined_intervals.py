@@ -483,7 +483,7 @@ class CombinedIntervals:
         """Return cached areas before shear and yield pressures. Both are None if mu0 and tau0 are sampled jointly.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
-        depends on the depth of the contacts. They are not cached for joint samples, which may include the hardness.
+        depends on the depth of the contacts. Neither is cached for joint samples, which may include the hardness.
         """
         if self.strengths:
             return None, None

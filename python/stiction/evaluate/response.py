@@ -288,7 +288,7 @@ class ContactResponse:
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
         """Return the closures (µm) at all computed loads for given inputs, between which `closure_ratio` interpolates.
 
-        E* and the height factor have the values of the study. The hardness is divided by their changes.
+        E* and the heights are those of the study. The hardness is divided by their changes instead.
         """
         assert self.closure_curve is not None, "the closure is known"
         hardness = np.asarray(inputs.hardness / (inputs.modulus * inputs.height_factor))

@@ -11,7 +11,7 @@ equilibrium would be a lower bound.
 
 Near the pull-off load of soft bodies, the edges of the contacts move by less than a grid cell per iteration, and each
 iteration solves a contact problem. Conjugate gradients (`EnergyMinimizer`) change pressure and attraction together, so
-that the edges move by about a cell per step. They may pass an equilibrium.
+that the edges move by about a cell per step. These steps may pass an equilibrium.
 """
 
 from __future__ import annotations
@@ -444,8 +444,9 @@ class AdhesionSolver:
     def minimize_energy(self, near: AdhesionState, load: float) -> AdhesionState | None:
         """Return the equilibrium at an external pressure (GPa) by energy minimization, or None if the bodies separate.
 
-        The minimization starts from the nearby state `near`. Its result is iterated until it has the accuracy of
-        `find_equilibrium_at_pressure`. `EquilibriumNotFoundError` is raised if the minimization does not converge.
+        The minimization starts from the nearby state `near`. The result of the minimization is iterated until it has
+        the accuracy of `find_equilibrium_at_pressure`. `EquilibriumNotFoundError` is raised if the minimization does
+        not converge.
         """
 
         def solve() -> StepResult:

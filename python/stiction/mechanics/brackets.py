@@ -77,7 +77,7 @@ def extrapolated_gradients(
 
     Return an estimate and two limits for each wavelength.
 
-    All are NaN if the Hurst exponent is unknown.
+    All numbers are NaN if the Hurst exponent is unknown.
     """
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:

@@ -103,7 +103,7 @@ def resolution(
 
         Over `hardness` (GPa), `normal_load` and `statistic` (value, lower, upper): `plastic_wavelength` (µm), at which
         the elastic mean pressure reaches the hardness. It is the longest wavelength if this wavelength alone gives the
-        pressure, and NaN if the power law never reaches it.
+        pressure, and NaN if the power law never reaches the required rms gradient.
 
         The attributes contain the instrument limit of the scans, the Hurst exponent of the gap with its interval, and
         the histories.

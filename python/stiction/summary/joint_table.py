@@ -129,7 +129,7 @@ class JointTable:
     reference : JointRow
         Row at the load of the pair, or at the first of several loads.
     mu0, tau0 : float
-        Values to which the friction belongs; tau0 in GPa.
+        mu0 and tau0 (GPa) for which the friction was computed.
     notes : tuple of str
         Definitions, assumptions and the range of validity, as sentences.
     """

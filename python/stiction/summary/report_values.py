@@ -64,7 +64,7 @@ class MeasuredReportValues:
     status_codes : ndarray of int
         Indices into `ORDERED_STATUSES`.
     num_solved : ndarray of int
-        Numbers of members with a value.
+        Numbers of members with a coefficient.
     slopes : ndarray of float
         Small-slope estimates (kind, cutoff, rule, motion, mu0, tau0).
     has_combined : ndarray of bool

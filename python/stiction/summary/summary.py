@@ -110,7 +110,7 @@ class PointSummary:
         None if there is no hardness, or if the point has a fault. Faults about few contacts per member are ignored,
         unless there is a second cutoff or the fault comes from an alternative preparation of the scans.
     roughness_contribution : float, optional
-        Contribution to the value that depends on the scans rather than on the inputs alone.
+        Contribution to the coefficient that depends on the scans rather than on the inputs alone.
     budget : tuple of UncertaintyBudgetEntry
         Intervals that would remain if an input were exact, starting with the most important input.
     contributions : (float, float, float), optional
