@@ -129,7 +129,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at a pressure (GPa), or of elastic contacts without one."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or that are elastic if it is None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent

@@ -97,7 +97,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the crossings directly after a step without a load (NaN), before which the curve is unknown."""
+        """Remove the crossings directly after a loading step at which the curve is unknown (NaN)."""
         before, at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
@@ -263,7 +263,7 @@ class MeansAtLoads:
         return np.asarray(before + self._fraction * (after - before))
 
     def _arrange_over_loads(self, of_points: Floats) -> Floats:
-        """Arrange one number per crossing in an array (curves, loads), with NaN at loads that no crossing has."""
+        """Arrange one number per crossing in an array (curves, loads), with NaN at loads without a crossing."""
         result = np.full(self.crossing.reached.shape, np.nan)
         result[self.crossing.reached] = of_points
         return result

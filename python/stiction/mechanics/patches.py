@@ -75,7 +75,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> Floats:
-        """Sum the five forces of `DIRECTED_TOTALS` over the patches with friction. The shape is (5, directions)."""
+        """Return the sums of `DIRECTED_TOTALS` over the patches with friction, with shape (5, directions)."""
         contributes = True if sliding == "all" else self.opposes_motion
         sums = np.stack([self.leaning, self.upward, self.forward, self.upward_area, self.forward_area])
         return np.asarray(sums.sum(axis=-1, where=contributes))

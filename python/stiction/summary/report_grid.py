@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Numbers of mu0 that reports show besides those of the study, for generated and for measured surfaces.
+"""Numbers of mu0 that reports show besides those of the study, for measured and for generated surfaces.
 
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """

@@ -155,7 +155,10 @@ class PointSummary:
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Quantities under the reported sliding rule, on which the true area of generated bodies depends slightly."""
+        """Quantities under the reported sliding rule.
+
+        The true area of generated bodies depends slightly on the rule.
+        """
         return select_sliding_rule(self.values, self.rules[0].rule)  # type: ignore[no-any-return]
 
     @property
@@ -336,7 +339,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from the result itself or from its cutoff study, or None."""
+        """Friction at several cutoffs, from the result or its cutoff study; None if there is only one cutoff."""
         values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if values is None else sort_sliding_rules(values, self.study)
 
@@ -403,7 +406,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add the faults to a result point that it has only in an alternative preparation of the scans.
+    """Add to a result point the faults that occur only in an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import PointSummary
 
 SLIDING_RULE_DESCRIPTIONS = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
-"""Descriptions of the sliding rules in sentences."""
+"""Phrases that describe the sliding rules in sentences."""
 
 SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 """Short descriptions of the sliding rules, for column headings."""

@@ -144,7 +144,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table of coefficients, one row per surfaces, load, mu0, tau0, sliding rule and motion.
+    """Return a table of coefficients, with one row per result point, sliding rule and motion.
 
     The column titles contain the units. Each row has the coefficient of static friction for its motion (all directions,
     an axis or a direction), the quantities at its load, and the assessment and caveats. The combined interval exists

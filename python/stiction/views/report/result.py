@@ -155,10 +155,7 @@ def _build_page(
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
-    """Evaluate friction and quantities.
-
-    Return the content of the page, the data for its scripts, and encoded arrays.
-    """
+    """Evaluate a result, and return the content of its page, the data for the scripts, and the encoded arrays."""
     data = get_data()
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
