@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 namespace stiction {
 namespace {
@@ -41,6 +42,27 @@ class DisjointSets {
  private:
   std::vector<std::int32_t> first_;
 };
+
+// Check a contact on a grid with `num_grid_points` points, and return its number of patches.
+std::size_t count_patches(const ContactView& contact, std::size_t num_grid_points) {
+  const std::size_t size = contact.points.size();
+  if (contact.pressure.size() != size || contact.contact_fraction.size() != size || contact.patch.size() != size) {
+    throw std::invalid_argument("patch_sums: pressure, contact_fraction and patch must be as long as points");
+  }
+  if (size == 0) {
+    throw std::invalid_argument("patch_sums: a contact must have at least one point");
+  }
+  for (const std::int64_t point : contact.points) {
+    if (point < 0 || std::cmp_greater_equal(point, num_grid_points)) {
+      throw std::invalid_argument("patch_sums: points must be on the grid");
+    }
+  }
+  const auto [lowest, highest] = std::minmax_element(contact.patch.begin(), contact.patch.end());
+  if (*lowest < 1) {
+    throw std::invalid_argument("patch_sums: patch must be at least 1");
+  }
+  return static_cast<std::size_t>(*highest);
+}
 
 }  // namespace
 
@@ -105,53 +127,58 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   return result;
 }
 
-PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
+PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions) {
-  const std::size_t size = force.size();
-  if (area.size() != size || slope_x.size() != size || patch.size() != size ||
-      (!slope_y.empty() && slope_y.size() != size)) {
-    throw std::invalid_argument("patch_sums: area, slope_y, slope_x and patch must be as long as force");
+  if (!slope_y.empty() && slope_y.size() != slope_x.size()) {
+    throw std::invalid_argument("patch_sums: slope_y must be as long as slope_x");
   }
-  std::int32_t last = 0;
-  for (const std::int32_t first_patch : patch) {
-    if (first_patch < 1) {
-      throw std::invalid_argument("patch_sums: patch must be at least 1");
-    }
-    last = std::max(last, first_patch);
-  }
-  const auto count = static_cast<std::size_t>(last);
   PatchSums sums;
+  std::size_t count = 0;
+  for (const ContactView& contact : contacts) {
+    sums.first_patch.push_back(static_cast<std::int64_t>(count));
+    count += count_patches(contact, slope_x.size());
+  }
   sums.force.resize(count);
   sums.area.resize(count);
   for (auto* values : {&sums.leaning, &sums.upward, &sums.forward, &sums.upward_area, &sums.forward_area}) {
     values->resize(directions.size() * count);
   }
-  const auto along_y = [&](std::size_t i) { return slope_y.empty() ? 0.0 : slope_y[i]; };
-  double squares = 0.0;
-  double total = 0.0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const auto p = static_cast<std::size_t>(patch[i] - 1);
-    const double squared_slope = slope_x[i] * slope_x[i] + along_y(i) * along_y(i);
-    sums.force[p] += force[i];
-    sums.area[p] += area[i] * std::sqrt(1 + squared_slope);
-    squares += squared_slope * force[i];
-    total += force[i];
-  }
-  sums.steepness = std::sqrt(squares / total);
-  for (std::size_t direction = 0; direction < directions.size(); ++direction) {
-    const auto [x, y] = directions[direction];
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t at = direction * count + static_cast<std::size_t>(patch[i] - 1);
-      const double rise = slope_x[i] * x + along_y(i) * y;  // -q s·n
-      const double across = slope_x[i] * y - along_y(i) * x;
-      // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²). The square root equals level/q, so q F t_z = -F rise/level.
-      const double level = std::sqrt(1 + across * across);
-      const double upward = -rise / level;
-      sums.leaning[at] += rise * force[i];
-      sums.upward[at] += upward * force[i];
-      sums.forward[at] += level * force[i];
-      sums.upward_area[at] += upward * area[i];
-      sums.forward_area[at] += level * area[i];
+  const auto along_y = [&](std::size_t point) { return slope_y.empty() ? 0.0 : slope_y[point]; };
+  for (std::size_t index = 0; index < contacts.size(); ++index) {
+    const ContactView& contact = contacts[index];
+    const auto first = static_cast<std::size_t>(sums.first_patch[index]);
+    double squares = 0.0;
+    double total = 0.0;
+    for (std::size_t i = 0; i < contact.points.size(); ++i) {
+      const auto point = static_cast<std::size_t>(contact.points[i]);
+      const std::size_t patch = first + static_cast<std::size_t>(contact.patch[i] - 1);
+      const double force = contact.pressure[i] * cell_area;
+      const double squared_slope = slope_x[point] * slope_x[point] + along_y(point) * along_y(point);
+      sums.force[patch] += force;
+      sums.area[patch] += contact.contact_fraction[i] * cell_area * std::sqrt(1 + squared_slope);
+      squares += squared_slope * force;
+      total += force;
+    }
+    sums.steepness.push_back(std::sqrt(squares / total));
+    for (std::size_t direction = 0; direction < directions.size(); ++direction) {
+      const auto [x, y] = directions[direction];
+      for (std::size_t i = 0; i < contact.points.size(); ++i) {
+        const auto point = static_cast<std::size_t>(contact.points[i]);
+        const std::size_t at = direction * count + first + static_cast<std::size_t>(contact.patch[i] - 1);
+        const double force = contact.pressure[i] * cell_area;
+        const double area = contact.contact_fraction[i] * cell_area;
+        const double rise = slope_x[point] * x + along_y(point) * y;  // -q s·n
+        const double across = slope_x[point] * y - along_y(point) * x;
+        // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²).
+        // The square root equals level/q, so q F t_z = -F rise/level.
+        const double level = std::sqrt(1 + across * across);
+        const double upward = -rise / level;
+        sums.leaning[at] += rise * force;
+        sums.upward[at] += upward * force;
+        sums.forward[at] += level * force;
+        sums.upward_area[at] += upward * area;
+        sums.forward_area[at] += level * area;
+      }
     }
   }
   return sums;

@@ -265,14 +265,12 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
         for direction in (directions if len(gap_slopes) == 1 else [directions])
     ]
     pressure = curves[0].contact(0).pressure
-    is_contact = pressure > 0
     interface_slopes = grid_slopes(
         (1 - compliance_share) * lower.heights + compliance_share * upper.heights, spacing, periodic=is_periodic
     )
-    contact_slopes = [slope[is_contact] for slope in interface_slopes]
     point_area = float(np.prod(spacing))
-    contact_areas = patches_of(pressure, periodic=is_periodic, hardness=np.inf)[2] * point_area
-    contact_area = float(contact_areas.sum())
+    points, pressures, fractions, _ = patches_of(pressure, periodic=is_periodic, hardness=np.inf)
+    contact_area = float(fractions.sum()) * point_area
     pair_results["kappa"] = contact_area * EFFECTIVE_MODULUS * gap_gradient / load
     pair_results["fraction"] = contact_area / nominal_area
     pair_results["contacts"] = int(curves[0].contact_count[0])
@@ -284,12 +282,10 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
         pair_results[f"mu {rule} {name}"] = float(np.mean(values))
     # Repeat with the sliding rule applied to each grid point by its own slope, instead of to each contact patch.
     motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
-    point_labels = np.arange(1, contact_areas.size + 1, dtype=np.int32)
-    point_sums = LoadSums(
-        patch_sums(
-            pressure[is_contact] * point_area, contact_areas, contact_slopes, point_labels, motion_vectors
-        ).total("opposing")
-    )
+    point_labels = np.arange(1, points.size + 1, dtype=np.int32)
+    contact = (points, pressures, fractions, point_labels)
+    slopes = [slope.ravel() for slope in interface_slopes]
+    point_sums = LoadSums(patch_sums([contact], slopes, point_area, motion_vectors).totals("opposing"))
     for name, tau0 in TAU0_BY_LABEL.items():
         pair_results[f"mu points {name}"] = float(np.mean(FrictionLaw(MU0, tau0).coefficient(point_sums)))
     for name, model_options in asperity_models(upper):

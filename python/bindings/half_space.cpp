@@ -2,6 +2,8 @@
 
 #include "arrays.hpp"
 #include "cancellation.hpp"
+#include "patches.hpp"
+#include "stiction/half_space_contacts.hpp"
 #include "stiction/patches.hpp"
 
 #include <atomic>
@@ -13,16 +15,12 @@ namespace {
 using Singles = py::array_t<float, py::array::c_style>;
 using Marks = py::array_t<bool, py::array::c_style>;
 using Progress = py::typing::Optional<py::typing::Callable<py::object(std::int64_t, double)>>;
+using ProgressOfSteps = py::typing::Optional<py::typing::Callable<py::object(std::size_t, std::int64_t, double)>>;
 
 // Number of iterations of running calculations. A solver increases it without acquiring the GIL.
 struct IterationCounter {
   std::atomic<std::int64_t> count{0};
 };
-
-template <class T>
-std::span<const T> grid(const py::array_t<T, py::array::c_style>& array) {
-  return {array.data(), static_cast<std::size_t>(array.size())};
-}
 
 // Return values as an array that has the same shape as an argument.
 template <class T>
@@ -30,36 +28,26 @@ py::array_t<T> like(const py::array_t<T, py::array::c_style>& array, std::vector
   return to_array(std::move(values)).reshape(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
 }
 
-Grid grid_of(const std::vector<std::size_t>& shape, const std::vector<double>& spacing, bool periodic) {
-  if (shape.empty() || shape.size() > 2 || spacing.size() != shape.size()) {
-    throw py::value_error("shape and spacing must have one element each (line) or two (area)");
-  }
-  return {shape.size() == 1 ? 1 : shape[0],
-          shape.back(),
-          spacing.size() == 1 ? 1.0 : spacing[0],
-          spacing.back(),
-          shape.size() == 1,
-          periodic};
-}
-
-HalfSpaceProgress to_callback(const Progress& progress, IterationCounter* counter) {
+// Return a function that counts an iteration, and passes its arguments to a Python function, which may be None.
+template <class Callback>
+Callback to_callback(const py::object& progress, IterationCounter* counter) {
   if (progress.is_none() && counter == nullptr) {
     return {};
   }
-  return [&progress, calls = !progress.is_none(), counter](std::int64_t iteration, double error) {
+  return [&progress, calls = !progress.is_none(), counter](auto... arguments) {
     if (counter != nullptr) {
       ++counter->count;
     }
     if (calls) {
       const py::gil_scoped_acquire acquire;
-      progress(iteration, error);
+      progress(arguments...);
     }
   };
 }
 
 template <class Search>
 HalfSpaceSolution solve(std::size_t threads, const Progress& progress, IterationCounter* counter, Search search) {
-  const HalfSpaceProgress report = to_callback(progress, counter);
+  const auto report = to_callback<HalfSpaceProgress>(progress, counter);
   const CancellationCheck check_cancellation = keyboard_interrupt_check();
   const py::gil_scoped_release release;
   return search(ThreadPool(threads, check_cancellation), report);
@@ -75,6 +63,31 @@ py::array_t<double> field(const std::vector<double>& values, const py::object& s
 // Reshape sums to the shape (directions, patches).
 py::array_t<double> by_direction(std::vector<double>&& values, py::ssize_t directions) {
   return to_array(std::move(values)).reshape({directions, py::ssize_t{-1}});
+}
+
+// Concatenate the arrays of several contacts.
+template <class T>
+py::array_t<T> concatenate(const std::vector<HalfSpaceContact>& contacts, std::vector<T> Patches::* field) {
+  std::vector<T> values;
+  for (const HalfSpaceContact& contact : contacts) {
+    const std::vector<T>& more = contact.patches.*field;
+    values.insert(values.end(), more.begin(), more.end());
+  }
+  return to_array(std::move(values));
+}
+
+Table to_table(const std::vector<HalfSpaceContact>& contacts) {
+  Table table;
+  table["points"] = concatenate(contacts, &Patches::points);
+  table["values"] = concatenate(contacts, &Patches::pressure);
+  table["share"] = concatenate(contacts, &Patches::contact_fraction);
+  table["patch"] = concatenate(contacts, &Patches::patch);
+  table["num_points"] =
+      column(contacts, [](const auto& contact) { return static_cast<std::int64_t>(contact.patches.points.size()); });
+  table["approach"] = column(contacts, [](const auto& contact) { return contact.approach; });
+  table["error"] = column(contacts, [](const auto& contact) { return contact.error; });
+  table["iterations"] = column(contacts, [](const auto& contact) { return contact.iterations; });
+  return table;
 }
 
 }  // namespace
@@ -125,7 +138,35 @@ void bind_half_space(py::module_& module) {
           },
           py::arg("in_contact").noconvert(), py::kw_only(), py::arg("threads") = 1,
           "Compute the pressures [GPa] with a sum of 1 that displace all contact points equally. Also returns the "
-          "displacement [µm].");
+          "displacement [µm].")
+      .def(
+          "fixed_contact_responses",
+          [](const HalfSpaceGrids& grids, const std::vector<Indices>& contacts, const Array& uniform_displacement,
+             std::size_t threads) {
+            std::vector<std::span<const std::int64_t>> points;
+            points.reserve(contacts.size());
+            for (const Indices& contact : contacts) {
+              points.push_back(grid(contact));
+            }
+            const Values displacement = grid(uniform_displacement);
+            std::vector<FixedContactResponse> responses;
+            {
+              const CancellationCheck check_cancellation = keyboard_interrupt_check();
+              const py::gil_scoped_release release;
+              responses = fixed_contact_responses(grids, points, displacement, ThreadPool(threads, check_cancellation));
+            }
+            std::vector<std::pair<double, double>> pairs;
+            pairs.reserve(responses.size());
+            for (const FixedContactResponse& response : responses) {
+              pairs.emplace_back(response.compliance, response.weighted_displacement);
+            }
+            return pairs;
+          },
+          py::arg("contacts").noconvert(), py::arg("uniform_displacement").noconvert(), py::kw_only(),
+          py::arg("threads") = 1,
+          "Return two displacements [µm] for the points of each contact, under pressures [GPa] with a sum of 1 that "
+          "displace all of its points equally: the displacement of these points, and Σ pressure · "
+          "uniform_displacement.");
 
   py::class_<HalfSpaceSolution>(
       module, "HalfSpaceSolution",
@@ -175,6 +216,33 @@ void bind_half_space(py::module_& module) {
       solver, "at_approach", &HalfSpaceSolver::at_approach, "approach",
       "Solve the contact problem at an approach [µm]. The solver starts from `near`, the pressures at another load, "
       "if given.");
+  const auto bind_contacts_at = [&solver](const char* name, StepQuantity quantity, const char* steps,
+                                          const char* description) {
+    solver.def(
+        name,
+        [quantity](const HalfSpaceSolver& self, const Array& values, const std::optional<Array>& near, double hardness,
+                   std::size_t threads, const ProgressOfSteps& progress,
+                   const std::optional<std::shared_ptr<IterationCounter>>& counter) {
+          const Values targets = view(values);
+          const Values start = near ? grid(*near) : Values();
+          const auto report = to_callback<StepProgress>(progress, counter ? counter->get() : nullptr);
+          const CancellationCheck check_cancellation = keyboard_interrupt_check();
+          std::vector<HalfSpaceContact> contacts;
+          {
+            const py::gil_scoped_release release;
+            contacts = solve_contacts(self, quantity, targets, start, hardness, ThreadPool(threads, check_cancellation),
+                                      report);
+          }
+          return to_table(contacts);
+        },
+        py::arg(steps).noconvert(), py::kw_only(), py::arg("near").noconvert() = py::none(), py::arg("hardness"),
+        py::arg("threads") = 1, py::arg("progress") = py::none(), py::arg("counter") = py::none(), description);
+  };
+  bind_contacts_at("contacts_at", StepQuantity::mean_pressure, "mean_pressures",
+                   "Solve for each of several mean pressures over the grid [GPa], up to the first without a solution. "
+                   "Returns concatenated arrays of `patches_of`, and one element per contact of the other arrays.");
+  bind_contacts_at("contacts_at_approaches", StepQuantity::approach, "approaches",
+                   "Solve for each of several approaches [µm]; see `contacts_at`.");
 
   module.def(
       "patches_of",
@@ -195,20 +263,17 @@ void bind_half_space(py::module_& module) {
       "(from 1).");
   module.def(
       "patch_sums",
-      [](const Array& force, const Array& area, const std::optional<Array>& slope_y, const Array& slope_x,
-         const py::array_t<std::int32_t, py::array::c_style>& patch,
-         const std::vector<std::array<double, 2>>& directions) {
+      [](const std::vector<Contact>& contacts, const std::optional<Array>& slope_y, const Array& slope_x,
+         double cell_area, const std::vector<std::array<double, 2>>& directions) {
+        const std::vector<ContactView> views = to_views(contacts);
         const Values along_y = slope_y ? view(*slope_y) : Values();
+        const Values along_x = view(slope_x);
         PatchSums sums;
         {
-          const Values forces = view(force);
-          const Values areas = view(area);
-          const Values along_x = view(slope_x);
-          const std::span<const std::int32_t> patches = grid(patch);
           const py::gil_scoped_release release;
-          sums = patch_sums(forces, areas, along_y, along_x, patches, directions);
+          sums = patch_sums(views, along_y, along_x, cell_area, directions);
         }
-        py::typing::Dict<py::str, py::object> named;
+        py::typing::Dict<py::str, py::array> named;
         named["force"] = to_array(std::move(sums.force));
         named["area"] = to_array(std::move(sums.area));
         const auto ways = static_cast<py::ssize_t>(directions.size());
@@ -217,13 +282,14 @@ void bind_half_space(py::module_& module) {
         named["forward"] = by_direction(std::move(sums.forward), ways);
         named["upward_area"] = by_direction(std::move(sums.upward_area), ways);
         named["forward_area"] = by_direction(std::move(sums.forward_area), ways);
-        named["steepness"] = py::float_(sums.steepness);
+        named["steepness"] = to_array(std::move(sums.steepness));
+        named["first_patch"] = to_array(std::move(sums.first_patch));
         return named;
       },
-      py::arg("force").noconvert(), py::arg("area").noconvert(), py::arg("slope_y").noconvert(),
-      py::arg("slope_x").noconvert(), py::arg("patch").noconvert(), py::arg("directions"),
-      "Compute force and area sums over the points of each contact patch, some of them for each direction (x, y). "
-      "Returns a dict of arrays.");
+      py::arg("contacts").noconvert(), py::arg("slope_y").noconvert(), py::arg("slope_x").noconvert(), py::kw_only(),
+      py::arg("cell_area"), py::arg("directions"),
+      "Compute force and area sums over the points of each patch of several contacts, some of them for each direction "
+      "(x, y). Each contact is a tuple of arrays as from `patches_of`.");
 }
 
 }  // namespace stiction::python

@@ -14,6 +14,7 @@ void bind_candidates(pybind11::module_& module);
 void bind_sums(pybind11::module_& module);
 void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
+void bind_contact_statistics(pybind11::module_& module);
 void bind_half_space(pybind11::module_& module);
 void bind_number_cells(pybind11::module_& module);
 }  // namespace stiction::python
@@ -35,5 +36,6 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_profile_batch(module);
   stiction::python::bind_loading(module);
   stiction::python::bind_half_space(module);
+  stiction::python::bind_contact_statistics(module);
   stiction::python::bind_number_cells(module);
 }

@@ -56,6 +56,10 @@ class HalfSpaceGrids:
     ) -> None: ...
     def displacement(self, pressure: NDArray[float64], *, threads: int = 1) -> NDArray[float64]:
         """Compute the displacement [µm] of each point under a pressure [GPa]."""
+    def fixed_contact_responses(
+        self, contacts: list[NDArray[numpy.int64]], uniform_displacement: NDArray[float64], *, threads: int = 1
+    ) -> list[tuple[float, float]]:
+        """Return two displacements [µm] for the points of each contact, under pressures [GPa] with a sum of 1 that displace all of its points equally: the displacement of these points, and Σ pressure · uniform_displacement."""
     def linear_response(self, in_contact: NDArray[numpy.bool], *, threads: int = 1) -> tuple[NDArray[float64], float]:
         """Compute the pressures [GPa] with a sum of 1 that displace all contact points equally. Also returns the displacement [µm]."""
     @property
@@ -106,6 +110,28 @@ class HalfSpaceSolver:
         counter: IterationCounter | None = None,
     ) -> HalfSpaceSolution:
         """Solve the contact problem at an approach [µm]. The solver starts from `near`, the pressures at another load, if given."""
+    def contacts_at(
+        self,
+        mean_pressures: NDArray[float64],
+        *,
+        near: NDArray[float64] | None = None,
+        hardness: float,
+        threads: int = 1,
+        progress: collections.abc.Callable[[int, int, float], typing.Any] | None = None,
+        counter: IterationCounter | None = None,
+    ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+        """Solve for each of several mean pressures over the grid [GPa], up to the first without a solution. Returns concatenated arrays of `patches_of`, and one element per contact of the other arrays."""
+    def contacts_at_approaches(
+        self,
+        approaches: NDArray[float64],
+        *,
+        near: NDArray[float64] | None = None,
+        hardness: float,
+        threads: int = 1,
+        progress: collections.abc.Callable[[int, int, float], typing.Any] | None = None,
+        counter: IterationCounter | None = None,
+    ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+        """Solve for each of several approaches [µm]; see `contacts_at`."""
 
 @typing.overload
 def approaches_at(
@@ -175,6 +201,19 @@ def candidates(
     curvature: str,
 ) -> ArealCandidates:
     """Find the contact candidates of two maps up to the approach `deepest` [µm]: the minima of the gap. `spacing` is (Δy, Δx) [µm]."""
+
+def contact_statistics(
+    force: NDArray[float64],
+    area: NDArray[float64],
+    cells: NDArray[float64],
+    at_edge: NDArray[numpy.bool],
+    pressure: NDArray[float64],
+    weight: NDArray[float64],
+    *,
+    probabilities: NDArray[float64],
+    max_small_cells: float,
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """Compute load fractions, and quantiles of area and pressure, of the contacts at one load."""
 
 @typing.overload
 def contacts(
@@ -247,20 +286,36 @@ def jackknife_sums(
 ) -> NDArray[float64]:
     """Compute power sums of jackknife values (10, points) from curves of loads and values (curves, steps, repetitions)."""
 
+def load_fractions_on_marked_points(
+    contacts: list[tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]],
+    marks: NDArray[numpy.bool],
+) -> NDArray[float64]:
+    """Return the load fraction on marked grid points of several half-space contacts."""
+
 def natural_slopes(
     heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
 ) -> typing.Annotated[list[NDArray[float64]], "FixedSize(2)"]:
     """Compute the slopes (dz/dy, dz/dx) of a map from natural cubic splines. `spacing` is (Δy, Δx) [µm]."""
 
+def patch_statistics(
+    contacts: list[tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]],
+    *,
+    shape: collections.abc.Sequence[int],
+    spacing: collections.abc.Sequence[float],
+    probabilities: NDArray[float64],
+    max_small_cells: float,
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """Compute load fractions, and quantiles of area and pressure, of the patches of several half-space contacts. Each contact is a tuple of arrays as from `patches_of`."""
+
 def patch_sums(
-    force: NDArray[float64],
-    area: NDArray[float64],
+    contacts: list[tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]],
     slope_y: NDArray[float64] | None,
     slope_x: NDArray[float64],
-    patch: NDArray[numpy.int32],
+    *,
+    cell_area: float,
     directions: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]],
-) -> dict[str, typing.Any]:
-    """Compute force and area sums over the points of each contact patch, some of them for each direction (x, y). Returns a dict of arrays."""
+) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
+    """Compute force and area sums over the points of each patch of several contacts, some of them for each direction (x, y). Each contact is a tuple of arrays as from `patches_of`."""
 
 def patches_of(
     pressure: NDArray[float64], *, periodic: bool, hardness: float

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import stiction
 from stiction import Profile, Study, Surface, pair, resolution, run
+from stiction._core import contact_statistics
 from stiction.evaluate.at_load import at_load
 from stiction.mechanics.friction import LOAD_SUM_NAMES, VALIDITY_RATIOS, ContactSums, SurfaceValidity, Validity
 from stiction.mechanics.quantities import (
@@ -18,7 +19,6 @@ from stiction.mechanics.quantities import (
     ZERO_LOAD_SUM_QUANTITIES,
     quantity_names_shown_in,
 )
-from stiction.solve.contact_statistics import LOAD_FRACTION_FORMULAS
 from stiction.study.study import parse_study_of_dataset
 from stiction.summary.summary import summarize
 from stiction.views.rows import summary_table
@@ -180,7 +180,11 @@ def test_table_of_quantities_contains_every_contact_sum_and_validity_indicator()
     }
     assert profile_indicators == {*Validity.__dataclass_fields__}
     assert {*VALIDITY_RATIOS} == {*SurfaceValidity.__dataclass_fields__}
-    assert {*LOAD_FRACTION_FORMULAS} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
+    contact = np.ones(1)
+    statistics = contact_statistics(
+        contact, contact, contact, np.ones(1, bool), contact, contact, probabilities=contact / 2, max_small_cells=1
+    )
+    assert {*statistics} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION_QUANTITIES[0] == "contact_load"
     assert not {*HALF_SPACE_SUM_QUANTITIES} & {*ADHESION_QUANTITIES}
     assert [QUANTITIES[name].sum_under_load for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])

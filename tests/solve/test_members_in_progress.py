@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from stiction import run
 from stiction.companions.height_scale import scale_study_heights
+from stiction.mechanics import half_space
 from stiction.mechanics.adhesion import AdhesionSolver
 from stiction.mechanics.half_space_problem import ContactSolver
 from stiction.solve import executors, members_in_progress, runner
@@ -18,6 +19,7 @@ from stiction.solve.members_in_progress import (
     remove_stored_steps,
 )
 from stiction.solve.store import BLOCKS_DIRECTORY
+from stiction.study.members import count_grid_points
 from support.generated_studies import assert_same_bits
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -28,8 +30,9 @@ FREE_TILT = 'tilt = "free"\nboundary = "free"'
 
 @pytest.fixture
 def study(request, tmp_path, monkeypatch):
-    """Study of one position whose contact keys are the parameter of the fixture; each step is stored immediately."""
+    """Study of one position whose contact keys are the parameter of the fixture; each load is stored immediately."""
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    monkeypatch.setattr(half_space, "MAX_POINTS_PER_STEP", 1)
     contact, is_areal = request.param
     spacing = write_maps(tmp_path, shape=(32, 32), rms=0.004) if is_areal else write_profiles(tmp_path, points=300)
     return create_study_from_files(
@@ -60,9 +63,9 @@ class InterruptedMethod:
 @pytest.mark.parametrize(
     ("study", "owner", "name", "calls_per_attempt"),
     [
-        ((LOADS, True), ContactSolver, "at", 1),
-        ((LOADS, False), ContactSolver, "at", 1),
-        (('hardness = "5 GPa"\n' + LOADS, True), ContactSolver, "at", 1),
+        ((LOADS, True), ContactSolver, "contacts_at", 1),
+        ((LOADS, False), ContactSolver, "contacts_at", 1),
+        (('hardness = "5 GPa"\n' + LOADS, True), ContactSolver, "contacts_at", 1),
         ((FREE_TILT + "\n" + LOADS, True), ContactSolver, "at", 5),
         ((ADHESION + "\n" + LOADS, True), AdhesionSolver, "attraction_at_gap", 7),
         ((ADHESION, False), AdhesionSolver, "attraction_at_gap", 23),
@@ -117,7 +120,7 @@ def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, mo
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
-    calls = InterruptedMethod(monkeypatch, ContactSolver, "at")
+    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     scaled_study = scale_study_heights(study, 2.0, "both").with_checksums()
     companion_study = CompanionStudy(scaled_study, tmp_path / "pair/height_scale/both-2")
     expected = run(scaled_study).dataset
@@ -146,7 +149,7 @@ def test_next_run_removes_leftover_load_steps_of_a_pair_whose_block_is_stored(st
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
-    calls = InterruptedMethod(monkeypatch, ContactSolver, "at")
+    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
     (member_directory,) = (tmp_path / IN_PROGRESS_DIRECTORY).iterdir()
     paths = sorted(member_directory.iterdir())
@@ -166,6 +169,18 @@ def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_aga
     calls.num_calls = 0
     compute_member_arrays(other_study, 0, MembersInProgress(other_study, tmp_path, estimate_iterations).add(0))
     assert calls.num_calls == 4
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_loads_of_small_maps_are_solved_in_groups_and_equal_loads_solved_one_by_one(study, tmp_path, monkeypatch):
+    expected = compute_member_arrays(study, 0)
+    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
+    for loads_per_step, num_steps in ((3, 2), (4, 1)):
+        monkeypatch.setattr(half_space, "MAX_POINTS_PER_STEP", loads_per_step * count_grid_points(study))
+        calls.num_calls = 0
+        arrays = compute_member_arrays(study, 0)
+        assert calls.num_calls == num_steps
+        assert all(arrays[name].tobytes() == values.tobytes() for name, values in expected.items())
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -195,14 +210,14 @@ def test_progress_of_a_solution_rises_with_its_iterations(study):
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study, monkeypatch, capfd):
-    solve = ContactSolver.at
+    solve = ContactSolver.contacts_at
 
-    def solve_slowly(*arguments):
-        solution = solve(*arguments)
+    def solve_slowly(*arguments, **options):
+        solution = solve(*arguments, **options)
         time.sleep(0.2)  # many times longer than the interval between two lines of progress
         return solution
 
-    monkeypatch.setattr(ContactSolver, "at", solve_slowly)
+    monkeypatch.setattr(ContactSolver, "contacts_at", solve_slowly)
     monkeypatch.setattr(executors, "PROGRESS_LINE_INTERVAL", 0.0)
     monkeypatch.setattr(runner, "PROGRESS_INTERVAL", 0.01)
     run(study, progress=True)

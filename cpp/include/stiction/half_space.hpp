@@ -110,6 +110,11 @@ class HalfSpaceSolver {
   /// The length is the larger of two rms deviations: of the gap, and of displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
+  /// Return the finest grid.
+  const Grid& grid() const { return grids_->levels()[0]; }
+  /// Return the largest relative error of an accepted solution.
+  double tolerance() const { return tolerance_; }
+
   /// Solve the contact problem for a given mean pressure [GPa] on the grid.
   /// If `near` contains the pressures at another load, the solver starts from these pressures.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),

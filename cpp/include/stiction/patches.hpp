@@ -32,23 +32,35 @@ struct Patches {
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// Sums over each patch. Sums that depend on the direction are matrices of shape (directions, patches).
-struct PatchSums {
-  std::vector<double> force;         ///< Σ F n_z [mN]
-  std::vector<double> area;          ///< contact area along the deformed interface [µm²]
-  std::vector<double> leaning;       ///< -Σ F s·n [mN]
-  std::vector<double> upward;        ///< Σ F t_z [mN]
-  std::vector<double> forward;       ///< -Σ F s·t [mN]
-  std::vector<double> upward_area;   ///< Σ A t_z [µm²]
-  std::vector<double> forward_area;  ///< -Σ A s·t [µm²]
-  double steepness = 0.0;            ///< root-mean-square slope, weighted by the force
+/// View of a contact: points under pressure, with the arrays of Patches.
+struct ContactView {
+  std::span<const std::int64_t> points;
+  Values pressure;
+  Values contact_fraction;
+  std::span<const std::int32_t> patch;
 };
 
-/// Compute the sums over the grid points of each patch.
-/// Forces are in mN, and projected contact areas in µm². Slopes are the slopes of the deformed interface.
-/// `slope_y` is empty for profiles. Patch numbers start at 1. Directions are horizontal unit vectors (x, y).
-/// Throws std::invalid_argument if lengths differ or a patch number is below 1.
-PatchSums patch_sums(Values force, Values area, Values slope_y, Values slope_x, std::span<const std::int32_t> patch,
+/// Sums over each patch of several contacts, for example at successive loads.
+/// The patches of a contact follow the patches of the contact before it.
+/// Sums that depend on the direction are matrices of shape (directions, patches).
+struct PatchSums {
+  std::vector<double> force;              ///< Σ F n_z [mN]
+  std::vector<double> area;               ///< contact area along the deformed interface [µm²]
+  std::vector<double> leaning;            ///< -Σ F s·n [mN]
+  std::vector<double> upward;             ///< Σ F t_z [mN]
+  std::vector<double> forward;            ///< -Σ F s·t [mN]
+  std::vector<double> upward_area;        ///< Σ A t_z [µm²]
+  std::vector<double> forward_area;       ///< -Σ A s·t [µm²]
+  std::vector<double> steepness;          ///< root-mean-square slope of each contact, weighted by the force
+  std::vector<std::int64_t> first_patch;  ///< index of the first patch of each contact
+};
+
+/// Compute the sums over the grid points of each patch of each contact.
+/// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
+/// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
+/// Throws std::invalid_argument if lengths differ, a point is not on the grid, a patch number is below 1,
+/// or a contact has no points.
+PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions);
 
 }  // namespace stiction

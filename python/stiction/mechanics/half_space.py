@@ -27,12 +27,13 @@ from stiction.mechanics.friction import FrictionCurve
 from stiction.mechanics.half_space_problem import (
     MIN_PROCESS_ZONE_POINTS,
     ContactSolver,
+    cache_compliances,
     from_step_result,
     make_problem,
     min_resolved_adhesion_range,
     parse_loads_or_approaches,
-    to_contact_solution,
-    to_step_result,
+    sum_patches,
+    tabulate_solutions,
 )
 from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
 from stiction.mechanics.model import (
@@ -45,7 +46,7 @@ from stiction.mechanics.model import (
 )
 from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
 from stiction.mechanics.patches import DIRECTED_TOTALS
-from stiction.mechanics.solution_record import SolutionRecord, StepResult
+from stiction.mechanics.solution_record import SolutionRecord
 from stiction.mechanics.tilt import solve_with_balanced_tilt
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import BodyLike, as_bodies
@@ -60,6 +61,12 @@ if TYPE_CHECKING:
 
 BoundaryCondition = Literal["free", "periodic"]
 TiltMode = Literal["fixed", "free"]
+
+MAX_POINTS_PER_STEP = 2**22
+"""Maximum number of grid points, summed over the loads, that the solver computes in one step of a `SolutionRecord`.
+
+A step of this size takes about 15 s, after which an interrupted member stores its steps.
+"""
 
 DEFAULT_ADHESION_RANGE = 5e-4
 """Default decay length (µm) of the attraction between solids: one to two atomic distances."""
@@ -188,7 +195,7 @@ class HalfSpaceCurve(FrictionCurve):
     _problem: HalfSpaceProblem = field(repr=False)
     _model: ContactModel = field(repr=False)
     _contact_solutions: tuple[ContactSolution, ...] = field(repr=False)
-    _sums: tuple[PatchSums, ...] = field(repr=False)
+    _sums: PatchSums = field(repr=False)
     _tolerance: float = field(repr=False)
     _record: SolutionRecord = field(default_factory=SolutionRecord, repr=False)
 
@@ -254,7 +261,7 @@ class HalfSpaceCurve(FrictionCurve):
         The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. The
         stiffness is computed on first use.
         """
-        return make_read_only(np.array([solution.stiffness for solution in self._contact_solutions]))
+        return self._compute_stiffness("stiffness")
 
     @cached_property
     def closure_stiffness(self) -> Floats:
@@ -262,7 +269,7 @@ class HalfSpaceCurve(FrictionCurve):
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
-        return make_read_only(np.array([solution.closure_stiffness for solution in self._contact_solutions]))
+        return self._compute_stiffness("closure_stiffness")
 
     @cached_property
     def unloading_closure_stiffness(self) -> Floats:
@@ -271,7 +278,7 @@ class HalfSpaceCurve(FrictionCurve):
         Yielded points respond elastically as well. A tangential load starts to move the contact elastically, too: the
         initial tangential stiffness per nominal area is this stiffness times E*_t/E*.
         """
-        return make_read_only(np.array([solution.unloading_closure_stiffness for solution in self._contact_solutions]))
+        return self._compute_stiffness("unloading_closure_stiffness")
 
     @property
     def tilt(self) -> Floats:
@@ -292,7 +299,13 @@ class HalfSpaceCurve(FrictionCurve):
         The loading stiffness, `stiffness`, is smaller if there is a hardness, because yielded points support no
         additional load.
         """
-        return make_read_only(np.array([solution.unloading_stiffness for solution in self._contact_solutions]))
+        return self._compute_stiffness("unloading_stiffness")
+
+    def _compute_stiffness(self, name: str) -> Floats:
+        """Return a stiffness of all contacts, whose compliances are computed together."""
+        if self._problem.has_finite_approach or name.endswith("closure_stiffness"):
+            cache_compliances(self._contact_solutions, unloading=name.startswith("unloading"))
+        return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
         """Return the contact solution at `load[index]`: the contact points, with pressures (GPa) and patch numbers."""
@@ -301,11 +314,12 @@ class HalfSpaceCurve(FrictionCurve):
     def contact(self, index: int) -> HalfSpaceContact:
         """Return the contact at `load[index]` as arrays on the grid: pressure (GPa), gap (µm) and patch numbers."""
         load_index = resolve_index(index, self.load.size, "loads")
-        solution, sums = self._contact_solutions[load_index], self._sums[load_index]
+        solution = self._contact_solutions[load_index]
         problem = solution.problem
         pressure = solution.on_grid(solution.values)
         gap = problem.grids.displacement(pressure - solution.attraction) + problem.gap - solution.approach
-        opposing_grids = [solution.on_grid(opposing_mask[solution.patch - 1]) for opposing_mask in sums.opposes_motion]
+        patch_indices = self._sums.first_patch[load_index] + solution.patch - 1
+        opposing_grids = [solution.on_grid(mask[patch_indices]) for mask in self._sums.opposes_motion]
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         field_arrays = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
@@ -342,7 +356,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._with_sums(model, tuple(solution.sums(model.directions()) for solution in self._contact_solutions))
+        return self._with_sums(model, sum_patches(self._contact_solutions, model.directions()))
 
     def onset(
         self,
@@ -395,15 +409,16 @@ class HalfSpaceCurve(FrictionCurve):
         Each sum has the shape (sliding rules, directions, loads).
         """
         unit_vectors = replace(self._model, direction=tuple(directions)).directions()
-        sums: Sequence[PatchSums] = self._sums
+        sums = self._sums
         if not np.array_equal(unit_vectors, self._model.directions()):
-            sums = [solution.sums(unit_vectors) for solution in self._contact_solutions]
-        totals = [[patches.directed_totals(sliding) for patches in sums] for sliding in sliding_rules]
-        return dict(zip(DIRECTED_TOTALS, np.array(totals).transpose(2, 0, 3, 1), strict=True))
+            sums = sum_patches(self._contact_solutions, unit_vectors)
+        totals = zip(*(sums.directed_totals(sliding) for sliding in sliding_rules), strict=True)
+        return {name: np.array(values) for name, values in zip(DIRECTED_TOTALS, totals, strict=True)}
 
-    def _with_sums(self, model: ContactModel, sums: tuple[PatchSums, ...]) -> HalfSpaceCurve:
-        rows = _sum_patches(model, self._contact_solutions, sums)
-        return replace(self, **_stack_columns(rows, model), _model=model, _sums=sums)
+    def _with_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
+        totals = _total_patches(model, self._contact_solutions, sums)
+        changes: dict[str, Any] = {name: make_read_only(values) for name, values in totals.items()}
+        return replace(self, **changes, _model=model, _sums=sums)
 
 
 def half_space(
@@ -575,22 +590,26 @@ def _solve_contacts(
         return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress, record=record)
     if problem.turns:
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress, record=record)
+    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=None, record=record)
     solutions: list[ContactSolution] = []
-    report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
-    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=report, record=record)
-
-    def solve_step(step: float) -> StepResult:
+    num_grouped = max(1, MAX_POINTS_PER_STEP // problem.gap.size)
+    for start in range(0, steps.size, num_grouped):
         last = solutions[-1] if solutions else None
-        nearby_pressure = None if last is None else last.on_grid(last.values).ravel()
-        solution = solver.at(step, nearby_pressure)
-        return to_step_result(
-            to_contact_solution(problem, solution, step if name == "loads" else None, scale=solver.scale)
+        solve_group = functools.partial(
+            solver.contacts_at,
+            steps[start : start + num_grouped],
+            near=None if last is None else last.on_grid(last.values).ravel(),
+            progress=None if progress is None else functools.partial(_report_progress, progress, start),
         )
-
-    for step in steps.tolist():
-        result = record.run_step(functools.partial(solve_step, step), NoSolutionError)
-        solutions.append(from_step_result(problem, result))
+        solutions += from_step_result(problem, record.run_step(solve_group, NoSolutionError))
     return solutions
+
+
+def _report_progress(
+    progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
+) -> None:
+    """Report an iteration of the step `index` of a group, before which `num_solved` steps were solved."""
+    progress(num_solved + index, iteration, error)
 
 
 def _add_adhesion(
@@ -621,35 +640,23 @@ def _make_curve(
     problem: HalfSpaceProblem, model: ContactModel, contacts: list[ContactSolution], tolerance: float,
     record: SolutionRecord,
 ) -> HalfSpaceCurve:  # fmt: skip
-    sums = tuple(solution.sums(model.directions()) for solution in contacts)
-    rows = [
-        solution.curve_row() | total
-        for solution, total in zip(contacts, _sum_patches(model, contacts, sums), strict=True)
-    ]
+    sums = sum_patches(contacts, model.directions())
+    columns: dict[str, Any] = tabulate_solutions(contacts) | _total_patches(model, contacts, sums)
     return HalfSpaceCurve(
-        **_stack_columns(rows, model), effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
+        **{name: make_read_only(values) for name, values in columns.items()},
+        effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
         _contact_solutions=tuple(contacts), _sums=sums, _tolerance=tolerance, _record=record,
     )  # fmt: skip
 
 
-def _sum_patches(
-    model: ContactModel, contacts: Sequence[ContactSolution], sums: Sequence[PatchSums]
-) -> list[dict[str, Any]]:
-    totals = [solution.totals(model.sliding) for solution in sums]
-    for solution, total in zip(contacts, totals, strict=True):
-        total["normal_elastic"] -= solution.attraction_force
+def _total_patches(model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums) -> dict[str, Floats]:
+    """Return the contact sums of `HalfSpaceCurve`, with shape (k,), or (d, k) for d directions, by name."""
+    totals = sums.totals(model.sliding)
+    if contacts[0].problem.work_of_adhesion > 0:
+        totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]
+    if model.angles().ndim == 0:
+        totals |= {name: totals[name][0] for name in DIRECTED_TOTALS}
     return totals
-
-
-def _stack_columns(rows: list[dict[str, Any]], model: ContactModel) -> dict[str, Any]:
-    """Stack the results at k loads into arrays of shape (k,), or (d, k) for d directions, by name."""
-    columns = {}
-    for name in rows[0]:
-        column = np.array([row[name] for row in rows])
-        if column.ndim == 2:
-            column = np.ascontiguousarray(column.T) if model.angles().ndim > 0 else column[:, 0].copy()
-        columns[name] = make_read_only(column)
-    return columns
 
 
 def solve_together_or_separately(

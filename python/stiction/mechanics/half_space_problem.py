@@ -7,7 +7,7 @@ import math
 import sys
 import weakref
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -20,7 +20,7 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._errors import NoSolutionError
 from stiction._units import short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
-from stiction.mechanics.patches import PatchSums, grid_slopes, patch_sums
+from stiction.mechanics.patches import ContactArrays, PatchSums, grid_slopes, patch_sums
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
@@ -164,13 +164,9 @@ class ContactSolution:
         return float(np.sum(self.attraction)) * self.problem.cell_area
 
     @property
-    def closure(self) -> float:
-        """Decrease of the mean gap since first contact, µm."""
-        uniform_displacement, cell_area = self.problem.uniform_pressure_displacement, self.problem.cell_area
-        displacement = float(self.values @ uniform_displacement.ravel()[self.points]) - float(
-            np.sum(self.attraction * uniform_displacement)
-        )
-        return self.approach - displacement * cell_area / self.problem.area
+    def arrays(self) -> ContactArrays:
+        """Grid index, pressure (GPa), contact fraction and patch number of each contact point."""
+        return self.points, self.values, self.share, self.patch
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
         """Place numbers of the contact points on the grid, and return the array with 0 at all other points."""
@@ -178,33 +174,15 @@ class ContactSolution:
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
 
-    def sums(self, directions: Floats) -> PatchSums:
-        """Return the friction sums of each patch for m directions of motion, which are unit vectors of shape (m, 2)."""
-        problem = self.problem
-        slopes = [interface_slope[self.points] for interface_slope in problem.interface_slopes]
-        return patch_sums(
-            self.values * problem.cell_area, self.share * problem.cell_area, slopes, self.patch, directions
-        )
-
-    def curve_row(self) -> dict[str, Any]:
-        """Return load, approach and other results that do not depend on friction, as a row of `HalfSpaceCurve`."""
-        is_at_hardness = self.values == self.problem.hardness
-        return {
-            "load": self.load,
-            "contact_load": self.load + self.attraction_force,
-            "approach": self.approach if self.problem.has_finite_approach else np.nan,
-            "closure": self.closure,
-            "error": self.error,
-            "iterations": self.iterations,
-            "contact_count": int(self.patch.max()),
-            "load_share_at_hardness": float(self.values[is_at_hardness].sum() / self.values.sum()),
-            "area_share_at_hardness": float(is_at_hardness.mean()),
-        }
-
     @cached_property
     def below_hardness(self) -> NDArray[np.bool_]:
         """Mask of the contact points whose pressure is below the hardness."""
         return self.values < (np.inf if self.problem.hardness is None else self.problem.hardness)
+
+    @cached_property
+    def is_elastic(self) -> bool:
+        """True if the pressure is below the hardness at all contact points."""
+        return bool(self.below_hardness.all())
 
     @cached_property
     def stiffness(self) -> float:
@@ -220,7 +198,7 @@ class ContactSolution:
 
         In contrast to `stiffness`, yielded points respond too, because they unload elastically.
         """
-        return self.stiffness if self.below_hardness.all() else self._compute_stiffness(self._all_points)
+        return self.stiffness if self.is_elastic else self._compute_stiffness(self._all_points)
 
     @cached_property
     def closure_stiffness(self) -> float:
@@ -234,7 +212,7 @@ class ContactSolution:
     @cached_property
     def unloading_closure_stiffness(self) -> float:
         """Closure stiffness dp/dc (GPa/µm) during unloading, when all contact points respond elastically."""
-        if self.below_hardness.all():
+        if self.is_elastic:
             return self.closure_stiffness
         return self._compute_closure_stiffness(self._all_points)
 
@@ -251,30 +229,41 @@ class ContactSolution:
         return self._compute_response(self._all_points)
 
     @cached_property
+    def loading_compliances(self) -> tuple[float, float]:
+        """Compliances of the contact points below the hardness; see `cache_compliances`."""
+        return self._compute_compliances("loading_compliances")
+
+    @cached_property
+    def unloading_compliances(self) -> tuple[float, float]:
+        """Compliances of all contact points; see `cache_compliances`."""
+        return self._compute_compliances("unloading_compliances")
+
+    @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
         """Pressures (sum: 1 GPa) that displace all contact points equally without tilt, and this displacement (µm)."""
         if self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
-        return self._linear_response if self.below_hardness.all() else self._unloading_response
-
-    def _get_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the cached linear response of the contact points.
-
-        If the mask is `below_hardness`, only the points below the hardness respond.
-        """
-        return self._linear_response if free_mask is self.below_hardness else self._unloading_response
+        return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) that displace all points of a mask equally, and this displacement (µm)."""
+        """Return pressures (sum: 1 GPa) that displace all points in a mask equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
+
+    def _compute_compliances(self, name: str) -> tuple[float, float]:
+        pressures, displacement = getattr(self, _RESPONSE_NAMES[name])
+        return displacement, float((pressures * self.problem.uniform_pressure_displacement).sum())
+
+    def _get_compliances(self, free_mask: NDArray[np.bool_]) -> tuple[float, float]:
+        """Return the compliances of the contact points in a mask: all, or those below the hardness."""
+        return self.loading_compliances if free_mask is self.below_hardness else self.unloading_compliances
 
     def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
         problem = self.problem
         if not (problem.has_finite_approach and free_mask.any()):
             return np.nan
-        compliance = self._get_response(free_mask)[1]
+        compliance = self._get_compliances(free_mask)[0]
         return problem.cell_area / compliance if compliance > 0 else np.inf
 
     def _compute_closure_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
@@ -286,11 +275,87 @@ class ContactSolution:
         # Approach and mean displacement due to a nominal pressure of 1 GPa.
         # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
         # The contact pressures are the weights of this mean displacement.
-        pressures_of_unit_sum, approach_of_unit_sum = self._get_response(free_mask)
-        approach = approach_of_unit_sum * problem.area / problem.cell_area
-        mean_displacement = float((pressures_of_unit_sum * problem.uniform_pressure_displacement).sum())
-        closure = approach - mean_displacement
+        approach_of_unit_sum, mean_displacement = self._get_compliances(free_mask)
+        closure = approach_of_unit_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
+
+
+_RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_compliances": "_unloading_response"}
+
+
+def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> None:
+    """Compute the missing compliances of all solutions in one call, and store them in the solutions.
+
+    The compliances of a contact are two displacements (µm), due to pressures with a sum of 1 GPa that displace its
+    points equally: the displacement of these points, and the sum of the pressures times the displacements under a
+    pressure of 1 GPa on the whole grid. The solutions are for one pair.
+    """
+    missing: list[tuple[ContactSolution, str]] = []
+    for solution in solutions:
+        # Contacts without yielded points respond in the same way during loading and unloading.
+        name = "unloading_compliances" if unloading and not solution.is_elastic else "loading_compliances"
+        is_computed = name in vars(solution) or _RESPONSE_NAMES[name] in vars(solution)
+        if not is_computed and not solution.problem.turns and (unloading or solution.below_hardness.any()):
+            missing.append((solution, name))
+    if not missing:
+        return
+    problem = missing[0][0].problem
+    compliances = problem.grids.fixed_contact_responses(
+        [
+            solution.points[solution.below_hardness]
+            if name == "loading_compliances" and not solution.is_elastic
+            else solution.points
+            for solution, name in missing
+        ],
+        problem.uniform_pressure_displacement,
+        threads=solver_thread_count(),
+    )
+    for (solution, name), pair in zip(missing, compliances, strict=True):
+        vars(solution)[name] = pair
+
+
+def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
+    """Return the friction sums of each patch of k solutions for m directions, given as unit vectors of shape (m, 2)."""
+    problem = solutions[0].problem
+    if any(solution.problem is not problem for solution in solutions):  # the tilt depends on the load
+        return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
+    contacts = [solution.arrays for solution in solutions]
+    return patch_sums(contacts, problem.interface_slopes, problem.cell_area, directions)
+
+
+def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArray[Any]]:
+    """Return load, approach and other results of k solutions that do not depend on friction, as for `HalfSpaceCurve`.
+
+    The solutions are for one pair, and may differ in its tilt.
+    """
+    problem = solutions[0].problem
+    uniform_displacement = problem.uniform_pressure_displacement
+    num_points = np.array([solution.points.size for solution in solutions])
+    first_point = np.cumsum(num_points) - num_points
+    values = np.concatenate([solution.values for solution in solutions])
+    displacements = uniform_displacement.ravel()[np.concatenate([solution.points for solution in solutions])]
+    is_at_hardness = values == problem.hardness
+    load, approach, error = (
+        np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
+    )
+    # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
+    displacement = np.add.reduceat(values * displacements, first_point)
+    attraction_force = np.zeros(load.size)
+    if problem.work_of_adhesion > 0:
+        attraction_force = np.array([solution.attraction_force for solution in solutions])
+        displacement -= [float(np.sum(solution.attraction * uniform_displacement)) for solution in solutions]
+    return {
+        "load": load,
+        "contact_load": load + attraction_force,
+        "approach": approach if problem.has_finite_approach else np.full(load.size, np.nan),
+        "closure": approach - displacement * problem.cell_area / problem.area,
+        "error": error,
+        "iterations": np.array([solution.iterations for solution in solutions]),
+        "contact_count": np.array([int(solution.patch.max()) for solution in solutions]),
+        "load_share_at_hardness": np.add.reduceat(np.where(is_at_hardness, values, 0.0), first_point)
+        / np.add.reduceat(values, first_point),
+        "area_share_at_hardness": np.add.reduceat(is_at_hardness, first_point, dtype=np.float64) / num_points,
+    }
 
 
 # Largest accepted ratio of gap to length. Such slopes are already far too steep for the model.
@@ -502,12 +567,41 @@ class ContactSolver:
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
             raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
         if not solution.error * self.scale <= self.tolerance:
-            raise NoSolutionError(
-                f"no solution at {step:g} {'mN' if is_load else 'µm'}: "
-                f"error {solution.error * self.scale:.2g} after "
-                f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
-            )
+            raise self._no_solution_error(step, solution.error * self.scale, solution.iterations)
         return solution
+
+    def contacts_at(
+        self, steps: Floats, near: Floats | None, progress: Callable[[int, int, float], object] | None
+    ) -> StepResult:
+        """Solve the contact at several loads or approaches, each started from the pressures at the step before it.
+
+        Returns the arrays of `to_step_result`. Raises `NoSolutionError` at the first step whose error exceeds the
+        tolerance.
+        """
+        problem, is_load = self.problem, self.name == "loads"
+        targets = steps / (problem.cell_area * problem.gap.size) if is_load else steps
+        solve = self._core.contacts_at if is_load else self._core.contacts_at_approaches
+        result: StepResult = solve(
+            targets, near=near, hardness=np.inf if problem.hardness is None else problem.hardness,
+            threads=solver_thread_count(), progress=progress, counter=self.counter,
+        )  # fmt: skip
+        result["error"] *= self.scale
+        if problem.missing is not None and (is_missing := problem.missing.ravel()[result["points"]]).any():
+            step = np.repeat(steps[: result["num_points"].size], result["num_points"])[is_missing][0]
+            raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
+        last = result["error"].size - 1
+        if last + 1 < steps.size or not result["error"][last] <= self.tolerance:
+            raise self._no_solution_error(steps[last], float(result["error"][last]), int(result["iterations"][last]))
+        if not is_load:
+            first_point = np.cumsum(result["num_points"]) - result["num_points"]
+            steps = np.add.reduceat(result["values"], first_point) * problem.cell_area
+        return result | {"load": steps}
+
+    def _no_solution_error(self, step: float, error: float, iterations: int) -> NoSolutionError:
+        return NoSolutionError(
+            f"no solution at {step:g} {'mN' if self.name == 'loads' else 'µm'}: error {error:.2g} after {iterations} "
+            f"iterations, above the tolerance {self.tolerance:g}"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -547,17 +641,29 @@ def to_contact_solution(
 
 def to_step_result(contact_solution: ContactSolution) -> StepResult:
     """Convert a contact at one load to named arrays, from which `from_step_result` restores it."""
-    names = ("load", "points", "values", "share", "patch", "approach", "error", "iterations")
-    result = {name: getattr(contact_solution, name) for name in names}
+    result: StepResult = {name: getattr(contact_solution, name) for name in ("points", "values", "share", "patch")}
+    result["num_points"] = np.array([contact_solution.points.size])
+    result |= {name: np.array([getattr(contact_solution, name)]) for name in _STEP_NUMBER_NAMES}
     problem = contact_solution.problem
     return result | ({"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.turns else {})
 
 
-def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> ContactSolution:
-    """Restore a contact at one load from the named arrays of `to_step_result`."""
+_STEP_NUMBER_NAMES = ("load", "approach", "error", "iterations")
+
+
+def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
+    """Restore the contacts at several loads from the concatenated arrays of a step; see `to_step_result`."""
     if problem.turns:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)
-    fields: dict[str, Any] = {name: float(result[name]) for name in ("load", "approach", "error")}
-    fields |= {name: make_read_only(result[name]) for name in ("points", "values", "share", "patch")}
-    return ContactSolution(problem, **fields, iterations=int(result["iterations"]))
+    points, values, share, patch = (make_read_only(result[name]) for name in ("points", "values", "share", "patch"))
+    numbers = zip(*(result[name].tolist() for name in _STEP_NUMBER_NAMES), strict=True)
+    solutions, start = [], 0
+    for count, (load, approach, error, iterations) in zip(result["num_points"].tolist(), numbers, strict=True):
+        part = slice(start, start := start + count)
+        solutions.append(
+            ContactSolution(
+                problem, load, points[part], values[part], share[part], patch[part], approach, error, iterations
+            )
+        )
+    return solutions

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 import stiction._core as _core
+from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction.mechanics.model import SlidingRule
 
@@ -44,9 +45,10 @@ def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums over each patch of a contact, from which normal and tangential load follow for any mu0 and tau0.
+    """Sums over each patch of k contacts, from which normal and tangential load follow for any mu0 and tau0.
 
-    Arrays have the shape (patches,) or, if they depend on the direction, (directions, patches).
+    The patches of a contact follow the patches of the contact before it. Arrays have the shape (patches,) or, if they
+    depend on the direction, (directions, patches).
     """
 
     force: Floats  # vertical component of the contact forces, Σ F n_z (mN)
@@ -56,29 +58,46 @@ class PatchSums:
     forward: Floats  # component of the friction due to mu0 against the motion, divided by mu0: -Σ F s·t (mN)
     upward_area: Floats  # vertical component of the friction due to tau0, divided by tau0: Σ A t_z (µm²)
     forward_area: Floats  # component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²)
-    steepness: float  # rms slope of the contact area, weighted by the contact force
+    steepness: Floats  # rms slope of the contact area of each contact, weighted by the contact force; shape (k,)
+    first_patch: NDArray[np.int64]  # index of the first patch of each contact; shape (k,)
 
-    @property
+    @classmethod
+    def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
+        """Join the patches of several contacts, in the order of the contacts."""
+        first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
+        joined = {
+            field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)
+        }
+        offsets = np.repeat(first_patch, [part.first_patch.size for part in parts])
+        return cls(**joined | {"first_patch": joined["first_patch"] + offsets})
+
+    @cached_property
     def opposes_motion(self) -> NDArray[np.bool_]:
         """Mask of the patches that push the upper surface against its motion, with shape (directions, patches)."""
-        return np.asarray(self.leaning > MAX_LEVEL_PATCH_SLOPE * self.steepness * self.force)
+        patch_counts = np.diff(self.first_patch, append=self.force.size)
+        return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
-    def totals(self, sliding: SlidingRule) -> dict[str, Any]:
+    def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
         """Return area (µm²) and normal force (mN) of all patches, and the friction sums of the patches with friction.
 
-        Sums that depend on the direction have the shape (directions,).
+        Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """
         return {
-            "contact_area": float(self.area.sum()),
-            "normal_elastic": float(self.force.sum()),
+            "contact_area": self._total(self.area),
+            "normal_elastic": self._total(self.force),
             **dict(zip(DIRECTED_TOTALS, self.directed_totals(sliding), strict=True)),
         }
 
-    def directed_totals(self, sliding: SlidingRule) -> Floats:
-        """Return the sums of `DIRECTED_TOTALS` over the patches with friction, with shape (5, directions)."""
-        contributes = True if sliding == "all" else self.opposes_motion
-        sums = np.stack([self.leaning, self.upward, self.forward, self.upward_area, self.forward_area])
-        return np.asarray(sums.sum(axis=-1, where=contributes))
+    def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
+        """Return the five sums of `DIRECTED_TOTALS` over the patches with friction, with shape (directions, k)."""
+        sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
+        if sliding == "all":
+            return [self._total(values) for values in sums]
+        return [self._total(np.where(self.opposes_motion, values, 0.0)) for values in sums]
+
+    def _total(self, values: Floats) -> Floats:
+        """Sum values of patches over the patches of each contact."""
+        return np.asarray(np.add.reduceat(values, self.first_patch, axis=-1))
 
 
 DIRECTED_TOTALS = (
@@ -87,9 +106,19 @@ DIRECTED_TOTALS = (
 """Names of the force and area sums that depend on the direction of motion."""
 
 
+ContactArrays = tuple[NDArray[np.int64], Floats, Floats, NDArray[np.int32]]
+"""Grid index, pressure (GPa), contact fraction and patch number of each point of a contact."""
+
+
 def patch_sums(
-    force: Floats, area: Floats, slope: list[Floats], patch: NDArray[np.int32], directions: Floats
+    contacts: Sequence[ContactArrays], slopes: list[Floats], cell_area: float, directions: Floats
 ) -> PatchSums:
-    """Return the friction sums of each patch from forces (mN), areas (µm²), slopes and m directions of motion."""
-    slope_y = slope[0] if len(slope) == 2 else None
-    return PatchSums(**_core.patch_sums(force, area, slope_y, slope[-1], patch, list(directions)))
+    """Return the friction sums of each patch of k contacts for m directions of motion.
+
+    `slopes` has the slopes of the deformed interface at all grid points, along y and x or, for profiles, along x.
+    `cell_area` is the area of a grid cell (µm²), and directions are unit vectors of shape (m, 2).
+    """
+    slope_y = slopes[0] if len(slopes) == 2 else None
+    return PatchSums(
+        **_core.patch_sums(list(contacts), slope_y, slopes[-1], cell_area=cell_area, directions=list(directions))
+    )

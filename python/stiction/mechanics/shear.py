@@ -349,10 +349,11 @@ class ShearBox:
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
-        slopes = [slope.ravel()[solution.points] for slope in self._interface_slopes(offset, curve.tilt[0])]
+        slopes = [slope.ravel() for slope in self._interface_slopes(offset, curve.tilt[0])]
         forces, areas = solution.values * problem.cell_area, solution.share * problem.cell_area
         is_at_edge = np.isfinite(self._find_edges(offset)).ravel()[solution.points]
-        sums = patch_sums(forces, areas, slopes, solution.patch, ContactModel(direction=self.direction).directions())
+        directions = ContactModel(direction=self.direction).directions()
+        sums = patch_sums([solution.arrays], slopes, problem.cell_area, directions)
         return {
             **{name: float(np.squeeze(total)) for name, total in sums.totals("all").items() if name in LOAD_SUM_NAMES},
             "contact_area": float(areas.sum()),

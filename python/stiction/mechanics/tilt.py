@@ -126,7 +126,7 @@ def solve_with_balanced_tilt(
 
     for load in loads.tolist():
         result = record.run_step(partial(solve_load, load), NoSolutionError)
-        contact_solutions.append(from_step_result(problem, result))
+        contact_solutions += from_step_result(problem, result)
     return contact_solutions
 
 

@@ -42,8 +42,8 @@ from stiction.solve.contact_statistics import (
     QUANTILE_PROBABILITIES,
     ContactList,
     PairSlopes,
+    compute_patch_statistics,
     compute_steep_contact_load_fraction,
-    compute_steep_point_load_fraction,
     tabulate_asperity_contacts,
     tabulate_contact_patches,
 )
@@ -194,13 +194,9 @@ def _solve_half_space(
                 curve.unloading_closure_stiffness * STIFFNESS_PER_AREA_FACTOR
             )
         values["error"][load_indices] = curve.error
-        for index, load in enumerate(load_indices):
-            load_solution = curve.at(index)
-            for name, value in (
-                tabulate_contact_patches(load_solution).compute_statistics()
-                | compute_steep_point_load_fraction(load_solution, slopes)
-            ).items():
-                values[name][load] = value
+        statistics = compute_patch_statistics([curve.at(index) for index in range(load_indices.size)], slopes)
+        for name, numbers in statistics.items():
+            values[name][load_indices] = numbers
     if contact.adheres:
         solution_at_no_load = solve_at_zero_load(solve)
         if solution_at_no_load is not None:

@@ -1,0 +1,53 @@
+// Half-space contacts at successive loads or approaches, and the elastic responses of their contact points.
+#pragma once
+
+#include "stiction/half_space.hpp"
+#include "stiction/patches.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace stiction {
+
+/// Half-space contact at one load: points under pressure with their patches, and the numbers of HalfSpaceSolution.
+struct HalfSpaceContact {
+  Patches patches;
+  double approach = 0.0;        ///< [µm]
+  double error = 0.0;           ///< relative error
+  std::int64_t iterations = 0;  ///< number of iterations on the finest grid
+};
+
+/// Quantity that is given at each step of `solve_contacts`.
+enum class StepQuantity {
+  mean_pressure,  ///< mean pressure on the grid [GPa]
+  approach        ///< [µm]
+};
+
+/// Progress callback with the index of the step, the iteration number and the error.
+using StepProgress = std::function<void(std::size_t, std::int64_t, double)>;
+
+/// Solve the contact at each step, starting from the pressures at the step before it.
+/// `near` may be the pressures before the first step. The hardness [GPa] may be infinite; see `patches_of`.
+/// The last contact is the first whose error exceeds the tolerance of the solver, if there is such a contact.
+std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, StepQuantity quantity, Values steps,
+                                             Values near, double hardness, const ThreadPool& pool = ThreadPool(),
+                                             const StepProgress& progress = {});
+
+/// Elastic response of fixed contact points to pressures that displace all of these points equally.
+/// The sum of the pressures is 1.
+struct FixedContactResponse {
+  double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact
+  double weighted_displacement = 0.0;  ///< Σ pressure · uniform-pressure displacement [µm/GPa]
+};
+
+/// Compute the elastic response of each contact, given by the indices of its points.
+/// `uniform_displacement` is the displacement of each grid point under a pressure of 1 GPa on all grid points.
+/// Throws std::invalid_argument in the same cases as `linear_response`, and if a point is not on the grid.
+std::vector<FixedContactResponse> fixed_contact_responses(const HalfSpaceGrids& grids,
+                                                          std::span<const std::span<const std::int64_t>> contacts,
+                                                          Values uniform_displacement,
+                                                          const ThreadPool& pool = ThreadPool());
+
+}  // namespace stiction
