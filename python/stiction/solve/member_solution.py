@@ -637,8 +637,9 @@ def _solve_measured_member(
     is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)
+    bodies = load_bodies(study)
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
-        member = load_bodies(study).member(index, float(wavelength))
+        member = bodies.member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}
         yield (
             cell_index,

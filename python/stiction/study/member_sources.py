@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Protocol
 
 import numpy as np
 
+from stiction._caching import cached_property
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import MAX_STORED_VALUE
 from stiction.study.measured_bodies import BodyPair, MeasuredBody
@@ -105,6 +107,9 @@ class MemberSource(Protocol):
         """Return the bodies, the area and the grid that all members have in common."""
 
 
+MAX_CACHED_LINE_PAIRS = 4  # maximum number of levelled and resampled pairs of lines that are kept
+
+
 @dataclass(frozen=True, eq=False)
 class LineMemberSource:
     """Source of members that are pairs of profiles, or pairs of lines of height maps."""
@@ -125,7 +130,7 @@ class LineMemberSource:
             raise ValueError(
                 f"the surfaces have {max_pair_count} pairs of lines, but member {index} needs pair {line + 1}"
             )
-        slider, counterface = pairs.pair(line)
+        slider, counterface = self._get_pair(line)
         max_steps = len(counterface) - len(slider)
         if self.positions is not None:
             if offset_index >= num_offsets:
@@ -145,6 +150,11 @@ class LineMemberSource:
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
+
+    @cached_property
+    def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
+        """Function that returns a pair of lines, with a cache, because several members press the same lines."""
+        return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
         """Return the member in which the slider starts `steps` points after the start of the counterface."""
