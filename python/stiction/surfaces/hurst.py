@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from stiction._checks import Floats, check_bool, validate_number
@@ -59,17 +60,7 @@ class PowerLawFit:
         self._log_q = log_q - self._mean_log_q
         self._max_power = float(power.max())
         self._power = fraction * power / self._max_power
-        self.exponent = 0.0
-        # Newton's method converges, because the loss is a convex log-sum-exp function.
-        for _ in range(_NUM_NEWTON_STEPS):
-            scaled_power = self._power * np.exp(self.exponent * self._log_q)
-            scaled_power /= scaled_power.sum()
-            # Use sums instead of BLAS dot products, whose round-off depends on the number of threads.
-            gradient = float((scaled_power * self._log_q).sum())
-            step = gradient / float((scaled_power * (self._log_q - gradient) ** 2).sum())
-            self.exponent -= min(max(step, -2.0), 2.0)
-            if abs(step) < 1e-10:
-                break
+        self.exponent = float(_fit_exponents(self._log_q[np.newaxis], self._power[np.newaxis])[0])
         self.min_loss = self.loss(self.exponent)
 
     def _log_power_at_mean_q(self, exponent: float) -> float:
@@ -100,6 +91,41 @@ class PowerLawFit:
                 )
             interval_ends.append(self.exponent + sign * outer_offset)
         return interval_ends[0], interval_ends[1]
+
+
+def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
+    """Return the exponent s of the power law P ∝ q^-s for each row of weighted powers."""
+    exponents = np.zeros(len(power))
+    rows = np.arange(len(power))  # rows whose exponents have not converged yet
+    # Newton's method converges, because the loss is a convex log-sum-exp function.
+    for _ in range(_NUM_NEWTON_STEPS):
+        scaled_power = power * np.exp(exponents[rows, np.newaxis] * log_q)
+        scaled_power /= scaled_power.sum(axis=-1, keepdims=True)
+        # Use sums instead of BLAS dot products, whose round-off depends on the number of threads.
+        gradient = (scaled_power * log_q).sum(axis=-1, keepdims=True)
+        step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
+        exponents[rows] -= np.clip(step, -2.0, 2.0)
+        is_open = np.abs(step) >= 1e-10
+        if not is_open.any():
+            break
+        if not is_open.all():
+            rows, power, log_q = rows[is_open], power[is_open], log_q[is_open]
+    return exponents
+
+
+def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
+    """Return the exponents and smallest losses of a `PowerLawFit` to each row of the arguments.
+
+    This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
+    """
+    total_weight = weight.sum(axis=-1, keepdims=True)
+    fraction = weight / total_weight
+    centred_log_q = log_q - (fraction * log_q).sum(axis=-1, keepdims=True)
+    max_power = power.max(axis=-1, keepdims=True)
+    scaled_power = fraction * power / max_power
+    exponents = _fit_exponents(centred_log_q, scaled_power)
+    sums = (scaled_power * np.exp(exponents[:, np.newaxis] * centred_log_q)).sum(axis=-1)
+    return exponents, total_weight[:, 0] * (np.log(sums) + np.log(max_power[:, 0]))
 
 
 @dataclass(frozen=True, repr=False)
@@ -291,12 +317,12 @@ def estimate_hurst_exponent(
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
     if piece_bins is not None:  # add the uncertainty of the roll-off wavelength to the interval of the Hurst exponent
-        roll_off_fits = _fit_roll_offs(piece_bins, piece_bins.count / (variance_factor * dispersion))
-        max_loss = min(roll_off_fit.min_loss for roll_off_fit in roll_off_fits) + _CHI_SQUARED_95 / 2
+        piece_weight = piece_bins.count / (variance_factor * dispersion)
+        log_q_rows, losses = _fit_roll_offs(piece_bins, piece_weight)
+        max_loss = float(losses.min()) + _CHI_SQUARED_95 / 2
         intervals = [
-            roll_off_fit.exponent_interval(max_loss)
-            for roll_off_fit in roll_off_fits
-            if roll_off_fit.min_loss < max_loss
+            PowerLawFit(log_q_row, piece_bins.power, piece_weight).exponent_interval(max_loss)
+            for log_q_row in log_q_rows[losses < max_loss]
         ]
         lower = min([lower, *(interval[0] for interval in intervals)])
         upper = max([upper, *(interval[1] for interval in intervals)])
@@ -392,10 +418,10 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
                 if start == 0:  # start the band after a roll-off that has too few bins for its own power law
-                    roll_off_losses = [law.min_loss for law in _fit_roll_offs(bins.slice_bins(0, end), weight[:end])]
+                    _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end), weight[:end])
                     start = (
                         int(np.argmin(roll_off_losses))
-                        if min(roll_off_losses) < roll_off_losses[0] - _ROLL_OFF_PENALTY
+                        if roll_off_losses.min() < roll_off_losses[0] - _ROLL_OFF_PENALTY
                         else 0
                     )
                 else:
@@ -427,10 +453,15 @@ def _remove_noisy_end(
     return slice(selection.start, end), piece.slice_bins(0, int(np.searchsorted(piece.log_q, max_log_q, side="right")))
 
 
-def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> list[PowerLawFit]:
-    """Fit a power law with a flat roll-off that ends in each possible bin. An end in bin 0 means no roll-off."""
-    first_bins = range(max(1, bins.log_q.size - _MIN_PIECE_BINS))
-    return [PowerLawFit(np.maximum(bins.log_q, bins.log_q[first_bin]), bins.power, weight) for first_bin in first_bins]
+def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
+    """Fit a power law with a flat roll-off that ends in each possible bin. An end in bin 0 means no roll-off.
+
+    Returns the log wave numbers of each fit, in which those of the roll-off equal its end, and the smallest losses.
+    """
+    num_rows = max(1, bins.log_q.size - _MIN_PIECE_BINS)
+    log_q_rows = np.maximum(bins.log_q, bins.log_q[:num_rows, np.newaxis])
+    power, weight = (np.broadcast_to(each, log_q_rows.shape) for each in (bins.power, weight))
+    return log_q_rows, _fit_power_laws(log_q_rows, power, weight)[1]
 
 
 def _fit_spectrum_pieces(
@@ -438,11 +469,12 @@ def _fit_spectrum_pieces(
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Fit a power law to every range of bins in a spectrum. Returns first bins, end bins, exponents and losses."""
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
-    fits = [
-        PowerLawFit(bins.log_q[start:end], bins.power[start:end], weight[start:end])
-        for start, end in zip(starts, piece_ends, strict=True)
-    ]
-    return starts, piece_ends, np.array([fit.exponent for fit in fits]), np.array([fit.min_loss for fit in fits])
+    exponents, losses = np.empty(starts.size), np.empty(starts.size)
+    for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
+        pieces = piece_ends - starts == size  # in the order of their starts, as the rows of the windows
+        rows = (sliding_window_view(each, size) for each in (bins.log_q, bins.power, weight))
+        exponents[pieces], losses[pieces] = _fit_power_laws(*rows)
+    return starts, piece_ends, exponents, losses
 
 
 def _select_spectrum_pieces(
