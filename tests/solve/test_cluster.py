@@ -18,7 +18,7 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 STUDY = Study().with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 3},
-        "surfaces.points": 20_000,
+        "surfaces.points": 5_000,
         "surfaces.extent": "5 um",
         "contact.approach.count": 5,
         "ensemble.repetitions": 40,

@@ -11,6 +11,8 @@ import time
 
 import pytest
 from stiction import Study, run
+from stiction.solve import executors
+from stiction.views.figures import draw_figures
 from stiction.views.report import save_report
 
 pytestmark = pytest.mark.skipif(
@@ -124,24 +126,28 @@ def test_interrupt_ends_the_forked_process_without_a_message():
     assert run_script(script) == ["interrupted", "True"]
 
 
-def test_report_evaluated_in_a_forked_process_equals_one_evaluated_in_one_process(tmp_path):
-    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    result = run(Study.named("quick").with_changes(small), store=tmp_path / "small")
+@pytest.fixture(scope="module")
+def stored_result(tmp_path_factory):
+    """Return a stored result of a few members with two figures."""
+    changes = {
+        "surfaces.fractal_dimension.count": 3, "surfaces.points": 3000, "friction.mu0": [0.4],
+        "ensemble.repetitions": 2,
+    }  # fmt: skip
+    return run(Study.named("quick").with_changes(changes), store=tmp_path_factory.mktemp("stored") / "small")
+
+
+def test_report_evaluated_in_a_forked_process_equals_one_evaluated_in_one_process(stored_result, tmp_path):
     script = f"""
         from stiction.cli import main
-        sys.argv = ["stiction", "report", {str(tmp_path / "small")!r}, "-o", {str(tmp_path / "copy.html")!r}]
+        sys.argv = ["stiction", "report", {str(stored_result.path)!r}, "-o", {str(tmp_path / "copy.html")!r}]
         main()
     """
     run_script(script)
-    save_report(result, tmp_path / "one.html", name="small")
+    save_report(stored_result, tmp_path / "one.html", name="small")
     assert (tmp_path / "copy.html").read_bytes() == (tmp_path / "one.html").read_bytes()
 
 
-def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(tmp_path):
-    run(
-        Study.named("quick").with_changes({"ensemble.repetitions": 2, "surfaces.points": 3000}),
-        store=tmp_path / "small",
-    )
+def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(stored_result):
     script = f"""
         from stiction import open_result
         from stiction.views.report import pictures, result
@@ -151,7 +157,7 @@ def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(t
             return value
         result._compose_content = lambda *arguments: print_process_number("numbers", compose_content(*arguments))
         pictures.draw_panels = lambda data: print_process_number("figures", {{True: "", False: ""}})
-        result.report_page(open_result({str(tmp_path / "small")!r}))
+        result.report_page(open_result({str(stored_result.path)!r}))
     """
     words = run_script(script)
     assert {(name, is_original) for name, is_original in zip(words[::3], words[1::3], strict=True)} == {
@@ -160,21 +166,26 @@ def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(t
     assert len(set(words[2::3])) == 2
 
 
-def test_figures_drawn_by_two_processes_equal_figures_drawn_by_one_process(tmp_path):
-    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-    run(Study.named("quick").with_changes(small), store=tmp_path / "small")
-    for directory, preparation in (("two", "pass"), ("one", "os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])")):
-        (tmp_path / directory).mkdir()
-        script = f"""
-            from stiction import open_result
-            from stiction.views.figures import draw_figures
-            {preparation}
-            result = open_result({str(tmp_path / "small")!r})
-            paths = draw_figures(result, {str(tmp_path / directory)!r}, formats=["svg"])
-            print(*[path.name for path in paths], sum(os.times()[2:4]) > 0)
-        """
-        *names, used_copy = run_script(script)
-        assert used_copy == str(directory == "two")
-    assert len(names) > 1
+def test_figures_drawn_by_two_processes_equal_figures_drawn_by_one_process(stored_result, tmp_path, monkeypatch):
+    (tmp_path / "two").mkdir()
+    script = f"""
+        from stiction import open_result
+        from stiction.views.figures import draw_figures
+        result = open_result({str(stored_result.path)!r})
+        paths = draw_figures(result, {str(tmp_path / "two")!r}, formats=["svg"])
+        print(*[path.name for path in paths], sum(os.times()[2:4]) > 0)
+    """
+    *names, used_copy = run_script(script)
+    assert used_copy == "True"
+
+    def fail(*_):
+        raise AssertionError("a process was started")
+
+    (tmp_path / "one").mkdir()
+    monkeypatch.setattr(executors, "num_usable_cores", lambda: 1)
+    monkeypatch.setattr(executors, "_start_without_interrupts", fail)
+    paths = draw_figures(stored_result, tmp_path / "one", formats=["svg"])
+    assert [path.name for path in paths] == names
+    assert len(names) == 2
     for name in names:
         assert (tmp_path / "two" / name).read_bytes() == (tmp_path / "one" / name).read_bytes()
