@@ -49,6 +49,8 @@ def main() -> None:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(status)
+    # At the exit, Python would search all objects of the imported libraries for unused cycles, which takes 0.2 s.
+    gc.freeze()
     sys.exit(status)
 
 
