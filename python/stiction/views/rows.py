@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from stiction.study.study import Study
+
 
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # columns of a CSV file that identify a row
 
@@ -127,14 +129,14 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         status = broadcast_to_rows(dataset.variables["contact_status"])
         is_missing = (status == STATUS_OK) & ~np.isfinite(columns["value"])
         columns["status"] = np.where(is_missing, "no-mean", status)
-    elif "status" in dataset and set(dataset["status"].dims) <= set(dims):
+    elif "status" in dataset and set(dataset.variables["status"].dims) <= set(dims):
         columns["status"] = broadcast_to_rows(dataset.variables["status"])
     else:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
         # A single sliding rule or direction, which is a scalar coordinate, becomes a column too.
-        is_scalar = coordinate in dataset.coords and not dataset.coords[coordinate].ndim
+        is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
     return pandas.DataFrame(columns)
@@ -154,13 +156,13 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     import pandas
 
     dataset, study = summary.at, summary.study
-    rows = values_frame(dataset)
-    coordinate_names = [name for name in _POINT_COORDINATES if name in rows]
+    coordinate_names: list[str] = []
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
             continue  # with a single direction, its coefficients equal the means over all directions
-        selected_rows = rows[rows["name"] == name]
+        selected_rows = _quantity_rows(dataset, name)
+        coordinate_names = coordinate_names or [each for each in _POINT_COORDINATES if each in selected_rows]
         motion_column = (
             selected_rows[motion_label].map(_DIRECTION_LABEL_FORMATTERS[motion_label])
             if motion_label in dataset[name].dims
@@ -179,16 +181,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     mean_titles = estimate_column_titles(f"{title}, interval of the mean")
     interval_titles = {titles[end]: mean_titles[end] for end in ("lower", "upper")}
     table = table.rename(columns=mean_titles | {"value": title})
-    for name in _csv_quantities(dataset):
-        selected_rows = rows[rows["name"] == name]
-        keys_of_quantity = [
-            key for key in (*coordinate_names, "sliding") if key in selected_rows and selected_rows[key].notna().all()
-        ]
-        label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
-        columns = estimate_column_titles(label, selected_rows["unit"].iloc[0])
-        table = table.merge(
-            selected_rows[[*keys_of_quantity, *columns]].rename(columns=columns), on=keys_of_quantity, how="left"
-        )
+    table = _merge_quantities(table, dataset, study, (*coordinate_names, "sliding"))
     coefficients = _build_coefficient_columns(summary.points)
     assessments = _assessment_table(summary.points, coordinate_names, coefficients)
     table = table.merge(assessments, on=[*coordinate_names, "sliding"], how="left")
@@ -202,6 +195,37 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
         columns={key: column_title_and_factor(key)[0] for key in coordinate_names}
         | {"motion": "upper body to (degree)"}
     )
+
+
+def _merge_quantities(
+    table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
+) -> pandas.DataFrame:
+    """Add columns for the quantities of a CSV file to a table of coefficients.
+
+    `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
+    same rows are added in one step, because each step takes several milliseconds.
+    """
+    titles = [str(name) for name in table]
+    tables_by_keys: dict[tuple[str, ...], list[pandas.DataFrame]] = {}
+    for name in _csv_quantities(dataset):
+        rows = _quantity_rows(dataset, name)
+        quantity_keys = tuple(key for key in keys if key in rows and rows[key].notna().all())
+        label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
+        columns = estimate_column_titles(label, rows["unit"].iloc[0])
+        titles += columns.values()
+        quantity_table = rows[[*quantity_keys, *columns]].rename(columns=columns)
+        tables = tables_by_keys.setdefault(quantity_keys, [])
+        key_columns = quantity_table[[*quantity_keys]]
+        for position, other_table in enumerate(tables):
+            if key_columns.equals(other_table[[*quantity_keys]]):
+                tables[position] = other_table.assign(**quantity_table[list(columns.values())])
+                break
+        else:
+            tables.append(quantity_table)
+    for quantity_keys, tables in tables_by_keys.items():
+        for quantity_table in tables:
+            table = table.merge(quantity_table, on=[*quantity_keys], how="left")
+    return table[titles]
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
