@@ -1,5 +1,6 @@
 #include "stiction/areal.hpp"
 #include "stiction/bicubic.hpp"
+#include "stiction/periodic_slopes.hpp"
 
 #include "arrays.hpp"
 #include "cancellation.hpp"
@@ -29,6 +30,25 @@ std::vector<Vector2> to_directions(const Array& array) {
     directions.emplace_back(rows(i, 0), rows(i, 1));
   }
   return directions;
+}
+
+// Return the slopes (dz/dy, dz/dx) that `compute` writes for a map.
+template <class Compute>
+std::array<py::array_t<double>, 2> compute_slopes(const Compute& compute, const Array& heights,
+                                                  const std::array<double, 2>& spacing) {
+  const Eigen::Map<const Matrix> map = to_map(heights);
+  const std::array<py::ssize_t, 2> shape{map.rows(), map.cols()};
+  std::array<py::array_t<double>, 2> slopes{py::array_t<double>(shape), py::array_t<double>(shape)};
+  const auto to_output = [&](std::size_t axis) {
+    return Eigen::Map<Matrix>(slopes[axis].mutable_data(), map.rows(), map.cols());
+  };
+  auto slopes_y = to_output(0);
+  auto slopes_x = to_output(1);
+  {
+    const py::gil_scoped_release release;
+    compute(map, Vector2(spacing[1], spacing[0]), slopes_x, slopes_y);
+  }
+  return slopes;
 }
 
 Table to_areal_table(const std::vector<ArealSums>& rows) {
@@ -92,22 +112,17 @@ void bind_areal(py::module_& module) {
   module.def(
       "natural_slopes",
       [](const Array& heights, const std::array<double, 2>& spacing) {
-        const Eigen::Map<const Matrix> map = to_map(heights);
-        const std::array<py::ssize_t, 2> shape{map.rows(), map.cols()};
-        std::array<py::array_t<double>, 2> along{py::array_t<double>(shape), py::array_t<double>(shape)};
-        const auto filled = [&](std::size_t axis) {
-          return Eigen::Map<Matrix>(along[axis].mutable_data(), map.rows(), map.cols());
-        };
-        auto slopes_y = filled(0);
-        auto slopes_x = filled(1);
-        {
-          const py::gil_scoped_release release;
-          natural_slopes(map, Vector2(spacing[1], spacing[0]), slopes_x, slopes_y);
-        }
-        return along;
+        return compute_slopes(natural_slopes, heights, spacing);
       },
       py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"),
       "Compute the slopes (dz/dy, dz/dx) of a map from natural cubic splines. `spacing` is (Δy, Δx) [µm].");
+  module.def(
+      "periodic_slopes",
+      [](const Array& heights, const std::array<double, 2>& spacing) {
+        return compute_slopes(periodic_slopes, heights, spacing);
+      },
+      py::arg("heights").noconvert(), py::kw_only(), py::arg("spacing"),
+      "Compute the slopes (dz/dy, dz/dx) of a periodic map from Fourier transforms. `spacing` is (Δy, Δx) [µm].");
   module.def(
       "contacts",
       [](const ArealCandidates& candidates, double approach, const ContactModel& model) {

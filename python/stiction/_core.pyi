@@ -322,6 +322,11 @@ def patches_of(
 ) -> tuple[NDArray[numpy.int64], NDArray[float64], NDArray[float64], NDArray[numpy.int32]]:
     """Return the points under pressure: index, pressure [GPa], contact fraction of the cell, and patch number (from 1)."""
 
+def periodic_slopes(
+    heights: NDArray[float64], *, spacing: typing.Annotated[collections.abc.Sequence[float], "FixedSize(2)"]
+) -> typing.Annotated[list[NDArray[float64]], "FixedSize(2)"]:
+    """Compute the slopes (dz/dy, dz/dx) of a periodic map from Fourier transforms. `spacing` is (Δy, Δx) [µm]."""
+
 @typing.overload
 def press(
     upper: NDArray[float64],

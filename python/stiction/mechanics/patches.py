@@ -23,24 +23,9 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
     """Compute the slopes of heights along each axis: by Fourier transform if periodic, otherwise by natural splines."""
-    if periodic:
-        return [_spectral_slope(heights, axis, step) for axis, step in enumerate(spacing)]
-    heights_2d = np.atleast_2d(heights)
-    slope_y, slope_x = _core.natural_slopes(np.ascontiguousarray(heights_2d), spacing=(spacing[0], spacing[-1]))
+    compute_slopes = _core.periodic_slopes if periodic else _core.natural_slopes
+    slope_y, slope_x = compute_slopes(np.ascontiguousarray(np.atleast_2d(heights)), spacing=(spacing[0], spacing[-1]))
     return [slope_y, slope_x] if heights.ndim == 2 else [slope_x[0]]
-
-
-def _spectral_slope(heights: Floats, axis: int, step: float) -> Floats:
-    import scipy.fft
-
-    n = heights.shape[axis]
-    factor = 2j * np.pi * scipy.fft.rfftfreq(n, step)
-    if n % 2 == 0:
-        factor[-1] = 0.0  # a wave with the Nyquist wave number has no slope at the grid points
-    shape = [1] * heights.ndim
-    shape[axis] = factor.size
-    spectrum = scipy.fft.rfft(heights, axis=axis) * factor.reshape(shape)
-    return np.asarray(scipy.fft.irfft(spectrum, n, axis=axis, overwrite_x=True))
 
 
 @dataclass(frozen=True, eq=False)
