@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import builtins
 import contextlib
 import ctypes
 import logging
 import multiprocessing
+import os
 import re
 import signal
 import sys
@@ -178,13 +180,62 @@ def progress_bar(
 ) -> Iterator[Callable[..., None]]:
     """Show a progress bar, and yield a function that advances it by a number of finished tasks.
 
-    A terminal or a notebook shows a progress bar. Other output receives a line every `PROGRESS_LINE_INTERVAL`.
-    `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded function with 0
-    from time to time to update the display.
+    A terminal or a notebook shows a progress bar after the first call of this function. Other output receives a line
+    every `PROGRESS_LINE_INTERVAL`. `estimate_progress` returns the sum of the finished fractions of all running tasks.
+    Call the yielded function with 0 from time to time to update the display.
     """
     if not enabled:
         yield lambda count=1: None
         return
+    with contextlib.ExitStack() as stack:
+        show: Callable[[float, str], None] | None = None
+        may_show_bar = _may_show_progress_bar()
+        start_time = last_time = time.monotonic()
+        num_finished = finished
+
+        def advance(count: int = 1) -> None:
+            nonlocal num_finished, last_time, show, may_show_bar
+            num_finished += count
+            completed, now = num_finished + estimate_progress(), time.monotonic()
+            # Estimate the remaining time from the mean time of the tasks that this run has finished.
+            left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
+            left_text = format_duration(left) if completed > finished else "-"
+            if show is None and may_show_bar:
+                # Workers compute while this thread imports the package that draws the bar.
+                show = stack.enter_context(_progress_display(label, total, finished))
+                may_show_bar = show is not None
+            if show is not None:
+                show(completed, left_text)
+            elif now - last_time > PROGRESS_LINE_INTERVAL:
+                last_time = now
+                line = (
+                    f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
+                )
+                line += f", about {left_text} left" if completed > finished else ""
+                with contextlib.suppress(OSError):  # writing fails if standard error is closed
+                    print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
+
+        yield advance
+
+
+def _may_show_progress_bar() -> bool:
+    """Return False if standard error is certainly no terminal, and this process no notebook.
+
+    Otherwise `rich` decides, whose import takes 50 ms.
+    """
+    return (
+        (sys.stderr is not None and sys.stderr.isatty())
+        or hasattr(builtins, "get_ipython")
+        or not {"TTY_COMPATIBLE", "FORCE_COLOR"}.isdisjoint(os.environ)
+    )
+
+
+@contextlib.contextmanager
+def _progress_display(label: str, total: int, finished: int) -> Iterator[Callable[[float, str], None] | None]:
+    """Show a progress bar, and yield a function that updates it with the number of finished tasks and the time left.
+
+    Yields None if there is neither a terminal nor a notebook.
+    """
     from importlib.util import find_spec
 
     from rich import progress
@@ -198,32 +249,12 @@ def progress_bar(
     is_notebook = Console().is_jupyter
     # Without ipywidgets, rich would show no progress bar in a notebook, but one line of text at the end.
     console = Console(stderr=True, force_jupyter=None if find_spec("ipywidgets") else False)
-    is_hidden = not (console.is_terminal or is_notebook)
-    with progress.Progress(
-        *columns, console=console, transient=console.is_terminal, disable=is_hidden
-    ) as progress_display:
-        task = progress_display.add_task("", total=total, completed=finished, left="-")
-        start_time = last_time = time.monotonic()
-        num_finished = finished
-
-        def advance(count: int = 1) -> None:
-            nonlocal num_finished, last_time
-            num_finished += count
-            completed, now = num_finished + estimate_progress(), time.monotonic()
-            # Estimate the remaining time from the mean time of the tasks that this run has finished.
-            left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
-            left_text = format_duration(left) if completed > finished else "-"
-            progress_display.update(task, completed=completed, left=left_text)
-            if is_hidden and now - last_time > PROGRESS_LINE_INTERVAL:
-                last_time = now
-                line = (
-                    f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
-                )
-                line += f", about {left_text} left" if completed > finished else ""
-                with contextlib.suppress(OSError):  # writing fails if standard error is closed
-                    print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
-
-        yield advance
+    if not (console.is_terminal or is_notebook):
+        yield None
+        return
+    with progress.Progress(*columns, console=console, transient=console.is_terminal) as display:
+        task = display.add_task("", total=total, completed=finished, left="-")
+        yield lambda completed, left: display.update(task, completed=completed, left=left)
 
 
 class ClusterError(ValueError):

@@ -45,6 +45,7 @@ from stiction.solve.store import (
     StoreError,
     create_or_open_result,
     encode_members,
+    import_dataset_packages,
     is_complete,
     write_block,
 )
@@ -408,6 +409,7 @@ def _submit_member_ranges(
 
     try:
         submit_tasks(max_tasks)
+        import_dataset_packages()
         while pending_members:
             try:
                 future = finished_futures.get(timeout=PROGRESS_INTERVAL)

@@ -783,6 +783,15 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
     return file_image.getvalue()
 
 
+def import_dataset_packages() -> None:
+    """Import the packages that encode blocks, so that the first block need not wait for them.
+
+    The import takes 0.3 s, in which other threads compute.
+    """
+    import h5py  # noqa: F401
+    import xarray.conventions  # noqa: F401
+
+
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
     """Write a dataset to a netCDF file with the same content as a file that xarray would write.
 
