@@ -22,6 +22,7 @@ from stiction.companions.onset import (
     compute_onset,
     estimate_onset_time,
     format_backbone_csv,
+    import_fit_packages,
     load_stored_onset,
 )
 from stiction.companions.resolution import find_cutoff_study
@@ -244,6 +245,7 @@ def compute_companion_files(
                 announce_time=lambda seconds: (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                     f"cutoff study: about {format_duration(seconds)} of one core"
                 ),
+                meanwhile=(lambda: None) if onset == 0 else import_fit_packages,
             )
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):

@@ -65,6 +65,11 @@ _ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
+def import_fit_packages() -> None:
+    """Import the packages that fit presliding models to the onset, which takes 0.2 s."""
+    import scipy.optimize  # noqa: F401
+
+
 def compute_onset(
     study: Study, executor: Executor, *, members: int | None = None, load: float | None = None
 ) -> xarray.Dataset | None:

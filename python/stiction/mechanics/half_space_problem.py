@@ -643,12 +643,12 @@ def to_step_result(contact_solution: ContactSolution) -> StepResult:
     """Convert a contact at one load to named arrays, from which `from_step_result` restores it."""
     result: StepResult = {name: getattr(contact_solution, name) for name in ("points", "values", "share", "patch")}
     result["num_points"] = np.array([contact_solution.points.size])
-    result |= {name: np.array([getattr(contact_solution, name)]) for name in _STEP_NUMBER_NAMES}
+    result |= {name: np.array([getattr(contact_solution, name)]) for name in _SCALAR_STEP_NAMES}
     problem = contact_solution.problem
     return result | ({"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.turns else {})
 
 
-_STEP_NUMBER_NAMES = ("load", "approach", "error", "iterations")
+_SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
@@ -657,7 +657,7 @@ def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[Cont
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)
     points, values, share, patch = (make_read_only(result[name]) for name in ("points", "values", "share", "patch"))
-    numbers = zip(*(result[name].tolist() for name in _STEP_NUMBER_NAMES), strict=True)
+    numbers = zip(*(result[name].tolist() for name in _SCALAR_STEP_NAMES), strict=True)
     solutions, start = [], 0
     for count, (load, approach, error, iterations) in zip(result["num_points"].tolist(), numbers, strict=True):
         part = slice(start, start := start + count)

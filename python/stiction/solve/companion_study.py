@@ -50,11 +50,13 @@ class CompanionStudy:
         return MemberSums(StoredResult(self.directory, self.study, stored_result.blocks))
 
     def complete(
-        self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None
-    ) -> MemberSums:
+        self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None,
+        meanwhile: Callable[[], object] = lambda: None,
+    ) -> MemberSums:  # fmt: skip
         """Compute the missing members of the companion study, and return its complete result.
 
-        A stored result of another study, for example of another pair, is removed first. Raises the errors of
+        A stored result of another study, for example of another pair, is removed first. `meanwhile` is called once
+        while the workers compute. Raises the errors of
         `compute_missing_blocks`.
         """
         existing_result = open_result_to_complete(self.directory)
@@ -64,4 +66,4 @@ class CompanionStudy:
             stored_result = prepare_result_directory(self.study, self.directory, claim)
             if num_missing := self.study.ensemble.repetitions - stored_result.num_finished:
                 announce_time(num_missing * estimate_member_time(self.study))
-            return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress))
+            return MemberSums(complete_blocks(stored_result, executor=executor, progress=progress, meanwhile=meanwhile))

@@ -149,11 +149,13 @@ def prepare_result_directory(
 def complete_blocks(
     stored_result: StoredResult, *, part: tuple[int, int] | None = None, executor: Executor | None = None,
     progress: bool = False, announce: Callable[[str], None] | None = None, update: Callable[[str], None] | None = None,
+    meanwhile: Callable[[], object] = import_dataset_packages,
 ) -> StoredResult:  # fmt: skip
     """Compute the missing blocks of a stored result, and return the complete result.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
-    was too low. Raises the errors of `compute_missing_blocks`.
+    was too low. `meanwhile` is called once while the workers
+    compute. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
     # After a killed run, a member with a stored block may still have its file of finished steps.
@@ -172,7 +174,9 @@ def complete_blocks(
         )
         if unfinished_members.count:
             stack.enter_context(_add_finished_count_to_errors(stored_result))
-            _compute_blocks(stored_result, unfinished_members, members_in_progress, pool, advance, announce, update)
+            _compute_blocks(
+                stored_result, unfinished_members, members_in_progress, pool, advance, announce, update, meanwhile
+            )
     stored_result = stored_result.reload()
     if _UnfinishedMembers(stored_result, part).count or not (stored_result.path / STUDY_FILE).exists():
         raise StoreError(
@@ -188,7 +192,7 @@ def _create_members_in_progress(study: Study, directory: Path | None) -> Members
 def _compute_blocks(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, members_in_progress: MembersInProgress,
     pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
-    update: Callable[[str], None] | None,
+    update: Callable[[str], None] | None, meanwhile: Callable[[], object],
 ) -> None:  # fmt: skip
     """Compute the missing blocks of a stored result, and write a file for each block.
 
@@ -242,6 +246,7 @@ def _compute_blocks(
             __version__,
             stored_result.study,
             directory,
+            meanwhile=meanwhile,
         )
 
 
@@ -389,10 +394,12 @@ class _UnfinishedMembers:
 def _submit_member_ranges(
     unfinished_members: _UnfinishedMembers, pool: Executor, max_tasks: int, accept: Callable[[range, Any], None],
     advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
+    meanwhile: Callable[[], object] = import_dataset_packages,
 ) -> None:  # fmt: skip
     """Submit a task for each range of missing members to a pool, and pass each result to `accept`.
 
-    While tasks run, `advance` is called with 0, which updates the displayed progress. At most `max_tasks` tasks are
+    `meanwhile` is called after the first tasks are submitted. While tasks run, `advance` is called with 0, which
+    updates the displayed progress. At most `max_tasks` tasks are
     queued at a time. An error cancels the remaining tasks.
     """
     ranges = iter(unfinished_members)
@@ -409,7 +416,7 @@ def _submit_member_ranges(
 
     try:
         submit_tasks(max_tasks)
-        import_dataset_packages()
+        meanwhile()
         while pending_members:
             try:
                 future = finished_futures.get(timeout=PROGRESS_INTERVAL)
