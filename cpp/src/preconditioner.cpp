@@ -17,7 +17,7 @@ constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
 constexpr double max_foundation_change = 0.02;
 // Number of free points per task.
-constexpr std::size_t points_per_task = std::size_t{1} << 16;
+constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
 // Maximum number of partial block sums that are computed in parallel and then added.
 constexpr std::size_t max_tasks = 8;
 
@@ -87,7 +87,7 @@ std::span<const float> Preconditioner::operator()(std::span<const std::int32_t> 
   sum_on_blocks(free_points, loads_, pool);
   solve_blocks(workspace, pool);
   const std::size_t block_columns = blocks_.grid().columns;
-  pool.run_chunks(free_points.size(), points_per_task, [&](std::size_t first, std::size_t last) {
+  pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const auto point = static_cast<std::size_t>(free_points[k]);
       const Interpolation& y = along_y_[point / columns_];
@@ -101,7 +101,7 @@ std::span<const float> Preconditioner::operator()(std::span<const std::int32_t> 
     }
   });
   apply_stencil(free_points, remainder_, pool);
-  pool.run_chunks(free_points.size(), points_per_task, [&](std::size_t first, std::size_t last) {
+  pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       remainder_[static_cast<std::size_t>(free_points[k])] = 0.0F;
     }
@@ -120,7 +120,7 @@ void Preconditioner::update_foundation(std::span<const std::int32_t> free_points
 
 void Preconditioner::apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values,
                                    const ThreadPool& pool) {
-  pool.run_chunks(free_points.size(), points_per_task, [&](std::size_t first, std::size_t last) {
+  pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const auto point = static_cast<std::size_t>(free_points[k]);
       const std::size_t row = point / columns_;
@@ -141,7 +141,7 @@ void Preconditioner::apply_stencil(std::span<const std::int32_t> free_points, st
 void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums,
                                    const ThreadPool& pool) {
   const std::size_t block_columns = blocks_.grid().columns;
-  const std::size_t points_per_sum = std::max(points_per_task, free_points.size() / max_tasks + 1);
+  const std::size_t points_per_sum = std::max(points_per_block_task, free_points.size() / max_tasks + 1);
   task_sums_.resize(std::max<std::size_t>((free_points.size() + points_per_sum - 1) / points_per_sum, 1));
   pool.run(task_sums_.size(), [&](std::size_t task, std::size_t) {
     task_sums_[task].assign(blocks_.grid().size(), 0.0F);

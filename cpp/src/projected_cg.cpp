@@ -28,7 +28,7 @@ constexpr double failure_factor = 0.25;
 // Without a limit, step lengths would grow indefinitely, because steps that reach a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
-constexpr std::size_t lanes = 8;
+constexpr std::size_t grid_sum_lanes = 8;
 // Number of grid points per task in loops over the grid, and number of free points per task in loops over free points.
 constexpr std::size_t grid_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t free_points_per_task = std::size_t{1} << 16;
@@ -75,9 +75,9 @@ struct Moments {
 
 STICTION_MULTIVERSION
 Moments moments(const float* values, std::int32_t first, std::int32_t count) {
-  std::array<double, lanes> sums{};
-  std::array<double, lanes> moments{};
-  constexpr auto width = static_cast<std::int32_t>(lanes);
+  std::array<double, grid_sum_lanes> sums{};
+  std::array<double, grid_sum_lanes> moments{};
+  constexpr auto width = static_cast<std::int32_t>(grid_sum_lanes);
   const std::int32_t whole = count - count % width;
   for (std::int32_t j = 0; j < whole; j += width) {
     for (std::int32_t lane = 0; lane < width; ++lane) {
@@ -102,12 +102,12 @@ struct SplitLoad {
 // Sum the pressures of a block in several partial sums, which allow vectorisation.
 STICTION_MULTIVERSION
 SplitLoad split_load(const double* pressure, const double* bound, std::size_t size) {
-  std::array<double, lanes> between{};
-  std::array<double, lanes> at_bound{};
+  std::array<double, grid_sum_lanes> between{};
+  std::array<double, grid_sum_lanes> at_bound{};
   for (std::size_t i = 0; i < size; ++i) {
     const bool below = pressure[i] < bound[i];
-    between[i % lanes] += below ? pressure[i] : 0.0;
-    at_bound[i % lanes] += below ? 0.0 : pressure[i];
+    between[i % grid_sum_lanes] += below ? pressure[i] : 0.0;
+    at_bound[i % grid_sum_lanes] += below ? 0.0 : pressure[i];
   }
   return {std::accumulate(between.begin(), between.end(), 0.0), std::accumulate(at_bound.begin(), at_bound.end(), 0.0)};
 }
@@ -133,11 +133,11 @@ struct ClippedSum {
 // Subtract a shift from the pressures, clip the pressures to 0 and to their bounds, and return their sum.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
-  std::array<double, lanes> sums{};
-  std::array<double, lanes> between{};
+  std::array<double, grid_sum_lanes> sums{};
+  std::array<double, grid_sum_lanes> between{};
   std::size_t i = 0;
-  for (; i + lanes <= size; i += lanes) {
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
+  for (; i + grid_sum_lanes <= size; i += grid_sum_lanes) {
+    for (std::size_t lane = 0; lane < grid_sum_lanes; ++lane) {
       const double shifted = pressure[i + lane] - shift;
       const double positive = shifted > 0.0 ? shifted : 0.0;
       sums[lane] += positive < bound[i + lane] ? positive : bound[i + lane];
@@ -380,13 +380,13 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
     add_pending_response(first, count);
     if (mark_free(&pressure_[first], &potential_[first], bound, count, approach_, marks.data())) {
       std::size_t count_free = 0;
-      for (std::size_t from = 0; from < count; from += lanes) {
+      for (std::size_t from = 0; from < count; from += grid_sum_lanes) {
         std::uint64_t marked = 0;
         std::memcpy(&marked, &marks[from], sizeof(marked));
         if (marked == 0) {
           continue;
         }
-        for (std::size_t i = from; i < std::min(from + lanes, count); ++i) {
+        for (std::size_t i = from; i < std::min(from + grid_sum_lanes, count); ++i) {
           indices[count_free] = static_cast<std::int32_t>(first + i);
           count_free += marks[i];
         }

@@ -64,18 +64,18 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 // ---- Superposition of unit splines ----------------------------------------------------------------------------------
 
 // Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
-constexpr Index reach = 28;
+constexpr Index kernel_reach = 28;
 // Curvatures are computed in chunks of `chunk` points plus one point on each side, rounded up to multiples of `stride`.
 constexpr Index stride = 32;
 constexpr Index chunk = 254;
 static_assert((chunk + 2) % stride == 0);
 
-using Kernel = std::array<double, reach + 1>;
+using Kernel = std::array<double, kernel_reach + 1>;
 
-// Return the curvatures at distances of 0, 1, ..., `reach` points from a unit load that is far from both ends.
+// Return the curvatures at distances of 0, 1, ..., `kernel_reach` points from a unit load that is far from both ends.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
-    constexpr std::size_t middle = 3 * reach;
+    constexpr std::size_t middle = 3 * kernel_reach;
     std::vector<double> load(2 * middle + 1);
     std::vector<double> curvature(load.size());
     load[middle] = 1.0;
@@ -97,7 +97,7 @@ STICTION_INLINE void superpose_kernel(const double* values, const double* kernel
     for (std::size_t p = 0; p < packs; ++p) {
       sum[p] = kernel[0] * load<Width>(values + i + p * Width);
     }
-    for (std::size_t k = 1; k <= reach; ++k) {
+    for (std::size_t k = 1; k <= kernel_reach; ++k) {
       for (std::size_t p = 0; p < packs; ++p) {
         const double* at = values + i + p * Width;
         sum[p] += kernel[k] * (load<Width>(at - k) + load<Width>(at + k));
@@ -150,14 +150,14 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     }
     return i > last ? -load : load;
   };
-  std::array<double, chunk + 2 + 2 * reach> load;
+  std::array<double, chunk + 2 + 2 * kernel_reach> load;
   std::array<double, chunk + 2> curvatures;  // curvatures at the points of a chunk, starting one point before the chunk
   for (Index done = 0; done < points; done += chunk) {
     const Index count = std::min(chunk, points - done);
     const Index begin = first + done;
     const Index padded = (count + 2 + stride - 1) / stride * stride;
-    const Index load_begin = begin - 1 - reach;
-    const Index load_end = load_begin + padded + 2 * reach;
+    const Index load_begin = begin - 1 - kernel_reach;
+    const Index load_end = load_begin + padded + 2 * kernel_reach;
     const Index inner_begin = std::clamp<Index>(1, load_begin, load_end);
     const Index inner_end = std::clamp<Index>(last, inner_begin, load_end);
     const auto load_slot = [&](Index j) { return load.data() + (j - load_begin); };
@@ -168,7 +168,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     for (Index j = inner_end; j < load_end; ++j) {
       *load_slot(j) = load_at(j);
     }
-    superpose(load.data() + reach, unit_load().data(), static_cast<std::size_t>(padded), curvatures.data());
+    superpose(load.data() + kernel_reach, unit_load().data(), static_cast<std::size_t>(padded), curvatures.data());
 
     std::copy_n(curvatures.data() + 1, count, curvature.data() + done);
     const Index first_inner = begin == 0 ? 1 : 0;  // first point of the chunk with neighbours on both sides
