@@ -146,7 +146,7 @@ def test_interval_of_friction_at_zero_load_agrees_with_independent_samples_of_th
         assert interval == pytest.approx(np.quantile(samples, [0.025, 0.975]), abs=0.03 * np.ptp(interval))
 
 
-def test_friction_at_zero_load_is_zero_if_mu0_and_tau0_are_zero():
+def test_adhesive_friction_at_zero_load_is_zero_if_mu0_and_tau0_are_zero():
     result = run_pair(**ADHESION_OPTIONS | {"mu0": 0, "tau0": 0, "effective_modulus": "60..100 GPa", "load": "2 MPa"})
     friction = result.at()["friction_at_no_load"].sel(sliding="all").values
     assert (friction == 0).all()
@@ -167,7 +167,7 @@ def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result)
         assert point.roughness_contribution is None
 
 
-def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
+def test_result_at_zero_load_states_whether_the_surfaces_adhere(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points
     assert unloaded_point.is_unloaded
@@ -204,7 +204,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_stick(adhesive_result):
         at_load(run_pair().source, [0.0])
 
 
-def test_load_of_zero_is_not_reported_as_outside_the_computed_loads(adhesive_result):
+def test_zero_load_of_an_adhesive_pair_is_not_reported_as_outside_the_computed_loads(adhesive_result):
     values = adhesive_result.at([0.0, 1e3])
     negligible_load = float(values["load"][0])
     assert negligible_load < find_computed_load_range(adhesive_result)[0]
@@ -225,7 +225,7 @@ def test_verbose_text_lists_coefficients_along_the_x_and_y_axes_only_at_loads_ab
     assert "nan" not in text
 
 
-def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reached(adhesive_result):
+def test_loads_between_zero_and_the_lowest_solved_load_have_the_status_not_reached(adhesive_result):
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     loads = two_load_result.study.contact.loading_steps()
     table = at_load(two_load_result.source, np.sqrt(loads[1:] * loads[:-1])).isel(cut_off=0, mu0=0, tau0=0)
@@ -249,14 +249,14 @@ def test_loads_between_zero_and_the_first_solved_load_have_the_status_not_reache
         ((2e-8, np.nan, np.nan), False, "no"),
     ],
 )
-def test_assessment_reports_sticking_bodies_if_the_pull_off_interval_allows_it(pressure, is_bound, sticks):
+def test_assessment_reports_adhering_bodies_if_the_pull_off_interval_allows_adhering(pressure, is_bound, sticks):
     pull_off_values = PullOffValues(
         force=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
     )
     assert pull_off_values.sticking_assessment == sticks
 
 
-def test_work_of_adhesion_given_as_zero_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):
+def test_zero_work_of_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesive_result):
     caveat_text = "would increase"
     default_result, zero_adhesion_result = run_pair(), run_pair(work_of_adhesion="0 mJ/m^2")
     for name in default_result.dataset.data_vars:
@@ -324,7 +324,7 @@ def test_pair_function_rejects_invalid_adhesion_options(changes, pattern):
         run_pair(**changes)
 
 
-def test_adhesion_range_below_grid_limit_adds_a_caveat():
+def test_adhesion_range_that_the_grid_does_not_resolve_adds_a_caveat():
     options = PAIR_OPTIONS | {"effective_modulus": "1.5..2.5 GPa", "load": "2 MPa"}
     with pytest.warns(UserWarning, match="adhesion_range = 0.5 nm is increased to"):
         result = pair(rough_surface("upper", 0.01), rough_surface("lower", 0.01), **options, **ADHESION_OPTIONS)
@@ -335,7 +335,7 @@ def test_adhesion_range_below_grid_limit_adds_a_caveat():
 
 @pytest.mark.soak
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_estimated_effect_of_adhesion_agrees_with_solutions_that_include_adhesion():
+def test_estimated_effect_of_adhesion_agrees_with_adhesive_solutions():
     """Compare estimated and solved effects of adhesion of 60 random pairs near the limit of a caveat."""
     random, misjudged_increases, roughness = (
         np.random.default_rng(7),
@@ -395,7 +395,7 @@ def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path
     )
 
 
-def test_stiffness_interval_between_loads_with_adhesion_contains_a_direct_solution():
+def test_stiffness_interval_between_adhesive_loads_contains_the_direct_solution():
     """Check this because adhesive contacts are stiff without a load, so the stiffness is not proportional to it."""
     loads = ["2 MPa", "6 MPa"]
     result = run_pair(load=loads, **ADHESION_OPTIONS)

@@ -34,7 +34,7 @@ def mean_value(result, name, **inputs):
     return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
 
 
-def test_area_loss_reduces_the_contribution_of_tau0():
+def test_area_loss_under_shear_reduces_the_contribution_of_tau0():
     before, after = press_with_loss(0), press_with_loss(0.2)
     mu0_part = mean_value(before, "mean_friction", tau0=[0.0])
     parts = [mean_value(result, "mean_friction") - mu0_part for result in (before, after)]
@@ -90,7 +90,7 @@ def test_budget_has_a_row_for_the_area_loss_and_the_text_states_its_range():
     assert "elastomer, area loss under shear 0..0.3" in inputs_text(result.summary().first)
 
 
-def test_percentiles_of_single_tests_include_the_area_loss():
+def test_percentiles_of_a_single_test_include_the_uncertainty_of_the_area_loss():
     widths = []
     for area_loss in (0.15, "0..0.3"):
         percentiles = press_with_loss(area_loss).at()["friction_percentiles"].sel(sliding="all").values.ravel()
@@ -98,7 +98,7 @@ def test_percentiles_of_single_tests_include_the_area_loss():
     assert widths[1] > 1.2 * widths[0]
 
 
-def test_friction_without_load_includes_the_area_loss():
+def test_friction_at_zero_load_includes_the_area_loss():
     options = {
         "work_of_adhesion": "0.1 mJ/m^2",
         "adhesion_range": "5 nm",
@@ -120,7 +120,7 @@ def test_friction_without_load_includes_the_area_loss():
     assert widths[1] > widths[0]
 
 
-def test_soft_bodies_in_a_study_without_an_area_loss_have_a_caveat():
+def test_soft_bodies_add_a_caveat_if_their_study_has_no_area_loss():
     result = press_with_loss(0)
     study = result.study.with_changes({"contact.area_loss": None})
     texts, texts_with_loss = (

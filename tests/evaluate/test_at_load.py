@@ -101,7 +101,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
-def test_relative_effect_of_the_load_definition_is_finite_at_zero_friction(areal_study_and_dataset):
+def test_relative_effect_of_the_load_definition_is_finite_if_friction_is_zero(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])
     assert abs(table["mean_friction"].sel(sliding="all", mu0=0.0, statistic="mean").item()) < 1e-12
@@ -182,7 +182,7 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
 
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-def test_results_of_measured_and_generated_surfaces_contain_every_ratio_of_quantities(
+def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_surfaces(
     areal_study_and_dataset, profile_study_and_dataset
 ):
     measured = {
@@ -203,21 +203,21 @@ def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
     )
 
 
-def test_mean_pressure_of_an_ensemble_has_three_digits_in_tables_and_in_caveats():
+def test_mean_pressure_has_three_digits_in_tables_and_caveats():
     point = run_generated_study("yielding").summary().points[0]
     (table,) = quantities_paragraph([point])
     (text,) = (row[1] for row in table.rows if row[0].startswith("mean pressure"))
     assert text == f"{1e3 * point.mean_pressure:.3g}"
 
 
-def test_ensembles_of_asperities_have_a_caveat_about_overlapping_contacts():
+def test_overlapping_contacts_of_the_asperity_model_add_a_caveat():
     result = run_generated_study("asperities")
     ratio = result.at()["share_overlapping"]
     assert 0 <= float(ratio.min()) < float(ratio.max()) <= 1
     assert "share_overlapping" in {each.name for point in result.summary().points for each in point.caveats}
 
 
-def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(areal_study_and_dataset):
+def test_evaluating_selected_quantities_gives_the_values_of_a_complete_evaluation(areal_study_and_dataset):
     study, result = areal_study_and_dataset
     loads = study.contact.loading_steps()[1:3]
     complete_table = at_load(result, loads, mu0=[0.1, 0.4], tau0=[0.0, 0.02])
@@ -231,7 +231,7 @@ def test_selected_quantities_at_a_load_equal_those_of_a_complete_evaluation(area
         assert selected_table[name].equals(complete_table[name]), name
 
 
-def test_stiffnesses_per_area_have_the_same_unit(areal_study_and_dataset):
+def test_stiffnesses_per_nominal_area_have_equal_units(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     values = at_load(dataset, dataset["load"].values[:2]).squeeze()
     stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # conversion from GPa/µm to MPa/mm
@@ -315,7 +315,7 @@ def test_tangential_stiffness_per_area_equals_stiffness_of_the_onset_without_ben
         assert stiffness == pytest.approx(1e6 / np.mean(compliances), rel=0.01)
 
 
-def test_tangential_stiffness_equals_normal_stiffness_for_grooves_and_mindlin_stiffness_for_spheres(
+def test_tangential_stiffness_agrees_with_closed_forms_for_grooves_and_spheres(
     areal_study_and_dataset, profile_study_and_dataset, tmp_path
 ):
     _, spheres = profile_study_and_dataset
@@ -329,7 +329,7 @@ def test_tangential_stiffness_equals_normal_stiffness_for_grooves_and_mindlin_st
     )
 
 
-def test_intervals_of_generated_results_are_computed_after_averaging_directions():
+def test_interval_for_generated_surfaces_is_that_of_averages_over_directions():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
         "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
@@ -346,7 +346,7 @@ def test_intervals_of_generated_results_are_computed_after_averaging_directions(
             np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
 
 
-def test_intervals_of_measured_results_are_computed_after_averaging_directions(areal_study_and_dataset):
+def test_interval_for_measured_surfaces_is_that_of_averages_over_directions(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
@@ -366,14 +366,14 @@ def test_intervals_of_measured_results_are_computed_after_averaging_directions(a
     assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
-def test_axis_of_motion_requires_two_opposite_directions():
+def test_mean_along_an_axis_requires_results_in_two_opposite_directions():
     axes, indices = find_axes_with_both_directions(np.array([30.0, 0.0, 210.0, 90.0, 180.0]))
     assert axes.tolist() == [0.0, 30.0]
     assert indices.tolist() == [[1, 4], [0, 2]]
     assert find_axes_with_both_directions(np.array([0.0, 45.0]))[0].size == 0
 
 
-def test_unreached_loads_have_the_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
+def test_load_that_no_pair_reaches_has_the_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
     for _, result in (areal_study_and_dataset, profile_study_and_dataset):
         highest = float(result["load"][-1])
         table = at_load(result, [2 * highest])
@@ -412,7 +412,7 @@ def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal
     np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
 
-def test_load_between_distant_load_steps_has_the_status_not_reached():
+def test_load_between_load_steps_far_apart_has_the_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
     crossing = intervals.LoadCrossings.from_curves(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]
@@ -482,7 +482,7 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
     return rows
 
 
-def test_interval_between_computed_loads_contains_the_solution_for_few_contacts():
+def test_interval_between_computed_loads_contains_the_direct_solution_if_contacts_are_few():
     rows = [
         row
         for seed in range(6)
@@ -495,7 +495,7 @@ def test_interval_between_computed_loads_contains_the_solution_for_few_contacts(
     assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
 
 
-def test_interval_between_computed_loads_is_narrow_for_many_contacts():
+def test_interval_between_computed_loads_is_narrow_if_contacts_are_many():
     rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
     widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
     assert widening.max() < MAX_INTERVAL_WIDTH_RATIO
@@ -504,7 +504,7 @@ def test_interval_between_computed_loads_is_narrow_for_many_contacts():
     assert max(friction_errors) < 0.05
 
 
-def test_value_at_a_computed_load_is_unchanged_if_other_loads_are_interpolated(areal_study_and_dataset):
+def test_value_at_a_computed_load_does_not_depend_on_interpolated_loads(areal_study_and_dataset):
     study, result = areal_study_and_dataset
     load = study.contact.loading_steps()[:1]
     both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
@@ -539,7 +539,7 @@ def test_uncertainty_budget_is_computed_only_for_the_quoted_sliding_rule(areal_s
     assert np.isnan(table["remaining_width"].sel(sliding="opposing")).all()
 
 
-def test_evaluation_computes_every_quantity_that_is_shown_to_users():
+def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
@@ -549,7 +549,7 @@ def test_evaluation_computes_every_quantity_that_is_shown_to_users():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
 
 
-def test_limit_on_the_number_of_budgets_does_not_apply_to_loads_of_the_study(areal_study_and_dataset, monkeypatch):
+def test_maximum_number_of_uncertainty_budgets_does_not_limit_loads_of_the_study(areal_study_and_dataset, monkeypatch):
     study, dataset = areal_study_and_dataset
     other, *study_loads = study.contact.loading_steps()[:3].tolist()
     changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}
@@ -560,7 +560,7 @@ def test_limit_on_the_number_of_budgets_does_not_apply_to_loads_of_the_study(are
     assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]
 
 
-def test_interpolation_error_midway_between_loads_is_root_three_quarters_of_the_half_change():
+def test_interpolation_error_midway_between_loads_equals_its_closed_form():
     """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
     below = np.array([1.0, -1.0, 2.0, -2.0])
     means = include_interpolation_error(

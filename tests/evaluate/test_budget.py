@@ -47,7 +47,7 @@ def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinemen
     )
 
 
-def test_combined_interval_for_exact_inputs_equals_the_confidence_interval_due_to_sampling() -> None:
+def test_combined_interval_for_exact_inputs_equals_the_interval_of_the_mean() -> None:
     result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     assert result.interval == pytest.approx(result.interval_of_mean, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
@@ -55,7 +55,7 @@ def test_combined_interval_for_exact_inputs_equals_the_confidence_interval_due_t
     assert low < result.interval_of_mean[0] < result.interval_of_mean[1] < high
 
 
-def test_interval_at_a_load_is_independent_of_the_other_requested_loads() -> None:
+def test_combined_interval_at_a_load_does_not_depend_on_other_requested_loads() -> None:
     result = pair(
         *rough_surfaces(), load=["2 MPa", "4 MPa"], mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa",
         hardness="0.5..1.5 GPa", mechanics="half-space", **PAIR_OPTIONS,
@@ -106,7 +106,7 @@ def test_limits_of_the_adhesive_friction_interval_are_proportional_to_the_limits
     )
 
 
-def test_replacing_a_result_also_replaces_its_stored_solutions_for_other_hardnesses(tmp_path) -> None:
+def test_replacing_a_stored_result_also_replaces_its_solutions_for_other_hardnesses(tmp_path) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", hardness="1..3 GPa", **THREE_POSITION_OPTIONS)
     pair(*rough_surfaces(), effective_modulus="80 GPa", directory=tmp_path, **kwargs)
     softer_result = pair(*rough_surfaces(), effective_modulus="20 GPa", directory=tmp_path, replace=True, **kwargs)
@@ -148,7 +148,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
 
 
 @pytest.mark.parametrize("infinite", [0, 300, 500])
-def test_limits_of_the_combined_interval_equal_quantiles_of_the_samples(infinite) -> None:
+def test_limits_of_the_combined_interval_equal_quantiles_of_input_samples(infinite) -> None:
     samples = np.random.default_rng(3).lognormal(size=2**14)
     samples[:infinite] = np.inf
     method = "inverted_cdf" if infinite else "linear"
@@ -160,7 +160,7 @@ def test_limits_of_the_combined_interval_equal_quantiles_of_the_samples(infinite
         compute_equal_tailed_interval(samples)
 
 
-def test_percentiles_of_a_single_test_agree_with_random_samples() -> None:
+def test_percentiles_of_a_single_test_agree_with_percentiles_of_random_samples() -> None:
     """Sample mu0, tau0 and the scatter of tests; without a hardness, friction is linear in mu0 and tau0."""
     kwargs = dict(load=["20 MPa", "40 MPa"], effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2 ± 0.02", tau0="20..80 MPa", **kwargs)
@@ -238,7 +238,7 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     assert exact_point.after_dwell[0].upper - exact_point.after_dwell[0].lower < 0.3 * (high - low)
 
 
-def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact() -> None:
+def test_hardness_of_a_named_material_has_a_range_but_a_given_hardness_is_exact() -> None:
     kwargs = dict(load="2 MPa", mu0=0.2, tau0="50 MPa", upper="steel", lower="brass", junction_growth=0, **PAIR_OPTIONS)
     named_result = pair(*rough_surfaces(rms=0.02), **kwargs)
     assert named_result.budget["input"][0] == "the hardness of the brass"
@@ -252,7 +252,7 @@ def test_hardness_of_named_materials_has_a_range_and_explicit_hardness_is_exact(
     )
 
 
-def test_interval_of_a_gap_map_includes_only_input_uncertainty_and_adds_a_caveat() -> None:
+def test_interval_for_a_single_gap_includes_only_input_uncertainty_and_has_a_caveat() -> None:
     upper, lower = rough_surfaces(rms=0.03, points=128)
     options = {
         "load": "50 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "work_of_adhesion": 0,
@@ -366,7 +366,7 @@ def simulate_friction_test(truth, rng) -> float:
 
 
 @pytest.mark.parametrize("tau0", ["0±50 MPa", "5±50 MPa", "20±200 MPa"])
-def test_interval_contains_the_friction_coefficient_for_truncated_distributions_of_tau0(tau0: str) -> None:
+def test_interval_contains_the_coefficient_if_the_distribution_of_tau0_is_truncated_at_zero(tau0: str) -> None:
     result = pair(
         *rough_surfaces(),
         load="2 MPa",
@@ -379,7 +379,7 @@ def test_interval_contains_the_friction_coefficient_for_truncated_distributions_
     assert result.interval[0] <= result.value <= result.interval[1]
 
 
-def test_combined_interval_contains_the_interval_of_the_mean_for_random_statistics(monkeypatch) -> None:
+def test_combined_interval_contains_the_interval_of_the_mean_for_random_means_and_intervals(monkeypatch) -> None:
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # skip the budgets to save time
     # Replace the results by random statistics. Some ranges for finer scans are wider than the interval of the inputs.
     random = np.random.default_rng(5)
@@ -454,7 +454,7 @@ def test_interval_for_an_uncertain_mu0_of_zero_extends_from_zero_to_a_half_norma
     assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
 
 
-def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
+def test_friction_coefficient_of_one_pair_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
     result = pair(*rough_surfaces(points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS)
     assert (result.value, *result.interval) == (0, 0, 0)
     assert not result.at().friction_by_axis.sel(sliding="all").values.any()
@@ -462,7 +462,7 @@ def test_friction_coefficient_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None
 
 
 @pytest.mark.parametrize("seed", [0, 1, 5])
-def test_friction_coefficient_averaged_over_two_pairs_is_exactly_zero_without_mu0_and_tau0(seed: int) -> None:
+def test_mean_coefficient_of_two_pairs_is_exactly_zero_if_mu0_and_tau0_are_zero(seed: int) -> None:
     result = pair(*rough_surfaces(seed, points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS | {"shifts": 2})
     assert result.value == 0
     assert not np.nan_to_num(result.at().friction_by_axis.sel(sliding="all", statistic="mean").values).any()
@@ -477,7 +477,7 @@ UNCERTAIN_INPUT_CASES = (
 
 @pytest.mark.parametrize("inputs", UNCERTAIN_INPUT_CASES)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
-def test_combined_interval_contains_the_interval_of_the_mean_and_the_range_for_finer_scans(
+def test_combined_interval_contains_interval_of_the_mean_and_range_for_finer_scans(
     inputs: dict[str, Any], noise: float
 ) -> None:
     """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""
@@ -497,7 +497,7 @@ def test_combined_interval_contains_the_interval_of_the_mean_and_the_range_for_f
             assert point.rules[0].lower <= point.bracket[0] <= point.bracket[1] <= point.rules[0].upper
 
 
-def test_interval_for_zero_mu0_and_tau0_ignores_the_uncertainty_of_mu0():
+def test_interval_evaluated_at_zero_mu0_and_tau0_ignores_the_range_of_mu0_in_the_study():
     upper, lower = (
         self_affine_surface(3, hurst_exponent=0.8, rms=0.03, shape=(32, 32), spacing=0.1, side=side)
         for side in ("upper", "lower")

@@ -62,7 +62,7 @@ def log_width(interval):
     return math.log(interval[1] / interval[0])
 
 
-def test_prediction_interval_uses_the_direction_with_the_fewest_pairs():
+def test_prediction_interval_has_the_degrees_of_freedom_of_the_direction_with_fewest_pairs():
     intervals, num_members, spread = build_intervals(spread=0.2, ok=(4, 8)), 4, 0.2
     deviation = spread / (norm.ppf(0.9) - norm.ppf(0.1)) * math.sqrt(1 + 1 / num_members)
     scale = math.sqrt(math.log1p(deviation**2))
@@ -73,7 +73,7 @@ def test_prediction_interval_uses_the_direction_with_the_fewest_pairs():
     assert np.log(intervals.predict_percentiles()) == pytest.approx(np.log(percentiles), abs=QUANTILE_ERROR)
 
 
-def test_prediction_interval_includes_the_roughness_drift_of_both_the_mean_and_the_new_test():
+def test_prediction_interval_includes_the_roughness_drift_of_the_mean_and_of_the_new_test():
     intervals = build_intervals(drifts={UPPER_SCANS_INPUT_NAME: 0.1}, half_width=1e-6)
     limits = norm.ppf([0.025, 0.975])
     assert log_width(intervals.interval()) == pytest.approx(0.1 * np.ptp(limits), rel=QUANTILE_ERROR)
@@ -96,7 +96,7 @@ def test_combined_interval_adds_input_error_and_scatter_in_quadrature():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_budget_averages_the_remaining_width_over_possible_values_of_the_exact_input():
+def test_budget_averages_the_remaining_width_over_the_values_that_an_input_may_have():
     """A wide log-normal tau0 scales the effect of the modulus, so the mean width exceeds the width at the median."""
     changes = {"friction.tau0": "0.002..0.2 GPa", "contact.effective_modulus": "50..200 GPa"}
     intervals = build_intervals(changes, mu0=0.2, tau0=0.02)
@@ -115,7 +115,7 @@ def test_budget_averages_the_remaining_width_over_possible_values_of_the_exact_i
     assert intervals.remaining_interval_width("tau0") == pytest.approx(expected, rel=0.03)
 
 
-def test_interval_of_the_true_area_is_limited_to_the_nominal_area():
+def test_combined_interval_of_the_true_area_is_limited_to_the_nominal_area():
     intervals = build_intervals({"contact.effective_modulus": "50..200 GPa"}, area=0.9 * NOMINAL_AREA, half_width=1e-6)
     estimates = {name: np.array([0.9, 0.85, 0.95]) for name in ("contact_area_fraction", "normal_stiffness")}
     combined = intervals.extend_quantity_intervals(estimates)
@@ -124,7 +124,7 @@ def test_interval_of_the_true_area_is_limited_to_the_nominal_area():
     assert combined["contact_area_fraction"][0] == 0.9
 
 
-def test_interval_of_a_quantity_includes_its_interval_of_the_mean():
+def test_combined_interval_of_a_quantity_contains_its_interval_of_the_mean():
     intervals = build_intervals({"friction.tau0": "0.0499..0.0501 GPa"}, half_width=1e-6)
     skewed = np.array([20.0, 19.0, 30.0])
     combined = intervals.extend_quantity_intervals({"contact_area": skewed})["contact_area"]
@@ -176,7 +176,7 @@ def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
 
 
 @pytest.mark.parametrize(("tau0", "limit", "dwell_time"), [(0.1883, 0.1885, 1.0), (0.182, 0.1823, 2.0)])
-def test_friction_interval_has_no_upper_limit_if_the_softer_body_shears_at_central_values(tau0, limit, dwell_time):
+def test_friction_interval_has_no_upper_limit_if_the_body_shears_at_central_input_values(tau0, limit, dwell_time):
     """The softer body shears at the central tau0, but in less than 2.5 % of the samples."""
     changes = {
         "friction.wait": ["2 s"], "friction.creep": 0.05, "contact.junction_growth": "slip-line 5.6",
@@ -200,7 +200,7 @@ def test_friction_samples_have_no_upper_limit_if_tau0_exceeds_the_shear_strength
     assert intervals.unlimited_fraction == pytest.approx(expected, abs=0.02)
 
 
-def test_friction_coefficient_of_zero_has_an_interval_that_starts_at_zero():
+def test_interval_of_a_friction_coefficient_of_zero_starts_at_zero():
     intervals = build_intervals({"friction.mu0": "0 .. 0.1"}, mu0=0.05, tau0=0.0)
     zero = replace(intervals.response.central, mu0=0.0)
     point = {"mean_friction": np.zeros(3), "mu0": 0.0, "tau0": 0.0, "sliding": "all"}

@@ -16,7 +16,7 @@ def result():
     return run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}))
 
 
-def test_computed_load_range_of_one_fractal_dimension_ignores_loads_of_other_dimensions(result):
+def test_range_of_computed_loads_of_a_fractal_dimension_ignores_other_dimensions(result):
     elastic_loads = result.mean_elastic_loads
     lowest, highest = find_computed_load_range(result)
     assert highest == elastic_loads.max()
@@ -25,7 +25,7 @@ def test_computed_load_range_of_one_fractal_dimension_ignores_loads_of_other_dim
     assert find_computed_load_range(result, values)[1] == elastic_loads.isel(fractal_dimension=0).max()
 
 
-def test_computed_load_range_ignores_pairs_without_a_solution(result):
+def test_range_of_computed_loads_ignores_pairs_without_a_solution(result):
     elastic_loads = result.dataset["normal_elastic"]
     first, last = elastic_loads["repetition"].values[[0, -1]]
     is_solved = (elastic_loads["repetition"] != first) | (elastic_loads["approach"] < elastic_loads["approach"][-1])
@@ -40,7 +40,7 @@ def test_computed_load_range_ignores_pairs_without_a_solution(result):
     assert incomplete.reached_loads()[-1] == highest
 
 
-def test_loads_outside_the_computed_range_have_no_values_even_if_surfaces_are_self_locked(result):
+def test_load_outside_the_computed_loads_has_no_values_even_for_self_locked_surfaces(result):
     highest_load = find_computed_load_range(result)[1]
     loads = [1e-3, 2 * highest_load]
     values = result.at(loads)
@@ -49,7 +49,7 @@ def test_loads_outside_the_computed_range_have_no_values_even_if_surfaces_are_se
     assert find_loads_without_values(result, values) == loads[1:]
 
 
-def test_computed_load_has_values_if_self_locked_surfaces_have_no_coefficient(result):
+def test_computed_load_has_other_values_even_if_self_locked_surfaces_have_no_coefficient(result):
     values = result.at(1e-3)
     values["status"][:] = np.array("self-locked", values["status"].dtype)
     assert find_loads_without_values(result, values) == []

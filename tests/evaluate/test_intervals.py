@@ -40,7 +40,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases outside the stress s
     ],
 )
 @pytest.mark.parametrize("distribution", ["half zeros", "bounded", "lognormal 0.5"])
-def test_interval_for_correlated_neighboring_values_contains_the_true_mean_and_is_narrow(
+def test_interval_of_the_mean_of_correlated_values_contains_the_true_mean_and_is_narrow(
     distribution, positions, correlation
 ):
     random = np.random.default_rng([positions, int(10 * correlation)])
@@ -57,7 +57,7 @@ def test_interval_for_correlated_neighboring_values_contains_the_true_mean_and_i
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9])
-def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_calculation(correlation):
+def test_interval_of_the_mean_of_correlated_values_agrees_with_a_dense_matrix_calculation(correlation):
     """Compare with the mixture of t distributions over correlations, computed with dense covariance matrices."""
     count = 20
     values = simulate_correlated_positions("normal", 1, count, correlation, np.random.default_rng(7))[0]
@@ -87,7 +87,7 @@ def test_interval_for_correlated_neighboring_values_agrees_with_a_dense_matrix_c
 
 
 @pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
-def test_mean_of_neighboring_values_is_equivariant_under_scaling_and_shifting_and_reversal(distribution):
+def test_mean_of_correlated_values_scales_and_shifts_with_them_and_ignores_their_reversal(distribution):
     values = simulate_correlated_positions(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(average_correlated_values(values))
     np.testing.assert_allclose(average_correlated_values(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -97,14 +97,14 @@ def test_mean_of_neighboring_values_is_equivariant_under_scaling_and_shifting_an
     np.testing.assert_allclose([-mean, -upper, -lower], expected, rtol=1e-9)
 
 
-def test_interval_for_independent_neighboring_values_is_a_student_t_interval():
+def test_interval_of_the_mean_of_uncorrelated_neighbouring_values_is_a_student_t_interval():
     values = np.random.default_rng(8).normal(size=5000)
     half_width = 1.96 * values.std() / np.sqrt(values.size)
     _, lower, upper = average_correlated_values(values)
     assert upper - lower == pytest.approx(2 * half_width, rel=0.05)
 
 
-def test_interval_for_correlated_neighboring_values_lies_within_their_range():
+def test_interval_of_the_mean_of_correlated_values_lies_within_the_range_of_the_values():
     random = np.random.default_rng(6)
     for distribution in ("half zeros", "bounded", "lognormal 1"):
         for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBOURING_VALUES, 0.6, random):
@@ -112,7 +112,7 @@ def test_interval_for_correlated_neighboring_values_lies_within_their_range():
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
-def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
+def test_mean_of_too_few_or_identical_neighbouring_values_has_no_interval():
     assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBOURING_VALUES - 1.0))[1:]).all()
     mean, lower, upper = average_correlated_values(np.zeros(16))
     assert mean == 0
@@ -123,7 +123,7 @@ def test_mean_of_too_few_or_identical_neighboring_values_has_no_interval():
 # ---- average_independent_values --------------------------------------------------------------------------------------
 
 
-def test_interval_of_a_sample_mean_has_nominal_coverage():
+def test_interval_of_a_sample_mean_contains_the_true_mean_in_95_percent_of_cases():
     generator = np.random.default_rng(11)
     mean, lower, upper = average_independent_values(5 + generator.normal(size=(8, 4000)))
     # The coverage is 0.95 within three standard errors of 4000 trials.
@@ -147,7 +147,7 @@ def test_interval_of_a_mean_of_exponential_samples_is_positive_and_contains_the_
 
 
 @pytest.mark.filterwarnings("ignore:All-NaN slice")
-def test_sample_quantiles_equal_those_of_numpy_with_and_without_missing_values():
+def test_sample_quantiles_equal_quantiles_from_numpy_with_and_without_missing_values():
     values = np.random.default_rng(7).standard_normal((37, 5, 6))
     probabilities = (0.0, 0.1, 0.5, 0.9, 1.0)
     np.testing.assert_array_equal(
@@ -200,7 +200,7 @@ def test_intervals_of_means_at_loads_agree_with_a_slow_jackknife(repetitions, do
     assert np.stack([means.mean(1), *means.interval(1)]) == pytest.approx(load, rel=JACKKNIFE_TOLERANCE)
 
 
-def test_interval_of_a_mean_at_a_load_is_missing_if_one_repetition_carries_the_load():
+def test_mean_at_a_load_has_no_interval_if_only_one_repetition_carries_load():
     normal = np.zeros((1, 5, 4))
     normal[..., 2] = np.arange(1.0, 6.0)
     means = MeansAtLoads(normal.mean(axis=2), [normal.mean(axis=2)], 4, np.array([0.8]))

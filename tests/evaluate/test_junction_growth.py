@@ -54,7 +54,7 @@ def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
 
 
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
-def test_friction_with_junction_growth_equals_solution_at_hardness_under_shear(hardness):
+def test_friction_with_junction_growth_equals_direct_solution_at_the_hardness_under_shear(hardness):
     tau0 = 0.1 * hardness
     inputs = PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0, "hardness": hardness}
     pressure = float(hardness_under_shear(hardness, 0.2, tau0, 27.0))
@@ -78,7 +78,7 @@ def test_result_at_zero_junction_growth_equals_result_without_junction_growth(re
     assert values.equals(expected)
 
 
-def test_friction_without_adhesive_strength_is_independent_of_junction_growth(growth_result, result_without_growth):
+def test_friction_at_zero_tau0_is_independent_of_junction_growth(growth_result, result_without_growth):
     assert mean_coefficient(growth_result, tau0=[0.0]) == mean_coefficient(result_without_growth, tau0=[0.0])
     table = growth_result.at(tau0=[0.0])
     assert (
@@ -86,7 +86,7 @@ def test_friction_without_adhesive_strength_is_independent_of_junction_growth(gr
     ).all()
 
 
-def test_interval_at_zero_tau0_is_unaffected_by_seizure(growth_result, result_without_growth):
+def test_interval_at_zero_tau0_is_finite_although_larger_tau0_causes_seizure(growth_result, result_without_growth):
     high_friction = {"mu0": [5.0], "tau0": [0.0]}  # the hardness under shear is below the nominal pressure
     interval, expected = (
         result.at(**high_friction)["friction_combined"].values for result in (growth_result, result_without_growth)
@@ -122,7 +122,7 @@ def test_friction_interval_contains_results_at_both_limits_of_junction_growth():
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
-def test_range_of_junction_growth_above_zero_widens_only_the_upper_limit_of_the_interval(
+def test_range_of_junction_growth_above_zero_raises_only_the_upper_limit_of_the_interval(
     growth_result, result_without_growth
 ):
     study = growth_result.study.with_changes({"contact.junction_growth": "0 (0..27)"})
@@ -342,7 +342,7 @@ def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
     ("slip-line", "uniform 25 MPa .. 45 MPa", 20, False), ("0..100", "uniform 35 MPa .. 65 MPa", 20, False),
     ("4..9", "uniform 60 MPa .. 160 MPa", 200, True),
 ])  # fmt: skip
-def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_that_helps(growth, tau0, load, can_help):
+def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_it_is_a_remedy(growth, tau0, load, can_help):
     options = {**PLASTIC_OPTIONS, "mu0": 0.2, "tau0": tau0, "junction_growth": growth}
     result, result_at_small_load = (
         pair(*rough_surfaces(), **options | {"load": f"{each} MPa"}) for each in (load, load / 10)

@@ -107,7 +107,7 @@ def test_pair_and_press_give_equal_results_for_profiles_at_each_position(profile
 @pytest.mark.parametrize(
     ("load", "tolerance", "quantile_level"), [("elastic", 1e-6, 1.0), ("normal", INTERPOLATION_TOLERANCE, 0.75)]
 )
-def test_friction_is_interpolated_linearly_across_jumps_of_the_load(
+def test_friction_is_interpolated_linearly_where_the_load_jumps_between_approaches(
     create_rough_profiles, load, tolerance, quantile_level
 ):
     upper, lower = create_rough_profiles(1.5, repetition=1)
@@ -146,14 +146,14 @@ def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     assert float(member["x"].squeeze()) == pytest.approx(0.29)
 
 
-def test_slider_is_shortened_so_that_it_fits_at_the_last_position(profile_pair):
+def test_slider_is_shortened_to_fit_on_the_counterface_at_the_last_position(profile_pair):
     _, lower = profile_pair
     result = run_pair(flipped(lower), lower, [0.01], positions=[1.0, 12.0], **INTERFACE_OPTIONS)
     assert result.dataset.attrs["shape"].tolist() == [1800]
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
 
-def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
+def test_stiffness_of_two_circular_arcs_in_contact_equals_hertz_solution(create_circular_arc):
     upper, lower = (create_circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
     member = read_member_values(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)
@@ -162,7 +162,7 @@ def test_stiffness_of_two_arcs_equals_hertz_solution(create_circular_arc):
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_dataset_of_values_at_each_position_has_units_and_names_and_a_history(result):
+def test_dataset_of_values_at_each_position_has_units_inputs_and_version(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"
@@ -222,7 +222,7 @@ def test_nondimensional_values_require_a_modulus_and_known_units(result):
 # ---- Statuses and means ----------------------------------------------------------------------------------------------
 
 
-def test_positions_without_friction_have_a_status_and_are_omitted_from_the_mean():
+def test_positions_without_a_coefficient_have_a_status_and_are_omitted_from_the_mean():
     x = np.arange(2001) * 0.01 - 10.0
     flat, ball = Profile(np.zeros(2001), spacing=0.01), Profile(-0.05 * x**2, spacing=0.01)
     reached_result = run_pair(flat, ball, [1e-3, 1e9], mu0=0.3)
@@ -246,7 +246,7 @@ def test_positions_without_friction_have_a_status_and_are_omitted_from_the_mean(
     assert values[1:].isnull().all()  # The mean of a single position has no interval.
 
 
-def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_single_values(profile_pair):
+def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_their_single_values(profile_pair):
     result = run_pair(*profile_pair, LOADS, mu0=[0.3, 0.5], tau0=[0.0, 0.1], positions=np.arange(9.0))
     values, mean = result.at(per_member=True), result.at()
     for mu0 in (0.3, 0.5):
@@ -257,7 +257,7 @@ def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_single_values(prof
             np.testing.assert_array_equal(selected, result.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
 
 
-def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
+def test_interval_of_the_mean_over_positions_accounts_for_their_correlation(profile_pair):
     result = run_pair(*profile_pair, [0.01], positions=np.arange(10.0), **INTERFACE_OPTIONS)
     values = read_member_values(result)["friction_coefficient"].isel(load=0).sel(direction=0.0).values
     mean = (
@@ -271,7 +271,7 @@ def test_mean_over_positions_accounts_for_their_correlation(profile_pair):
 # ---- From scans to pairs ---------------------------------------------------------------------------------------------
 
 
-def test_pairing_of_lines_returns_half_of_the_slider_profile_and_the_complete_counterface():
+def test_pairing_of_profiles_returns_half_of_the_slider_and_the_complete_counterface():
     upper, lower = rough_profile("upper"), rough_profile("lower")
     (slider,), (counterface,) = paired_lines(upper, lower)
     levelled_upper = levelled(upper, "line")
@@ -302,7 +302,7 @@ def small_map():
     return Surface(lines, spacing=(0.02, 0.01))
 
 
-def test_paired_lines_of_a_single_map_are_a_third_of_the_map_apart():
+def test_lines_paired_within_one_map_are_a_third_of_the_map_apart():
     surface = small_map()
     uppers, lowers = paired_lines(surface, surface, level=None)
     assert len(uppers) == len(lowers) == 9
@@ -325,7 +325,7 @@ def test_paired_lines_of_a_single_map_are_a_third_of_the_map_apart():
     assert uppers[1].history[:1] == ("row 3",)
 
 
-def test_paired_lines_of_different_lengths_cover_the_longer_profile():
+def test_pairs_of_lines_of_unequal_length_cover_the_longer_profile():
     surface = small_map()
     for lengths in ((400, 3000), (3000, 400)):
         bodies = [surface if length == 400 else rough_profile("upper") for length in lengths]
@@ -429,7 +429,7 @@ def small_pair():
 
 
 @pytest.mark.parametrize("sliding", ["opposing", "all"])
-def test_results_of_the_half_plane_model_at_each_position_equal_half_space_solutions(small_pair, sliding):
+def test_half_plane_results_at_each_position_equal_half_space_solutions(small_pair, sliding):
     upper, lower = small_pair
     model = {"mechanics": "half-space", "effective_modulus": 8.0}
     result = run_pair(upper, lower, LOADS, positions=[0.0, 2.5], **INTERFACE_OPTIONS, **model)

@@ -150,7 +150,7 @@ class TestListedPositions:
         with pytest.raises(ValueError, match=pattern):
             stiction.pair(*self.create_maps(), **options | changes)
 
-    def test_lines_of_a_map_are_pressed_on_a_profile_at_given_positions(self):
+    def test_map_paired_with_a_profile_is_pressed_line_by_line_at_the_given_positions(self):
         upper, lower = self.create_maps()
         options = {"lines": 2, "positions": [0.0, 0.8]}
         study = pair_study(upper, lower.row(0), load=[0.01], mu0=0.3, effective_modulus=10.0, **options)
@@ -160,7 +160,7 @@ class TestListedPositions:
         assert result.attrs["shape"].tolist() == [60]
 
 
-def test_slope_statistics_of_a_pair_equal_those_of_its_gap():
+def test_slope_statistics_of_a_pair_equal_slope_statistics_of_its_gap():
     upper, lower = surface_pair()
     result = run_pair(upper, lower, direction=[0, 45, 90], shifts=2, mechanics="asperities")
     gap = np.subtract(*(body.heights for body in pair_levelled_maps(upper, lower).pair(1)))
@@ -226,7 +226,7 @@ def test_contact_statistics_of_a_pair_equal_sums_over_its_contacts(mechanics):
     assert 0.5 * mean < median_pressure < 1.5 * mean
 
 
-def test_load_fraction_on_steepest_slopes_equals_its_definition():
+def test_load_fraction_carried_by_the_steepest_slopes_equals_its_definition():
     upper, lower = surface_pair()
     result = read_member_values(run_pair(upper, lower, direction=[0], shifts=2))
     bodies = pair_levelled_maps(upper, lower).pair(0)
@@ -238,7 +238,7 @@ def test_load_fraction_on_steepest_slopes_equals_its_definition():
 
 
 class TestSurrogatePairs:
-    def test_adding_surrogates_does_not_change_the_pairs_at_shifted_positions(self):
+    def test_adding_surrogates_does_not_change_pairs_of_the_maps_themselves(self):
         upper, lower = surface_pair()
         options = {"direction": [0, 30, 90, 180], "mechanics": "asperities"}
         result_of_shifts = run_pair(upper, lower, LOADS, shifts=3, **options)
@@ -335,14 +335,14 @@ def find_caveat_texts(upper, lower, word, **changes):
 
 
 @pytest.mark.parametrize(("stretches", "has_caveat"), [((20, 20), True), ((20, 1), False), ((1, 1), False)])
-def test_pair_of_maps_with_lay_has_a_caveat_about_orientation(stretches, has_caveat):
+def test_pair_of_maps_with_lay_has_a_caveat_about_their_orientation(stretches, has_caveat):
     upper, lower = (build_map(seed, stretch=stretch) for seed, stretch in enumerate(stretches, start=1))
     assert len(find_caveat_texts(upper, lower, "orientation")) == has_caveat
     if has_caveat:
         assert find_caveat_texts(upper, lower, "orientation", rotate=90.0) == []
 
 
-def test_caveat_about_scattered_missing_points_estimates_the_lost_area():
+def test_caveat_about_scattered_missing_points_estimates_the_lost_contact_area():
     rng = np.random.default_rng(1)
     scattered, blob = rng.random((48, 48)) < 0.3, np.zeros((48, 48), bool)
     blob[5:30, 10:40] = True
@@ -355,7 +355,7 @@ def test_caveat_about_scattered_missing_points_estimates_the_lost_area():
 
 
 @pytest.mark.parametrize("shortest_wavelength", [2.0, 8.0])
-def test_contact_area_lost_at_scattered_missing_points_is_below_the_limit_of_the_caveat(shortest_wavelength):
+def test_contact_area_lost_at_missing_points_is_at_most_the_estimate_in_their_caveat(shortest_wavelength):
     rng = np.random.default_rng(3)
     maps = [
         self_affine_surface(

@@ -41,14 +41,14 @@ def test_friction_map_interpolates_loads_linearly_in_the_approach():
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
-def test_friction_map_is_the_ratio_of_mean_loads_over_all_pairs_with_or_without_contact():
+def test_friction_map_is_the_ratio_of_mean_loads_of_all_pairs_including_those_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=ROUND_OFF)
 
 
-def test_friction_map_uses_the_first_approach_at_which_the_rising_load_reaches_the_requested_load():
+def test_friction_map_uses_the_first_approach_at_which_the_load_rises_to_the_requested_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
     # The first upward crossing may follow a range of negative load.
@@ -59,7 +59,7 @@ def test_friction_map_uses_the_first_approach_at_which_the_rising_load_reaches_t
     )
 
 
-def test_friction_map_returns_a_status_instead_of_extrapolating():
+def test_friction_map_has_a_status_instead_of_extrapolated_values_outside_its_loads():
     result = create_result([1.0, 2.0], [0.5, 1.0])
     table = compute_friction_map(result, [0.9, 1.0, 2.0, 2.1])
     assert table["status"].values.tolist() == ["below-range", "ok", "ok", "not-reached"]
@@ -102,7 +102,7 @@ def test_friction_map_interval_is_nan_for_few_pairs_and_zero_for_identical_pairs
     assert value_and_ends == pytest.approx([value, value + width, value + width], rel=ROUND_OFF, nan_ok=True)
 
 
-def test_friction_map_has_an_interval_if_some_pairs_reach_the_load():
+def test_friction_map_has_an_interval_if_only_some_pairs_reach_the_load():
     normal = np.array([[1.0, 2.0], [1.2, 3.0], [0.8, 4.0]])
     table = compute_friction_map(create_result(normal, 0.5 * normal * [[1.0], [1.1], [0.9]]), [2.99])
     assert table["status"].values.tolist() == ["ok"]
@@ -120,7 +120,7 @@ def test_friction_map_intervals_are_not_negative():
         assert 0 <= table["lower"].values[0] <= table["friction_coefficient"].values[0] <= table["upper"].values[0]
 
 
-def test_validity_measures_are_interpolated_at_the_requested_load():
+def test_validity_indicators_are_interpolated_at_the_requested_load():
     result = create_result([1.0, 2.0, 4.0], [0.5, 1.5, 1.7])
     result["load_below_grid"].values[0, 0] = [0.5, 0.5, 3.5]
     result["overlap_load"].values[0, 0] = [0.1, 0.4, 0.8]
@@ -140,7 +140,7 @@ def test_friction_map_uses_mu0_and_tau0_of_the_study_by_default():
     assert {table[name].attrs["units"] for name in ("load", "tau0")} == {"mN", "GPa"}
 
 
-def test_friction_map_of_a_dataset_without_study_requires_mu0_and_tau0():
+def test_friction_map_of_a_dataset_without_a_study_requires_mu0_and_tau0_as_arguments():
     result = create_result([1.0, 2.0], [0.5, 1.0]).drop_attrs()
     assert compute_friction_map(result, [1.5], mu0=0.0, tau0=0.0)["status"].values.tolist() == ["ok"]
     with pytest.raises(ValueError, match="mu0 and tau0 must be given"):
@@ -200,7 +200,7 @@ def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touchin
     ("spread", "scatter"),
     [item if item == (0.8, 0.5) else pytest.param(*item, marks=pytest.mark.soak) for item in MIN_COVERAGE],
 )
-def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatter):
+def test_friction_map_intervals_contain_the_true_value_in_95_percent_of_cases(repetitions, spread, scatter):
     # The requested load is the true mean load at one of the approaches, so interpolation adds no error.
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
@@ -212,7 +212,7 @@ def test_friction_map_intervals_have_nominal_coverage(repetitions, spread, scatt
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
-def test_friction_map_intervals_have_nominal_coverage_if_half_of_the_pairs_lack_contact():
+def test_friction_map_intervals_cover_95_percent_of_cases_if_half_of_the_pairs_lack_contact():
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)
@@ -242,12 +242,12 @@ def test_stiffness_map_includes_frictional_and_adhesive_loads():
     assert np.allclose(stiffness.values.ravel(), [1000.0, 800.0], rtol=ROUND_OFF)
 
 
-def test_stiffness_map_requires_at_least_three_approaches():
+def test_stiffness_map_requires_a_result_with_at_least_three_approaches():
     with pytest.raises(ValueError, match="3 approaches"):
         stiffness_map(create_result([1.0, 2.0], [0.1, 0.2]), [1.5])
 
 
-def test_evaluating_all_quantities_together_reads_the_result_only_twice(monkeypatch):
+def test_evaluation_of_all_quantities_reads_the_stored_result_only_twice(monkeypatch):
     result = run(Study.named("quick").with_changes({"ensemble.repetitions": 6, "surfaces.points": 3000}))
     loads = result.mean_elastic_loads.values.max() * np.array([0.1, 0.5])
     maps = [(name, evaluate(result, loads)) for name, evaluate in SINGLE_MAPS.items()]

@@ -19,7 +19,7 @@ def press_mated_faces(faces, offset, **options):
 
 
 @pytest.mark.parametrize("hardness", ["1 GPa", "0.8..1.2 GPa", None])
-def test_faces_that_fit_perfectly_are_in_complete_contact(hardness):
+def test_mated_faces_are_in_complete_contact(hardness):
     heights = np.random.default_rng(1).integers(-3, 4, size=(16, 16)) * 1.0
     faces = Surface(heights.mean() - heights[::-1], spacing=3125.0), Surface(heights - heights.mean(), spacing=3125.0)
     result = press_mated_faces(faces, "0 um", mu0=0.6, tau0="1 MPa", hardness=hardness, level="mean")
@@ -30,7 +30,7 @@ def test_faces_that_fit_perfectly_are_in_complete_contact(hardness):
     assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)
 
 
-def test_motion_that_needs_a_negative_tangential_load_has_no_coefficient(mated_faces):
+def test_motion_at_a_negative_tangential_load_has_no_friction_coefficient(mated_faces):
     result = press_mated_faces(mated_faces, "15.625 um", mu0=0.2)
     friction = result.at().sel(sliding="all").squeeze(drop=True)
     coefficient = friction["friction_coefficient"].sel(statistic="mean")
@@ -52,7 +52,7 @@ def test_mean_coefficient_is_not_reported_if_the_slider_moves_downhill_in_one_di
     assert point.rules[1].value > 0  # friction only at opposing contacts is never negative
 
 
-def test_result_for_a_direction_that_leads_downhill_has_no_coefficient(mated_faces):
+def test_result_for_a_direction_that_leads_downhill_has_no_friction_coefficient(mated_faces):
     options = {"direction": 180, "mu0": 0.2, "load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0}
     point = pair(*mated_faces, positions=["15.625 um,0 um"], **options).at().sel(sliding="all")
     assert (point["status"] == "downhill").all()
@@ -60,7 +60,7 @@ def test_result_for_a_direction_that_leads_downhill_has_no_coefficient(mated_fac
     assert point["mean_friction"].isnull().all()
 
 
-def test_rough_faces_with_small_mu0_have_a_coefficient_although_some_directions_lead_downhill():
+def test_unmated_faces_with_small_mu0_have_a_coefficient_even_if_a_direction_leads_downhill():
     """Check this because the mean over positions of a direction can be below 0 by chance."""
     faces = [
         self_affine_surface(7, side=side, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.1)
@@ -70,7 +70,7 @@ def test_rough_faces_with_small_mu0_have_a_coefficient_although_some_directions_
     assert 0 <= result.value < 0.05
 
 
-def test_maps_that_fit_into_each_other_add_a_caveat_unless_the_position_is_given(mated_faces):
+def test_mated_maps_add_a_caveat_unless_their_mating_position_is_given(mated_faces):
     options = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25, "onset": 0, "hardness": "1 GPa", "mu0": 0.6}
     options["mechanics"], options["cutoff"] = "half-space", "none"
 
@@ -85,7 +85,7 @@ def test_maps_that_fit_into_each_other_add_a_caveat_unless_the_position_is_given
     assert text not in list_caveat_texts(other, other, shifts=2)
 
 
-def test_profiles_that_fit_into_each_other_add_a_caveat(mated_faces):
+def test_mated_profiles_add_a_caveat(mated_faces):
     options = {"load": "1 MPa", "effective_modulus": "16 GPa", "mu0": 0.6, "onset": 0, "cutoff": "none"}
     lower = self_affine_surface(5, hurst_exponent=0.8, rms=6.0, shape=(4, 256), spacing=15.625).row(0)
     for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):
@@ -93,7 +93,7 @@ def test_profiles_that_fit_into_each_other_add_a_caveat(mated_faces):
         assert any("the faces fit into each other" in text for text in texts)
 
 
-def test_maps_generated_from_two_spectra_have_no_caveat_about_faces_that_fit():
+def test_maps_generated_from_two_spectra_have_no_caveat_about_mated_faces():
     profile = self_affine(5, hurst_exponent=0.8, rms=0.02, points=64, spacing=0.1, longest_wavelength=3.2)
     options = {"load": "1 MPa", "effective_modulus": "10 GPa", "mu0": 0.6, "onset": 0, "mechanics": "asperities"}
     caveats = pair(profile, profile, lay="isotropic", **options).input_caveats

@@ -77,7 +77,7 @@ def test_adhesive_friction_is_proportional_to_the_true_area(result):
     assert adhesive_part > 1.05 * 0.05 * capped_area / load
 
 
-def test_elastic_contact_area_is_computed_for_the_first_pairs_only(result, monkeypatch):
+def test_elastic_contact_area_is_computed_only_for_the_first_pairs_of_a_result(result, monkeypatch):
     all_members = result.dataset["elastic_area"]
     assert np.isfinite(all_members).all()
     monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
@@ -86,7 +86,7 @@ def test_elastic_contact_area_is_computed_for_the_first_pairs_only(result, monke
     assert np.isnan(first_members[:, 2:]).all()
 
 
-def test_elastic_contact_area_of_the_first_pairs_is_scaled_to_all_pairs(result):
+def test_mean_elastic_area_of_all_pairs_is_scaled_from_that_of_the_first_pairs(result):
     dataset = result.dataset.copy(deep=True)
     is_first = dataset["repetition"] < 2
     dataset["elastic_area"] = dataset["elastic_area"].where(is_first)
@@ -110,7 +110,7 @@ def test_adhesive_forces_are_scaled_by_the_ratio_of_true_area_to_stored_area(res
         np.testing.assert_array_equal(piece[name], result.dataset[name])
 
 
-def test_estimated_elastic_area_is_at_most_the_area_with_limited_pressure():
+def test_estimated_elastic_area_is_at_most_the_area_at_pressures_limited_to_the_hardness():
     hard = press(20.0)
     study = hard.study.with_changes({"contact.yield_exponent": None})
     dataset = hard.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
@@ -120,7 +120,7 @@ def test_estimated_elastic_area_is_at_most_the_area_with_limited_pressure():
     assert (elastic_areas > 0.5 * areas).all()
 
 
-def test_dataset_stores_the_contact_area_computed_with_limited_pressure(result):
+def test_dataset_stores_the_contact_area_at_pressures_limited_to_the_hardness(result):
     load = float(result.study.friction.load[0])
     stored = result.dataset["contact_area"].sel(load=load).mean().item()
     assert stored == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
@@ -131,7 +131,7 @@ def test_dataset_stores_the_contact_area_computed_with_limited_pressure(result):
     "changes", [{"effective_modulus": 50.0}, {"effective_modulus": 130.0}, {"hardness": 0.4}, {"hardness": 3.0},
                 {"yield_exponent": 1.0}, {"hardness": 0.5, "effective_modulus": 120.0, "yield_exponent": 1.5}],
 )  # fmt: skip
-def test_area_at_other_inputs_equals_the_area_of_a_direct_solution(result, changes):
+def test_area_evaluated_at_another_hardness_or_modulus_equals_that_of_a_direct_solution(result, changes):
     area = result.compute_once(build_area_functions)[0]
     direct_result = press(**{"yield_exponent": 1.25} | changes)
     load = float(result.study.friction.load[0])
@@ -165,7 +165,7 @@ def test_interval_of_the_area_contains_the_areas_at_both_limits_of_the_hardness(
 @pytest.mark.parametrize(
     ("name", "limits", "rms"), [("hardness", (0.7, 1.3), 0.05), ("effective_modulus", (64.0, 96.0), 0.005)]
 )
-def test_limits_of_the_closure_interval_are_the_closures_at_the_limits_of_an_input(name, limits, rms):
+def test_limits_of_the_closure_interval_are_closures_at_the_limits_of_the_uncertain_input(name, limits, rms):
     """A gap has a single position, so that its interval contains only the inputs."""
     upper, _ = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
     options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
@@ -187,7 +187,7 @@ def test_pressure_interval_is_the_load_divided_by_the_area_interval():
 
 
 @pytest.mark.parametrize("hardness", [HARDNESS, "0.8..1.25 GPa"])
-def test_kind_of_interval_of_a_quantity_is_the_same_in_all_outputs(hardness):
+def test_summary_table_and_joint_table_give_a_quantity_the_same_kind_of_interval(hardness):
     ranged = press(hardness)
     quantities = ranged.summary().points[0].quantities
     rows = values_frame(ranged.at()).set_index("name")
@@ -212,7 +212,7 @@ def test_uncertain_yield_exponent_widens_the_interval_of_the_contact_area():
     assert "the yield exponent m" in set(ranged.budget["input"]) - set(exact.budget["input"])
 
 
-def test_results_without_elastic_areas_use_the_area_computed_with_limited_pressure(result):
+def test_results_without_elastic_areas_use_the_area_at_pressures_limited_to_the_hardness(result):
     study = result.study.with_changes({"contact.yield_exponent": None})
     dataset = result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
     sums = MemberSums.of(dataset)
@@ -234,7 +234,7 @@ def press_large_maps(rms, **changes):
 @pytest.mark.parametrize(
     "changes", [{"hardness": 0.5}, {"hardness": 2.0}, {"effective_modulus": 60.0}, {"effective_modulus": 100.0}]
 )
-def test_stiffness_at_other_inputs_agrees_with_a_direct_solution(rms, changes):
+def test_stiffness_evaluated_at_another_hardness_or_modulus_agrees_with_a_direct_solution(rms, changes):
     result, direct_result = press_large_maps(rms), press_large_maps(rms, **changes)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
     _, intervals = next(_iterate_intervals(result, result.at_study_loads, dims, NO_INPUTS, {}, {}))
@@ -259,7 +259,7 @@ UNLOADING_PAIRS = (
 """Stiffnesses while unloading and while loading, which are equal for elastic bodies."""
 
 
-def test_elastic_stiffnesses_while_loading_and_unloading_have_equal_intervals():
+def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals():
     maps = rough_maps(5, hurst_exponent=0.8, rms=0.3, points=32, spacing=1.0)
     options = {"load": "20 kPa", "mu0": 0.1, "onset": 0, "cutoff": "none", "area_loss": 0}
     table = pair(*maps, **options, effective_modulus="1..4 MPa").at().squeeze()
@@ -272,7 +272,7 @@ def test_elastic_stiffnesses_while_loading_and_unloading_have_equal_intervals():
 
 
 @pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])
-def test_area_with_limited_pressure_has_a_caveat_if_contacts_yield(load, has_caveat):
+def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yield(load, has_caveat):
     new_result = press(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press(load=f"{load} MPa")
     study = new_result.study.with_changes({"contact.yield_exponent": None})
     old_result = type(new_result)(new_result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml()))
@@ -280,7 +280,7 @@ def test_area_with_limited_pressure_has_a_caveat_if_contacts_yield(load, has_cav
     assert not any("yielding below the surface" in each.text for each in new_result.caveats)
 
 
-def test_unfinished_result_estimates_missing_elastic_contact_areas(result):
+def test_missing_elastic_areas_of_an_unfinished_result_are_estimated(result):
     dataset = result.dataset
     unfinished = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
     areas = [mean_value(type(result)(each), "contact_area") for each in (dataset, unfinished)]

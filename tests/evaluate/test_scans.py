@@ -39,7 +39,7 @@ def expected_scan_indices(upper: int, lower: int, times: int = 1):
 # ---- average_scan_pairs ----------------------------------------------------------------------------------------------
 
 
-def test_variance_components_of_the_mean_over_scans_are_computed_from_mean_squares() -> None:
+def test_variance_of_the_mean_over_scans_is_computed_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
     result = average_scan_pairs(table.ravel(), *expected_scan_indices(4, 5))
@@ -81,7 +81,7 @@ def simulate_coefficient(upper, lower):
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.05, 0.2])
-def test_intervals_from_several_scans_contain_the_true_mean_and_the_result_of_a_single_friction_test(spread) -> None:
+def test_intervals_from_several_scans_contain_the_true_mean_and_a_single_friction_test(spread) -> None:
     rng = np.random.default_rng(2016)
 
     def random_gradients(*shape):
@@ -136,7 +136,7 @@ def test_number_of_positions_is_the_same_for_each_combination_of_scans() -> None
 
 
 @pytest.mark.parametrize("spread", [0.0, 0.3])
-def test_variability_between_scans_contributes_to_interval_and_budget(spread) -> None:
+def test_variability_between_scans_widens_the_interval_and_has_a_row_in_the_budget(spread) -> None:
     rng = np.random.default_rng(5)
     scans = [
         [rough_scan(20 + i, side, np.exp(spread * rng.standard_normal())) for i in range(4)]
@@ -205,7 +205,7 @@ def test_pair_function_rejects_identical_scans_and_scans_with_different_grids(tm
 
 @pytest.mark.soak
 @pytest.mark.parametrize("spread", [0.0, 0.2])
-def test_interval_from_few_scans_contains_the_mean_over_many_scans(spread) -> None:
+def test_interval_from_few_scans_contains_the_mean_friction_over_many_scans(spread) -> None:
     rng = np.random.default_rng(7)
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
 
@@ -226,23 +226,23 @@ def test_interval_from_few_scans_contains_the_mean_over_many_scans(spread) -> No
     assert covered >= 17
 
 
-def test_repeated_extreme_height_adds_a_caveat_unless_it_is_accepted_or_declared_missing(tmp_path, monkeypatch):
+def test_repeated_extreme_height_adds_a_caveat_unless_declared_valid_or_missing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     heights = np.cumsum(np.random.default_rng(1).normal(size=400)) * 0.01
     heights[[5, 77]] = -9999
     np.savetxt("codes.csv", np.c_[np.arange(400.0), heights], delimiter=",", header="x (um),z (um)")
 
-    def find_repeated_extreme_caveats(**options):
+    def find_caveats_about_repeated_extremes(**options):
         arguments = {"load": "1 mN", "mu0": "0.3", "effective_modulus": "10 GPa", "missing": "interpolate", **options}
         study = MeasuredPair.from_values(upper="codes.csv", lower="codes.csv", **arguments).study
         return [item for item in find_study_caveats(study) if "(repeated-extreme)" in item.remedy]
 
-    (caveat,) = find_repeated_extreme_caveats()
+    (caveat,) = find_caveats_about_repeated_extremes()
     assert (caveat.severity, caveat.text.partition(":")[0]) == ("caution", "both scans")
     assert "--missing-value -9999" in caveat.remedy
     assert (
-        find_repeated_extreme_caveats(missing_value="-9999")
-        == find_repeated_extreme_caveats(accept="repeated-extreme")
+        find_caveats_about_repeated_extremes(missing_value="-9999")
+        == find_caveats_about_repeated_extremes(accept="repeated-extreme")
         == []
     )
     (caveat,) = MeasuredBodySettings.from_body(Profile(heights, spacing=100.0), "upper").caveats
@@ -265,7 +265,7 @@ DRIFT_OPTIONS = {"load": "60 MPa", "effective_modulus": 80.0, "mu0": 0.2, "tau0"
 DRIFT_CAVEAT = "from one end of the scan to the other"
 
 
-def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_caveat():
+def test_roughness_drift_of_a_single_scan_widens_the_interval_and_is_in_budget_and_caveat():
     result = pair(build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS)
     lower, upper = result.interval
     assert lower < result.interval_of_mean[0] < result.interval_of_mean[1] < upper
@@ -282,7 +282,7 @@ def test_drift_of_a_single_scan_widens_the_interval_and_is_named_in_budget_and_c
     assert result.prediction_interval[0] < lower < upper < result.prediction_interval[1]
 
 
-def test_drift_has_no_caveat_for_plastic_contacts_or_several_scans():
+def test_roughness_drift_of_plastic_contacts_or_several_scans_has_no_caveat():
     plastic = pair(
         build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS | {"tau0": "50 MPa", "hardness": "0.3 GPa"}
     )  # fmt: skip
@@ -293,7 +293,7 @@ def test_drift_has_no_caveat_for_plastic_contacts_or_several_scans():
 
 
 @pytest.mark.parametrize("masked", [False, True])
-def test_estimated_drift_is_proportional_to_the_drift_of_the_roughness_and_zero_without_drift(masked):
+def test_estimated_drift_of_friction_is_proportional_to_the_drift_of_the_roughness(masked):
     def estimate_drifts(build_body, drift, count):
         return np.array([estimate_roughness_drift(build_body(seed, drift)) for seed in range(count)])
 

@@ -29,14 +29,14 @@ def mean_value(result, name):
     return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
 
 
-def test_size_effect_factor_is_the_ratio_of_two_hardnesses_of_nix_and_gao():
+def test_size_effect_factor_is_the_ratio_of_nix_gao_hardnesses_at_two_depths():
     hardness_at = lambda depth: 1.3 * np.sqrt(1 + 0.5 / depth)  # noqa: E731
     assert size_effect_factor(0.5, 0.03, 4.0) == pytest.approx(hardness_at(0.03) / hardness_at(4.0), rel=1e-12)
     assert size_effect_factor(0.5, 0.03) == pytest.approx(hardness_at(0.03) / 1.3, rel=1e-12)
     assert size_effect_factor(0.5, 0.03, 0.03) == 1
 
 
-def test_indentation_depth_gives_the_slope_per_radius_of_the_contacts():
+def test_indentation_of_the_estimated_depth_has_the_slope_per_radius_of_the_contacts():
     slope_of_vickers = np.sqrt(np.pi / 24.5)  # slope of a cone with the area 24.5 h² of a Vickers indentation
     radius, slope, count = 0.3, 0.1, 5
     depth = estimate_indentation_depth(count * np.pi * radius**2, count, slope)
@@ -46,7 +46,7 @@ def test_indentation_depth_gives_the_slope_per_radius_of_the_contacts():
     )
 
 
-def test_contact_hardness_is_the_hardness_at_the_depth_of_the_contacts():
+def test_contact_hardness_is_the_hardness_at_the_indentation_depth_of_the_contacts():
     without_indent, result = press(), press(indent="2 um")
     depth = estimate_indentation_depth(
         *(mean_value(press(yield_exponent=10.0), name) for name in ("contact_area", "contact_count", "rms_gradient"))
@@ -98,7 +98,7 @@ def test_intervals_at_several_loads_agree_with_intervals_at_single_loads(indent)
         np.testing.assert_allclose(selected.squeeze(), single_load.squeeze(), rtol=1e-12)
 
 
-def test_yield_pressures_of_samples_are_computed_once_for_all_loads(monkeypatch):
+def test_yield_pressures_of_input_samples_are_computed_once_for_all_loads(monkeypatch):
     result = press(**UNCERTAIN_YIELDING)
     compute_pressure = FrictionLaw.yield_pressure
     num_computed = []
@@ -115,7 +115,7 @@ def test_yield_pressures_of_samples_are_computed_once_for_all_loads(monkeypatch)
     assert num_computed[0] == num_computed[1] > 0
 
 
-def test_unknown_indentation_adds_a_caveat_for_metals_only():
+def test_missing_indentation_depth_adds_a_caveat_for_metals_only():
     result, measured = press(), press(indent="2 um")
     polymer = press(effective_modulus=5.0, hardness=0.025, load="1 MPa", tau0=1e-3)
     texts = [
@@ -125,7 +125,7 @@ def test_unknown_indentation_adds_a_caveat_for_metals_only():
     assert "as hard as large ones" not in texts[1] + texts[2]
 
 
-def test_very_hard_metal_with_a_given_indentation_has_a_caveat():
+def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():
     options = {"hardness": 5.0, "tau0": 0.3, "load": "200 MPa"}
     texts = [
         " ".join(caveat.text for caveat in press(**options, indent=indent).summary().first.caveats)
@@ -141,7 +141,7 @@ def test_closure_and_stiffness_are_computed_without_the_size_effect(name):
     assert result == pytest.approx(without_indent, rel=1e-3)
 
 
-def test_text_about_several_loads_has_the_range_of_the_contact_hardness():
+def test_text_about_several_loads_states_the_range_of_their_contact_hardnesses():
     result = press(indent="2 um", load="10 MPa, 20 MPa")
     values = result.at()["contact_hardness"].sel(statistic="mean").values.ravel()
     assert values[0] > 1.02 * values[1]
@@ -149,7 +149,7 @@ def test_text_about_several_loads_has_the_range_of_the_contact_hardness():
     assert f"measured 2 µm deep, {smallest} to {largest} [" in " ".join(str(result).split())
 
 
-def test_caveat_and_contact_hardness_use_the_same_depth():
+def test_caveat_about_the_size_effect_and_contact_hardness_use_the_same_depth():
     text = next(caveat.text for caveat in press(yield_exponent=0.7).summary().first.caveats if "deep" in caveat.text)
     depth = 1e-3 * float(text.split(" nm deep")[0].split()[-1])
     expected = 0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0)
