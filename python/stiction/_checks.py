@@ -33,13 +33,14 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        with np.errstate(over="ignore"):  # a long double may become infinite, which is rejected
+        # converting a long double may overflow to infinity, which the check below rejects
+        with np.errstate(over="ignore"):
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # Test the sum instead of each element, which is faster: a finite sum means that all elements are finite.
+    # Testing the sum is faster than testing each element: if the sum is finite, all elements are finite.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():

@@ -18,10 +18,10 @@ MAX_SIGNIFICANT_DIGITS = 4
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper limit of an interval without upper limit
 # The upper limit is printed with one digit if it exceeds this multiple of the central number.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # code instead of the decimals of an upper limit, if no interval is printed
-# Code instead of the number of decimals of an upper limit with one digit and an exponent, as in "5e+09".
+NO_INTERVAL_CODE = -128  # code that replaces the number of decimals of an upper limit if no interval is printed
+# Code that replaces the number of decimals of an upper limit that is printed with one digit and an exponent ("5e+09").
 EXPONENT_CODE = -127
-MAX_DECIMALS = 100  # numbers of decimals, which may be negative, are limited to -MAX_DECIMALS ... MAX_DECIMALS
+MAX_DECIMALS = 100  # a number of decimals, which may be negative, is limited to -MAX_DECIMALS ... MAX_DECIMALS
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
 """Kind of the interval of an estimate; "" if there is no interval.
@@ -247,7 +247,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Return how many decimals numbers have after rounding to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # Write the rounded digits as a whole number, such as 123 for 0.01234.
+        # Convert the rounded digits to a whole number: 1234 for 0.01234 with four digits.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
         # Compare quotients: computing the remainder of a division takes ten times as long.

@@ -23,13 +23,13 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# Age (s) above which a partial file of another machine counts as left over.
+# Age (s) above which a partial file that another machine wrote counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
 # Time (s) between two refreshes of a directory claim: the claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because a process id may be reused
-# Number of bytes at each end of a file in which its signature is searched for.
+# The signature of a file is searched for in this number of bytes at its start and at its end.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -109,7 +109,7 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
     `move_file` moves it to `path` after success. After an error, the partial file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
-    try:  # inside `try`, the file is removed even if Ctrl-C arrives immediately
+    try:  # the file is created inside `try`, so that it is removed even if Ctrl-C arrives immediately after
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)
@@ -157,7 +157,7 @@ class DirectoryClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                # Create the claim again if another machine has removed it as left over.
+                # Create the claim file again if another machine has removed it as abandoned.
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # resolution of images in a notebook, in dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of images in a notebook, in inches
-# Maximum width (inches) of a one-column figure. Narrow figures get a higher resolution in a notebook.
+# Figures up to this width (inches) count as one-column figures. In a notebook, their images have a higher resolution.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # zlib level that takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4

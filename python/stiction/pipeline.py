@@ -250,7 +250,8 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # rewrite the table, because the coefficient of the result may have changed
+                # write the table again, because the coefficient of the result may differ from the coefficient in the
+                # old table
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")

@@ -283,10 +283,10 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        # the preview of a result runs beside its command, so it gets less memory
+        # a preview is computed while the command of the job runs, so the process of the preview gets less memory
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # there is no preview, or the page already shows a result of the command
+        # the command has no preview, or the page already shows a result of the command
         if response is None or (source and job.versions):
             return
         job.show(

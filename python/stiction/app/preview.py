@@ -28,7 +28,7 @@ from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradie
 
 # Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Colours of the lower and the upper line, visible on light and on dark backgrounds.
+# Colours of the profiles of the lower and the upper body, visible on light and on dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 

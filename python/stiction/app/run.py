@@ -40,7 +40,8 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # Check after the next turn of the event loop, so that the requests that have arrived are read first.
+            # Count the idle connections after the next turn of the event loop, when the requests that have arrived are
+            # read.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -107,7 +108,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Replace Uvicorn's signal handlers, which would raise the signal again before the directory is removed.
+    # Replace Uvicorn's signal handlers: they would raise the signal again before the app's directory is removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

@@ -49,7 +49,8 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-MAX_SCAN_BYTES = 300_000_000  # maximum size (bytes) of an uploaded scan, as for text files of the readers
+# maximum size (bytes) of an uploaded scan, equal to the limit for text files in the readers
+MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum size (bytes) of all uploaded scans together
 MAX_REQUEST_BYTES = 2**16  # maximum size (bytes) of a request, except for uploads of scans
 MAX_REQUEST_TIME = 120.0  # maximum time (s) for a request and its response
@@ -59,7 +60,7 @@ MAX_LISTED_RESULTS = 100  # maximum number of results that the app lists
 MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which the app draws a preview
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# Paths that need no key, because they contain nothing private.
+# Paths that are served without the access key of the app, because they contain nothing private.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {

@@ -29,13 +29,14 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Number of nuisance points that each adaptation draws, and maximum number in the result.
+# Number of nuisance points that are drawn in each adaptation of their distribution, and maximum number of nuisance
+# points in the result.
 # A nuisance point is one combination of the nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Initial number of nuisance points in the result, and its upper limit; each nuisance parameter doubles the number.
-# Nuisance points are added until the effective sample size is large enough.
+# Initial number of nuisance points in a result without nuisance parameters, and upper limit of the initial number.
+# Each nuisance parameter doubles the initial number. Points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter as a standard normal number
+MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter, in standard deviations
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the distribution from which nuisance points are drawn
 # The adaptation ends if the effective sample size is at least this fraction of the number of nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
@@ -63,7 +64,7 @@ class _BestFit:
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
     scores: Floats  # nuisance parameters of the best fit, as standard normal numbers
-    residuals: Floats  # residuals of the tests with sliding, divided by the errors of the tests
+    residuals: Floats  # residuals of the tests that slid, divided by the errors of the tests
     # derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters
     jacobian: Floats
     robust_factors: Floats  # square root of each test's weight, which is smaller for an outlier
@@ -79,9 +80,9 @@ class _GridLimits:
     # Lower and upper limit of tau0 (GPa) for each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # (points, tau0) mu0 of the best fit if contacts grow under shear, or None if no contact grows.
+    # mu0 of the best fit if contacts grow under shear, with the shape (points, tau0); None if no contact grows.
     best_mu0: Floats | None = None
-    width_below: Any = None  # (points, tau0) half widths of the range of mu0 below and above its best fit
+    width_below: Any = None  # half widths of the range of mu0 below and above the best fit; shape (points, tau0)
     width_above: Any = None
 
 
@@ -90,7 +91,7 @@ class _ProbabilityGrid:
     """Grid of mu0 and tau0 for each sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
-    # (points, tau0, mu0) ln(probability) of the tests, without the prior of the nuisance parameters.
+    # ln(probability) of the tests, without the prior of the nuisance parameters; shape (points, tau0, mu0).
     log_probability: Floats
 
 
@@ -130,7 +131,7 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # without given errors, assume errors proportional to the coefficients
+        else:  # if the tests have no given errors, assume errors proportional to the measured coefficients of friction
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         scatter_by_surfaces: dict[Hashable, float] = {}
         for equation in self._friction:
@@ -194,7 +195,8 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # If the interface were stronger than the softer body, a test would not measure the interface.
+                    # Exclude strengths at which the interface is stronger than the softer body: such a test would not
+                    # measure it.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -586,7 +588,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / error[:, np.newaxis, np.newaxis]
             )
-        # For all nuisance parameters, the prior is uniform in mu0 and in tau0 A/F.
+        # For each nuisance point, the prior is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -603,7 +605,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
-        # If the interface seizes in all cells, avoid NaN.
+        # The logarithm is infinite or NaN if the interface seizes in all cells.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -779,7 +781,7 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # If the interface seizes in all cells, avoid NaN.
+        # The difference is NaN if the interface seizes in all cells.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))

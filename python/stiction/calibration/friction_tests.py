@@ -64,7 +64,8 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    area_loss: Any = field(default=None, kw_only=True, compare=False)  # compared by `lost_fraction` instead
+    # excluded from comparisons, which use `lost_fraction`
+    area_loss: Any = field(default=None, kw_only=True, compare=False)
     # Elastic constants at the central moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty

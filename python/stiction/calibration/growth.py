@@ -8,10 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of tau0 that are tested in a search for the range of tau0, and number of successively finer searches.
+# Number of values of tau0 that one search for the range of tau0 tests, and number of successively finer searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
-MU0_DERIVATIVE_STEP = 1e-4  # change of mu0 for its numerical derivative, relative to 0.1 + mu0
+MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative with respect to mu0, as a fraction of 0.1 + mu0
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function of mu0 and tau0 in GPa (points, ...) that returns residuals in units of the errors (points, tests, ...).

@@ -87,7 +87,7 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
-            # If the tests have the same input, use its samples from the fit.
+            # If the input also affects the tests of the fit, use its samples from the fit.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))

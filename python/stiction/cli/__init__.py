@@ -24,7 +24,7 @@ A command with a short computation allocates fewer objects, most of them in impo
 def main() -> None:
     """Run a command, and exit with status 0 after success, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # The matrices are small. Waiting threads of OpenBLAS would occupy the processor for a tenth of a second.
+    # Let OpenBLAS use one thread: all matrices are small, and waiting threads would occupy the processor for 0.1 s.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]

@@ -157,7 +157,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _CommandWithHelpPanels(TyperCommand):
     """Command whose help lists options in panels, without types and ranges."""
 
-    common: Collection[str] = ()  # options that the short help of a command lists, if the command has many
+    common: Collection[str] = ()  # options that the short help of a command lists, if the command has many options
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
@@ -285,7 +285,7 @@ def run_command_line() -> int:
         with _reraise_hidden_interrupts():
             status = int(app(standalone_mode=False, prog_name="stiction") or 0)
             with suppress(BrokenPipeError):
-                sys.stdout.flush()  # flush the help text, which printing does not do
+                sys.stdout.flush()  # flush the help text, because typer prints it without flushing
             return status
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":

@@ -29,7 +29,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # leave a custom handler in place, and ignore SIGINT in a background job
+        yield  # do not replace a custom handler, nor a setting that ignores SIGINT, as in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)

@@ -121,8 +121,8 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    with contextlib.suppress(ValueError):  # the report raises the error again
-        # The report and the figure, which two processes compute, both show these values.
+    with contextlib.suppress(ValueError):  # when the report is computed, it raises the same error again
+        # Evaluate these points before the report and the figure, which two processes draw from the same points.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
         from stiction.views.figures import draw_figures  # imports Matplotlib, which must not delay the evaluation

@@ -125,7 +125,7 @@ def table_command(
     )
     if interface is not None:
         study = study.with_changes({"contact.sliding": rules})
-    signatures = {  # first bytes of the files of an earlier table, which may be replaced
+    signatures = {  # first bytes of the files that this command writes; a file that starts with them may be replaced
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
         LAWS_FILE_NAME: b"b of k/A0 = b p^c",

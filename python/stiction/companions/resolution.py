@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 CUTOFF_STUDY_DIRECTORY = "resolution"  # subdirectory of a result for the study of cutoffs
 NUM_AREAL_MEMBERS = 4  # maximum number of members in a study of cutoffs of height maps
 NUM_LINE_MEMBERS = 16  # maximum number of members in a study of cutoffs of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each is twice the previous one
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each cutoff is twice the previous cutoff
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number due to rounding to four digits
 MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest side of the scans
 
@@ -72,7 +72,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Round lengths up, so that none is shorter than two points, the shortest wavelength of a grid.
+    # Round lengths up, so that no cutoff is shorter than two grid spacings, the shortest wavelength of a grid.
     rounded_cutoffs = [
         cutoffs[0],
         *(
@@ -229,7 +229,7 @@ class YieldWavelengthEstimate:
     """Estimates for a hardness H: the wavelength (µm) at which the elastic pressure reaches H, and mu0 + tau0/H."""
 
     hardness: float
-    wavelength: Estimate  # wavelength at which the elastic pressure reaches H; NaN if it never does
+    wavelength: Estimate  # wavelength at which the elastic pressure reaches the hardness; NaN if no wavelength does
     friction: float
 
 

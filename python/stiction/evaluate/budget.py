@@ -245,7 +245,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # The percentiles of friction at the first cutoff enclose the percentiles at all other cutoffs.
+    # Extend the percentiles of friction at the first cutoff to enclose the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
@@ -354,7 +354,8 @@ class _CombinedQuantities:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # Extend the interval of a quantity without a dimension only at the first index along this dimension.
+            # A quantity without one of the dimensions has one interval for all indices of that dimension: extend the
+            # interval only once, at index 0.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -548,10 +549,10 @@ def _get_combined_coefficients(
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    # An interval counts as known even if its upper limit is infinite.
+    # An interval counts as computed even if its upper limit is infinite.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
-    # The interval at the first cutoff covers the intervals at all other cutoffs.
+    # Extend the interval at the first cutoff to include the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])

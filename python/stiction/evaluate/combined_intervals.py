@@ -41,13 +41,14 @@ FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 """Percentiles of the coefficient of a single test in `Result.at`. Design codes use the lowest one as a minimum."""
 
-# Largest ln(coefficient of a single test / mean coefficient), which prevents overflow.
+# Limit of ln(coefficient of a single test / mean coefficient): the exponential of a larger number could overflow.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64  # maximum number of arrays of true areas that are cached
-MAX_CACHED_PRESSURES = 256  # maximum number of cached arrays of pressure samples: all mu0 and tau0 of a report
+# maximum number of cached arrays of pressure samples, enough for all mu0 and tau0 of a report
+MAX_CACHED_PRESSURES = 256
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
 """Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. The hardness and the junction growth may be None."""
@@ -107,7 +108,7 @@ class _InputSamples:
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    modulus: Floats | float  # effective modulus E* divided by the E* of the study
+    modulus: Floats | float  # samples of the effective modulus E*, divided by the E* of the study
     creep: Floats | None  # exponents of indentation creep, one per sample
 
 

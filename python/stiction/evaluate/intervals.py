@@ -24,7 +24,7 @@ INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a load from which the slope of a curve is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads between which quantities are interpolated."""
-NUM_BATCH_VALUES = 2**17  # maximum number of numbers that are processed together; more are no faster
+NUM_BATCH_VALUES = 2**17  # maximum number of values that are processed together; larger batches are not faster
 MIN_SAMPLE_SIZE = 3  # minimum number of repetitions from which an interval is computed
 MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions from which an interval of the mean is computed
 MIN_RELATIVE_CHANGE = -1 + 1e-12
@@ -57,11 +57,11 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # (..., l) index of the first step at or above each load
-    fraction: Floats  # (..., l) position of each load between two steps, from 0 to 1
-    reached: NDArray[np.bool_]  # (..., l) True for loads that the curve reaches
-    below: NDArray[np.bool_]  # (..., l) True for loads below the first step
-    # Curves and requested loads, if a quantity is interpolated after division by the load; otherwise None.
+    index: NDArray[np.intp]  # index of the first step at or above each load; shape (..., loads)
+    fraction: Floats  # position of each load between two steps, from 0 to 1; shape (..., loads)
+    reached: NDArray[np.bool_]  # True for loads that the curve reaches; shape (..., loads)
+    below: NDArray[np.bool_]  # True for loads below the first step; shape (..., loads)
+    # Loads of the curves and requested loads, by which interpolated quantities are divided; None without division.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -127,7 +127,7 @@ class LoadCrossings:
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
-        # interpolated quantities may be infinite, such as the stiffness at complete contact
+        # Interpolated quantities may also be infinite, such as the stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
@@ -224,7 +224,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # Each of the p points is a curve with a load that the curve reaches.
+        # Each of the p points is a pair of a curve and a load that this curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -298,7 +298,7 @@ class _QuantityAtLoads:
         is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
-            # Equal loads and quantities in all repetitions differ only by the round-off of the load.
+            # If all repetitions have equal loads and quantities, the half width is only the round-off of the load.
             round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
             half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
@@ -497,7 +497,8 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Replace each line's positions by one number, so that the mean over lines equals the mean over all positions.
+        # Replace the values on each line by one number, such that the mean over lines equals the mean over all
+        # positions.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(sums, index, values)

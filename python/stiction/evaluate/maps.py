@@ -362,7 +362,7 @@ class _EnsembleQuantities:
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.compute_curves(cell, averages)[0][..., 0]
-            # Friction is self-locked if even the largest approach gives no positive normal load.
+            # Friction is self-locked if the normal load is not positive even at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,

@@ -293,7 +293,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # With few members, the limits of the interval are NaN.
+    # Comparisons ignore limits of the interval that are NaN because there are few members.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)

@@ -489,8 +489,8 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A member without a coefficient has the status of the first step at or above the load.
-        # If that status is "ok", the status of the member remains.
+        # If a coefficient is missing, store the status of the first step at or above the load, unless this step is
+        # "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

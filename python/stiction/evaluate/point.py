@@ -46,7 +46,8 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan  # small-slope estimate of the coefficient (`gentle_friction`); NaN for generated bodies
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficients with intervals of the mean, by direction of motion in degrees, along axes or in all directions.
+    # Coefficients with intervals of the mean, by direction of motion in degrees: along the axes, and in every
+    # direction.
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
@@ -129,7 +130,7 @@ class PointQuantities:
     """
 
     estimates: dict[str, Estimate]
-    numbers: dict[str, float]  # quantities of a result without an interval
+    numbers: dict[str, float]  # quantities of a result that have no interval
     # quantiles of each distribution, by the probability of numbers below the quantile
     distributions: dict[str, dict[float, Estimate]]
 

@@ -281,7 +281,8 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            continue  # the peaks of all samples are at one displacement, but the true peak may lie between two
+            # all samples peak at the same computed displacement, but the true peak may lie between two displacements
+            continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
             before, after = displacement[[max(index - 1, 0), min(index + 1, displacement.size - 1)]]

@@ -38,7 +38,7 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps between two extrapolated steps, which damp the oscillations that extrapolation causes.
+# Number of plain steps between two extrapolated steps. Plain steps damp the oscillations due to extrapolation.
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, in lengths of the plain step
 # maximum number of contact solutions for one external load, including jumps between equilibria
@@ -61,10 +61,11 @@ MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
-# The search for the pull-off load ends if the bodies separate under a load that is lower by this fraction.
+# The search for the pull-off load ends if the bodies separate under a load below the lowest equilibrium load.
+# The separation load must be lower by at least this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
 # If decreasing contact loads lead past the minimum load, plain steps must also separate the bodies under a load that is
-# lower by this fraction.
+# below the minimum load by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
 # A contact solution at an interpolated load is computed only if the load is lower than all equilibrium loads.
 # The load must be lower by at least this fraction of the lowest equilibrium load.
@@ -72,7 +73,8 @@ MIN_LOAD_IMPROVEMENT = 0.003
 # two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6  # maximum number of contact solutions at interpolated loads
-# The bodies must separate from an equilibrium whose load differs by at most this fraction.
+# A separation proves that a load is too low only if the iteration started from an equilibrium at a similar load.
+# The two loads may differ by at most this fraction.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
 MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
@@ -92,7 +94,7 @@ INITIAL_STEP_FRACTION = 0.125
 MAX_SLOPE_RATIO = 0.05
 MAX_STEP_LENGTH = 1e4
 MAX_LINE_SEARCH_STEPS = 12
-# Number of steps after which the net pressure is computed in double precision, because round-off accumulates.
+# The net pressure is recomputed in double precision after this number of steps, because round-off accumulates.
 NUM_STEPS_PER_RECOMPUTATION = 20
 MAX_FAILED_DESCENTS = 3  # maximum number of successive directions along which round-off increases the energy
 # Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
@@ -118,7 +120,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Progress of the search that uses the iteration, which decides when to stop.
+    # Progress of the search that runs this iteration, from which the search decides when to stop.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -379,7 +381,8 @@ class AdhesionSolver:
             return states
         # Equilibria at given contact loads may be unstable. The energy is minimized from stable equilibria.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
-        # The contact load is positive, and the attraction is at most the attraction of an earlier state.
+        # Lower bound of the minimum load: the contact load is positive, and the attraction is at most the attraction of
+        # an earlier state.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)

@@ -36,7 +36,7 @@ quarter of the time of solving a contact with free boundaries.
 TILT_DISPLACEMENT_RATIO = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Largest pressure in a linear response to a mean pressure of 1, which no response reaches even on coarse grids.
+# Limit of the pressures in a linear response to a mean pressure of 1. No response reaches it even on coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer side of a grid cell to its shorter side
 
@@ -67,7 +67,7 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Pickle grids without their kernels, which another process computes again.
+# Pickle grids without their kernels, which the process that unpickles the grids computes again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
@@ -358,7 +358,7 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     }
 
 
-# Largest accepted ratio of gap to length. Such slopes are already far too steep for the model.
+# Largest accepted ratio of the gap to the side length of the grid. Such slopes are far too steep for the model.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Two tangential loads get the same solution if they differ by at most this fraction of the sliding load.
 LOAD_TOLERANCE = 1e-9
-# Tangential loads and displacements below this fraction of those at sliding count as round-off.
+# Tangential loads and displacements count as round-off below this fraction of the load and displacement at sliding.
 MIN_SLIDING_FRACTION = 1e-12
 # Tolerance of a requested displacement, as a fraction of the displacement at the onset of sliding.
 DISPLACEMENT_TOLERANCE = 1e-7

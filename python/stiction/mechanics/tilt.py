@@ -114,7 +114,7 @@ def solve_with_balanced_tilt(
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
             # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
-            # At low loads, the search for the tilt starts from rigid surfaces, with a finer tolerance.
+            # The search for the tilt therefore starts from rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())

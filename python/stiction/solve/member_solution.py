@@ -232,7 +232,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # At its minimum, a contact starts with zero load, so the load curve has no jumps.
+    # With the detection `gap_minimum`, each contact starts with zero load, so the load curve has no jumps.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_STEP,
         1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
@@ -378,8 +378,8 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# maximum number of iterations for the pull-off force of lines and of maps
-# Each step of an energy minimization counts as 2 iterations.
+# maximum number of iterations for the pull-off force, for lines (False) and maps (True)
+# each step of an energy minimization counts as 2 iterations
 MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 8000}
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of solver iterations with adhesion, for lines (False) and maps (True).

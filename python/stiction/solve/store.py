@@ -121,7 +121,7 @@ class StoreInfo:
     """Description of a result directory: study, number of finished members, file size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions, of `study.ensemble.repetitions`
+    finished: int  # number of finished repetitions, out of `study.ensemble.repetitions`
     size: int  # size of a result on disk, in bytes
     versions: dict[str, str]  # software versions with which a result was computed
 
