@@ -56,7 +56,8 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# Largest number of directions times frequencies of generated surfaces, which determines the run time.
+# Largest product of the numbers of directions and frequencies of generated surfaces. The product determines the run
+# time.
 MAX_HARMONICS = 1_000_000
 
 

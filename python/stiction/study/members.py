@@ -37,8 +37,8 @@ from stiction.surfaces.surface import Surface
 # Maximum size (bytes) of the profiles of one body that are generated together.
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16  # maximum number of pairs of filtered and levelled scans that are cached
-NUM_AVERAGED_MEMBERS = 16  # number of members whose mean fraction of measured points is computed
-# Number of points that is assumed for files that do not exist yet: profiles (False) and maps (True).
+NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
+# Number of points that is assumed for a scan whose file does not exist yet: a profile (False) or a map (True).
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------

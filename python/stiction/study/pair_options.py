@@ -432,7 +432,7 @@ class PairOption:
     value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
     help: str  # help text of an option, in one or two sentences; {name} stands for another option
     kind: OptionKind | None = None
-    usual: str = ""  # description of the default of an option
+    usual: str = ""  # text that describes the default of an option
     flag: str = ""  # name of an option on the command line, if it differs from the field name
     argument: str = ""  # name of an option in Python, if it differs from the field name
     key: str = ""  # key of the study file that an option sets
@@ -440,7 +440,7 @@ class PairOption:
     applies: tuple[OptionCondition, ...] = ()
     is_common: bool = False  # True if the short help lists the option
     is_repeatable: bool = False  # True if the option can be given several times on the command line
-    is_list: bool = False  # True if commas separate several inputs of one option for the same file
+    is_list: bool = False  # True if an option accepts several inputs for one file, separated by commas, as in "mm,um"
     is_in_python: bool = True  # True if `stiction.pair` has a parameter for the option
 
 

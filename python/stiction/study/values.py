@@ -191,7 +191,7 @@ class SettingsSection(BaseModel):
 class SettingsSectionVariant(SettingsSection):
     """Base class for sections with several variants, each of which is a class with different keys."""
 
-    place: ClassVar[str]  # phrase for a variant of a section in error messages
+    place: ClassVar[str]  # name of a section variant in error messages, such as "measured surfaces"
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:

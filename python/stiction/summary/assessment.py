@@ -665,7 +665,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     """Yield caveats about neglected or unresolved adhesion, and about inputs that the interval ignores."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
-        # The asperity model does not include adhesion.
+        # The asperity model always neglects adhesion: its results have a caveat only if adhesion would double the load.
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"about {100 * added_load:.2g} %" if added_load < 1 else "more than 100 %"

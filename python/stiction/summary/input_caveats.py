@@ -372,7 +372,7 @@ def _find_instrument_caveats(
     except ValueError:  # a flat body raises a ValueError
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
-        # At longer cutoffs, the caveat does not apply.
+        # At cutoffs of `limit.cut_off` or more, the caveat about the noise does not apply.
         limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:

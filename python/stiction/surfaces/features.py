@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Wolf pruning merges hills or dales that are lower than this fraction of the maximum height with a neighbour.
+# In Wolf pruning, a hill or dale with a height below this fraction of the maximum height is merged with a neighbour.
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
 

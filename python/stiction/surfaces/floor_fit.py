@@ -18,9 +18,9 @@ _INITIAL_FLOOR_FRACTION = 0.3
 _LOSS_TOLERANCE = 1e-13
 # maximum number of steps of the fit of a noise floor; nearly all fits need fewer than 20
 _MAX_FIT_STEPS = 200
-# factors by which the damping of the steps changes after a step that decreases the loss, and after one that does not
+# factors by which the damping of the steps changes after a step that decreases the loss, and after a step that does not
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
-_INITIAL_DAMPING = 1e-3  # as a fraction of the diagonal of the expected Hessian
+_INITIAL_DAMPING = 1e-3  # initial damping of the steps, as a fraction of the diagonal of the expected Hessian
 
 
 class BinnedSpectrum(NamedTuple):

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Largest difference of equal second differences of the heights, as a fraction of the height range.
-# The difference is larger than the round-off of levelling and of single-precision heights.
+# Second differences of the heights count as equal if they differ by at most this fraction of the height range.
+# The limit exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of equal second differences of the heights that may be due to rounding
 _MIN_REPEATED_FRACTION = 0.5  # fraction of the second differences that must be repeated if the heights are rounded

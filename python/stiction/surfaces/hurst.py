@@ -471,7 +471,8 @@ def _fit_spectrum_pieces(
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
-        pieces = piece_ends - starts == size  # in the order of their starts, as the rows of the windows
+        # pieces of this size, in ascending order of their starts like the rows of the sliding windows
+        pieces = piece_ends - starts == size
         rows = (sliding_window_view(each, size) for each in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*rows)
     return starts, piece_ends, exponents, losses

@@ -21,7 +21,7 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectral density and the fitted power law
-# Largest ratio of the limits of two wavelength bands that count as the same band.
+# Two wavelength bands count as equal if their lower limits and their upper limits differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Variance of ln(density) in a bin due to deviations from a power law, without the statistical variance.
 _LOG_MODEL_VARIANCE = 0.04

@@ -27,7 +27,8 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
 
 # Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
-# Independent rounding errors deviate by 0.25 from means of neighbours, and by 0.21 to 0.33 from lines through them.
+# For independent rounding errors, the median deviation is 0.25 from means of neighbours, and 0.21 to 0.33 from lines
+# through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
@@ -49,7 +50,8 @@ _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)
 # maximum number of points of a map whose deviations from neighbours are computed in one strip of rows
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS = 100_000  # maximum number of windows whose medians are computed together
-# Minimum number of points at edges, or of rough points beside flat regions, for their own median deviation.
+# Points at edges, and rough points beside flat regions, have their own median deviation if there are at least this
+# many.
 _MIN_EDGE_POINTS = 20
 
 

@@ -32,7 +32,7 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of line pairs, for which a result with an interval takes one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
-# Largest shift of one map over the other: a quarter of its length, so that three quarters overlap.
+# Largest shift of one map over the other: the length of the map divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map

@@ -33,7 +33,8 @@ _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian fil
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points around the overlap of two scans that spline interpolation needs
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are compared in the search for the best cutoff
-# A shift of a scan counts as a whole number of points if it differs from one by at most this number of points.
+# A shift of a scan counts as a whole number of points if it differs from a whole number by at most this fraction of a
+# point.
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 

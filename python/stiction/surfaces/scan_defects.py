@@ -294,7 +294,8 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # Beside a spike wider than one point, the second difference is also large. At both ends, it is unknown.
+        # Beside a spike wider than one point, the second difference is also large. At both ends of a profile, the
+        # second difference is unknown.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:

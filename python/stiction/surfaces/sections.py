@@ -27,7 +27,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5  # default number of sections in an evaluation length
-_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios at which the heights are taken whose difference is Rdc
+_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios of two heights, whose difference is the parameter Rdc
 
 
 class SettingClass(NamedTuple):

@@ -13,7 +13,8 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# Points at which the tip is at most this distance above the surface count as touched, as a fraction of the height.
+# The tip touches a point if its distance above the point is at most this fraction of the largest height or height
+# range.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # relative range of A/F above which its interval or range is printed
-# Tests narrow an interval if they move a limit by more than this fraction of its width.
+MIN_PRINTED_AREA_RANGE = 1e-6  # values of A/F count as equal if their relative range is at most this number
+# Tests narrow an interval if they move one of its limits by more than this fraction of the interval's width.
 MIN_NARROWING = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of pairs of mu0 and tau0 that a figure shows
 

@@ -328,7 +328,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         # Cutoffs (µm) of all scans of each body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a variant of the filter that the interval of another point covers.
+        # False for a point at a variant of the filter, if the interval of another point covers the variant.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

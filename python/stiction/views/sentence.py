@@ -30,7 +30,8 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The printed sentence defines the load if its definition changes the coefficient by more than this fraction.
+# The printed sentence states how the load is defined if another definition of the load would change the coefficient by
+# more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # The range for finer scans is printed only if its width is at least this fraction of the interval's width.
 MIN_STATED_BRACKET_WIDTH = 0.05

@@ -16,7 +16,7 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 
 # The header of a known file layout is searched for in this many lines, and in this many characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-PIECE_LENGTH = 250_000  # number of characters of a text whose lines are classified together
+PIECE_LENGTH = 250_000  # number of characters of a text that are processed at a time to classify its lines
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that a message shows
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2

@@ -15,7 +15,7 @@ MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per point in a list of points
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum grid step of rounded positions, in units of the last printed digit
 # Largest distance between rounded positions and a grid, in units of the last printed digit.
-# Rounding displaces positions by up to 1 digit, and the error of the fitted grid step adds 0.2 digits.
+# Rounding displaces positions by up to 1 unit, and the error of the fitted grid step adds 0.2 units.
 MAX_SCATTER_DIGITS = 1.2
 MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the smallest gap between grid points to the largest gap caused by rounding
 
@@ -135,7 +135,7 @@ def estimate_step(positions: Floats) -> float | None:
     gaps = np.diff(distinct_positions)
     if not gaps.size:
         return None
-    # A gap between sorted positions is a rounding error, a grid step, or a multiple of it if nodes are missing.
+    # A gap between sorted positions is a rounding error, one grid step or, if nodes are missing, several grid steps.
     ordered_gaps = np.sort(gaps)
     ratios = ordered_gaps[1:] / ordered_gaps[:-1]
     if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:

@@ -585,7 +585,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
-    # separates names at units in brackets, as in "x (mm)" and "z (um)"
+    # split the line after each unit in brackets, as in "x (mm) z (um)"
     cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())
     if all(is_unit(unit_in_column_name(cell) or "") for cell in cells_with_units):
         candidates.append(cells_with_units)

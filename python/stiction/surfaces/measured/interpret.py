@@ -62,7 +62,7 @@ class ReadOptions:
     crop: tuple[float, ...] | None  # region to read: first and last x and, for a surface, first and last y, µm
     codes: tuple[float, ...] = ()  # numbers that mark missing points, in the unit of the file
     words: tuple[str, ...] = ()  # words that mark missing points
-    accept: tuple[str, ...] = ()  # names of the caveats about a file that the caller accepts
+    accept: tuple[str, ...] = ()  # names of the file caveats that the caller accepts
     # True if `unit` is one unit for heights and for lengths without a unit in the file
     one_unit: bool = False
 
@@ -582,8 +582,8 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding of the printed positions changes the distance of the first and last point by up to one digit.
-    # Truncation of the printed positions changes this distance by less than one digit.
+    # Rounding of the printed positions changes the distance between the first and the last point by up to one unit of
+    # the last digit. Truncation changes this distance by less than one unit.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

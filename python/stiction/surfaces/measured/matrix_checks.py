@@ -27,13 +27,15 @@ MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics, such
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
 MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
-# If a matrix is at most 100 times as likely as a profile written in several text lines, it has a caveat.
-# In a wrapped profile, heights differ from the end of a line to the next line as much as within a line.
-# In a matrix, heights differ between the end of a line and the next line as much as neighbours in a column.
+# A matrix has a caveat unless it is more than 100 times as likely as a profile written in several text lines. In a
+# wrapped profile, heights differ from the end of a line to the next line as much as within a line. In a matrix, heights
+# differ between the end of a line and the next line as much as neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0
-# in the search for a wrapped profile, heights farther from the median (in median deviations) are ignored
+# in the search for a wrapped profile, heights are ignored if they are farther from the median than this number of
+# median deviations
 MAX_DEVIATION_IN_LINES = 8.0
-# minimum ratio of the mean square height differences of neighbours in a column and in a line of a wrapped profile
+# Minimum ratio of two mean square height differences in a wrapped profile: between neighbours in a column, and between
+# neighbours in a line.
 MIN_COLUMN_DIFFERENCE = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
@@ -108,7 +110,8 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    positions: dict[int, tuple[int, Any]] = {}  # number of different positions in each column, and their indices
+    # number of different positions in each column, and index of the position in each row
+    positions: dict[int, tuple[int, Any]] = {}
     for place in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, place]).all():
             distinct, index = np.unique(values[:, place], return_inverse=True)

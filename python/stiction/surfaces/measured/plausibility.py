@@ -40,13 +40,13 @@ NUM_NEIGHBOURS = 12
 # A height is unusually frequent if it occurs MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 # The symbol m stands for the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-# fraction of the points that must have the same height for a caveat about an unusually frequent height
+# smallest and largest fraction of points with the same height for a caveat about an unusually frequent height
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Rows that equal the row before have a caveat up to this fraction of all rows.
-# If more rows equal the row before, the map is probably an extended profile.
+# Rows that equal the row before them have a caveat if they are at most this fraction of all rows.
+# If the fraction is larger, the map is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile has a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
@@ -66,7 +66,7 @@ class ScannedHeights:
     heights: Floats
     spacing: tuple[float, ...]  # spacing of a scan (µm) along y and x, or of a profile along x
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
-    from_file: bool = True  # False for a body in memory, whose heights may be computed
+    from_file: bool = True  # False for a body in memory: its heights may be computed, so some checks do not apply
     declared_range: float | None = None  # range of the heights in the header of the file, µm
     from_text: bool = True  # True for numbers read from text; whole numbers in text may be counts
 

@@ -37,7 +37,7 @@ MAX_FILE_BYTES = 2_000_000_000
 # Largest size of a text file, in bytes: parsing needs ten times as much memory as the text.
 MAX_TEXT_BYTES = 300_000_000
 MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
-MAX_POINTS_OF_SMALL_MAP = 1_000_000  # maximum number of points of a map that may be larger than its file
+MAX_POINTS_OF_SMALL_MAP = 1_000_000  # number of points that every map may have, however small its file is
 # smallest and largest spacing or size that a header can declare, µm
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
@@ -209,10 +209,11 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps listed in a file, applied to the heights before they were written
-    # True for a NumPy array, in which the first column must have equal steps to be positions
+    # True for a NumPy array, whose first column contains positions only if it has equal steps
     area: bool = False
     source: HeightProvenance = HeightProvenance()
-    places: tuple[int, ...] | None = None  # column numbers in a file, if a table has only some of its columns
+    # column numbers, counted in the file, if a table has only some of the columns
+    places: tuple[int, ...] | None = None
     # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()

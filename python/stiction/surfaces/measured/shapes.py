@@ -53,9 +53,9 @@ MAX_LISTED_NAMES = 12  # maximum number of column names that a message lists
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
 MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured positions
 MAX_JITTER = 0.5  # largest difference between steps of measured positions, relative to the mean step
-# A surface counts as tilted if heights and point index have at least this correlation in every line.
+# A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
 MIN_TILT_CORRELATION = 0.98
-# Minimum number of following numbers with equal decimals that make a first number with fewer decimals suspicious.
+# A first number with fewer decimals is suspicious if at least this number of following numbers have equal decimals.
 MIN_COMPARED_NUMBERS = 20
 # Smallest step of a column of positions, in units of the last printed digit.
 # If the step is below three digits, coarsely rounded heights may have equal steps by chance.
@@ -656,7 +656,8 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions have unequal steps, as have heights of a tilted surface, which rise in every line.
+    # Measured positions and heights of a tilted surface both rise in unequal steps.
+    # Heights of a tilted surface rise in every line.
     return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 

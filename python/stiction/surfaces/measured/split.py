@@ -29,7 +29,8 @@ from stiction.surfaces.measured.raw import FormatError
 _MAX_SAMPLE_LINES = 60  # maximum number of text lines from which the separator and the decimal mark are detected
 # Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-_MIN_SAMPLED_LINE_LENGTH = 200  # number of characters of a long line from which the separator is detected
+# minimum length (characters) to which sample lines are truncated before the separator is detected
+_MIN_SAMPLED_LINE_LENGTH = 200
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows of a column from which the last printed digit is determined
 MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes above a table
 _QUOTED_SEPARATOR = "\x1f"  # cell separator in a text whose quotation marks were removed

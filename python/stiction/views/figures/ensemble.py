@@ -195,7 +195,7 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
         axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
-    # Include mu0, all valid coefficients, and at least half of the invalid coefficients.
+    # The axis includes mu0, all valid coefficients, and at least half of the invalid coefficients.
     valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
     median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
     upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0

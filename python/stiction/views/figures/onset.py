@@ -98,7 +98,7 @@ def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-NUM_CURVE_POINTS = 200  # number of points of a curve between the computed points
+NUM_CURVE_POINTS = 200  # number of interpolated points of a drawn curve
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
