@@ -38,7 +38,7 @@ def caveat_texts(point):
     return "; ".join(caveat.text for caveat in point.caveats)
 
 
-def test_summary_of_measured_surfaces_lists_friction_at_all_contacts_first():
+def test_summary_of_measured_surfaces_lists_the_coefficient_for_all_contacts_first():
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     assert [rule.rule for rule in point.rules] == ["all", "opposing"]
     assert (point.value, point.lower, point.upper) == pytest.approx((0.21, 0.1995, 0.2205))
@@ -65,7 +65,7 @@ def test_summary_of_measured_surfaces_lists_friction_at_all_contacts_first():
     assert summarize_single_point(dataset, measured_study()).value == 0.21
 
 
-def test_summary_of_generated_surfaces_reports_friction_at_opposing_contacts():
+def test_summary_of_generated_surfaces_has_only_the_coefficient_for_opposing_contacts():
     points = summarize(generated_result(), generated_study()).points
     assert [point.at["fractal_dimension"] for point in points] == [1.1] * 4 + [1.4] * 4
     assert [rule.rule for rule in points[0].rules] == ["opposing"]
@@ -73,7 +73,7 @@ def test_summary_of_generated_surfaces_reports_friction_at_opposing_contacts():
     assert "elastic" not in inputs_text(points[0])
 
 
-def test_summary_contains_an_assessment_for_every_combination_of_load_and_mu0_and_tau0():
+def test_summary_has_a_point_for_every_combination_of_load_mu0_and_tau0_and_for_every_cutoff():
     points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
@@ -160,7 +160,7 @@ def test_quotable_sentence_contains_the_assessment_and_caveats_and_version_and_a
 
 
 @pytest.mark.parametrize("case_name", FAULT_CASES)
-def test_sentence_about_a_result_with_a_fault_contains_no_coefficient(case_name):
+def test_quotable_sentence_about_a_result_with_a_fault_contains_no_coefficient(case_name):
     fault_changes, unaffected_changes, word = FAULT_CASES[case_name]
     point = summarize_single_point(measured_result(**fault_changes), measured_study())
     assert point.assessment == "Do not quote"
@@ -221,7 +221,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
 )
-def test_assessment_on_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
+def test_assessment_of_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
     assert summarize_single_point(measured_result(**numbers), measured_study(**study)).assessment == "Quote it"
 
 
@@ -252,7 +252,7 @@ def test_high_pressure_of_generated_surfaces_adds_a_caution_but_no_fault():
         assert {point.assessment for point in points} == {assessment}
 
 
-def test_sentence_about_a_result_without_coefficient_states_the_reason():
+def test_quotable_sentence_about_a_result_without_coefficient_states_the_reason():
     point = summarize_single_point(
         measured_result(status="not-reached", all_contacts=np.nan, opposing=np.nan, ok=0), measured_study()
     )
@@ -266,7 +266,7 @@ def test_sentence_about_a_result_without_coefficient_states_the_reason():
     assert "ok" not in text.splitlines()[0]
 
 
-def test_caveats_about_inputs_are_listed_after_faults():
+def test_caveats_about_inputs_are_listed_after_faults_of_the_result():
     input_caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result(share_at_edge=0.6)
     point = summarize_point(next(iterate_points(dataset)), measured_study(), [input_caveat])
@@ -285,11 +285,11 @@ def test_caveats_about_inputs_are_listed_after_faults():
         (list(range(0, 180, 30)), "the mean over 0°, 30°, 60°, 90°, 120° and 150°"),
     ],
 )
-def test_text_about_averaged_directions_describes_one_or_two_or_evenly_spaced_directions(directions, description):
+def test_text_about_averaged_directions_describes_one_two_or_evenly_spaced_directions(directions, description):
     assert averaged_directions_text(directions) == description
 
 
-def test_sentence_about_profiles_states_directions_and_nominal_pressure():
+def test_quotable_sentence_about_profiles_states_directions_and_nominal_pressure():
     point = summarize_single_point(
         measured_result(directions=(0.0, 180.0)), measured_study(press="lines", mechanics="asperities")
     )
@@ -302,7 +302,7 @@ def test_sentence_about_profiles_states_directions_and_nominal_pressure():
         assert "(1 MPa)" in quotable_sentence(point)
 
 
-def test_sentence_states_the_definition_of_load_if_it_changes_the_coefficient_noticeably():
+def test_quotable_sentence_states_the_definition_of_load_if_it_changes_the_coefficient():
     for difference, is_given in (
         (2 * MIN_STATED_LOAD_DEFINITION_EFFECT, True),
         (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),
@@ -333,7 +333,7 @@ def test_text_about_the_small_slope_estimate_lists_neglected_effects():
     )
 
 
-def test_note_on_the_interval_is_part_of_a_caveat_only_at_loads_with_an_interval():
+def test_caveat_mentions_the_interval_only_at_loads_at_which_the_coefficient_has_an_interval():
     note = "; the interval includes the result for masked outliers"
     caveat = Caveat("2 points are sharp", "mask them", "caution", interval_note=note)
     dataset = measured_result(loads=(1.0, 10.0))
@@ -346,7 +346,7 @@ def test_note_on_the_interval_is_part_of_a_caveat_only_at_loads_with_an_interval
 
 
 @pytest.mark.parametrize("is_floor", [True, False])
-def test_interval_contains_filtered_and_unfiltered_results(is_floor):
+def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(is_floor):
     cut_offs = (0.5, 0.0) if is_floor else (0.0, 0.5)
     dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half_width_ratio=0.02, all_contacts=0.25)
     for name in ("mean_friction", "friction_coefficient"):
@@ -388,7 +388,7 @@ def test_summary_without_an_interval_has_no_budget_entry_of_possible_noise():
         assert summarize(dataset, study).points[0].budget == ()
 
 
-def test_faults_of_the_unfiltered_result_also_apply_to_the_filtered_result():
+def test_filtered_result_inherits_the_faults_of_the_unfiltered_result():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     dataset["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = (
         2.0  # Half width of the interval of the unfiltered scan, which is too wide for a quotable result.
@@ -407,7 +407,7 @@ def study_with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coefficient():
+def test_range_for_finer_scans_extends_from_the_plastic_limit_beyond_the_coefficient():
     point = summarize(measured_result(all_contacts=0.24, half_width_ratio=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
@@ -427,14 +427,14 @@ def test_range_for_finer_scans_extends_from_the_plastic_limit_to_above_the_coeff
 @pytest.mark.parametrize(
     ("input_range", "expected_text"), [("1.1 GPa", "1.1 GPa;"), ("0.9..1.3 GPa", "1.08 GPa (0.9..1.3 GPa);")]
 )
-def test_sentence_states_hardness_with_its_range(input_range, expected_text):
+def test_quotable_sentence_states_the_hardness_with_its_range(input_range, expected_text):
     study = measured_study(hardness=1.1).with_changes({"contact.hardness": input_range})
     assert f"hardness {expected_text}" in quotable_sentence(summarize_single_point(measured_result(), study)).replace(
         ", points", ";"
     )
 
 
-def test_sentence_states_the_number_of_surrogate_pairs():
+def test_quotable_sentence_states_the_number_of_surrogate_pairs():
     point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
     assert "16 pairs of surrogates (random surfaces with these spectra)" in quotable_sentence(point)
     assert "random" not in quotable_sentence(summarize(measured_result(members=16), measured_study()).points[0])
@@ -465,7 +465,7 @@ def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5
     assert not any("junction growth" in caveat.text for caveat in caveats_of_elastic_contact)
 
 
-def test_zero_tau0_adds_a_caveat():
+def test_zero_tau0_adds_a_caveat_that_the_coefficient_is_the_given_mu0():
     dataset = measured_result(tau0=(0.0,))
     dataset["mean_friction"] = dataset["mean_friction"] / 0.21 * 0.2012
     caveats = [caveat.text for caveat in summarize(dataset, measured_study()).points[0].caveats]
@@ -510,7 +510,7 @@ def test_range_for_finer_scans_starts_at_the_coefficient_if_this_is_below_the_pl
 
 
 @pytest.mark.parametrize("changes", [{"contact_count": 4.9}, {"share_on_largest": 0.51}])
-def test_few_contacts_are_not_a_fault_if_contacts_have_merged(changes):
+def test_few_contacts_are_no_fault_if_a_large_contact_area_shows_that_contacts_have_merged(changes):
     assert summarize_single_point(measured_result(**changes), measured_study()).assessment == "Do not quote"
     assert (
         summarize_single_point(measured_result(**changes, contact_area_fraction=0.35), measured_study()).assessment
@@ -561,7 +561,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_use_the_word_of_the_study_for_pairs_of_surfaces(study, members):
+def test_caveats_call_members_positions_or_pairs_of_surrogates_as_the_study_does(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 3 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
@@ -578,7 +578,7 @@ def test_caveats_use_the_word_of_the_study_for_pairs_of_surfaces(study, members)
 
 
 @pytest.mark.parametrize(("press", "min_positions"), [("areas", 3), ("lines", 8)])
-def test_caveat_about_a_missing_interval_states_the_smallest_number_of_positions_with_an_interval(press, min_positions):
+def test_caveat_about_a_missing_interval_states_how_many_positions_an_interval_requires(press, min_positions):
     study = measured_study(press=press)
     (caveat,) = summarize_single_point(measured_result(half_width_ratio=np.nan), study).faults
     assert caveat.remedy == f"an interval requires at least {min_positions} different positions"
@@ -590,12 +590,12 @@ def test_caveat_about_a_missing_interval_states_the_smallest_number_of_positions
         assert np.isfinite(limits).all() == (count == min_positions)
 
 
-def test_caveats_of_generated_surfaces_use_the_word_repetitions():
+def test_caveats_call_pairs_of_generated_surfaces_repetitions():
     point = summarize(generated_result(contact_count=0.05), generated_study()).points[0]
     assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
 
 
-def test_caveat_about_few_contacts_of_a_gap_does_not_mention_positions():
+def test_caveat_about_few_contacts_of_a_single_gap_does_not_mention_positions():
     study = measured_study().with_changes({"surfaces.gap": True})
     point = summarize_single_point(measured_result(contact_count=4.0, members=1, ok=1), study)
     (fault,) = point.faults
@@ -604,7 +604,7 @@ def test_caveat_about_few_contacts_of_a_gap_does_not_mention_positions():
     )  # fmt: skip
 
 
-def test_caveat_contains_the_checked_value_and_its_limit():
+def test_caveat_object_contains_the_checked_value_and_its_limit():
     (caveat,) = summarize_single_point(measured_result(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
     assert caveat.text == "60 % of the load is on contacts at the edge"

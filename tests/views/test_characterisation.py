@@ -50,7 +50,7 @@ def texts_by_label(text):
 
 
 class TestCharacterisationText:
-    def test_text_about_a_profile_shows_results_of_the_library(self, profile):
+    def test_characterisation_text_of_a_profile_contains_the_values_of_the_library(self, profile):
         texts, estimate = texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert texts["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
@@ -64,12 +64,12 @@ class TestCharacterisationText:
         assert texts["m4"].endswith(" 1/µm²")
         assert "Hann" in texts["spectrum"]
 
-    def test_text_about_a_profile_states_the_given_band_and_periodicity(self, profile):
+    def test_characterisation_text_of_a_profile_states_the_given_band_and_periodicity(self, profile):
         texts = texts_by_label(characterisation_text(profile, band=(0.1, 2.0), periodic=True))
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_characterisation_text_has_no_hurst_exponent_if_there_is_no_band_and_rejects_invalid_profiles(
+    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_input(
         self, profile
     ):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
@@ -88,7 +88,7 @@ class TestCharacterisationText:
         assert texts_by_label(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == expected_text
 
 
-def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
+def test_instrument_limit_is_called_negligible_if_its_fraction_of_the_slope_is_small(profile):
     noise = np.random.default_rng(1).normal(size=len(profile))
     smooth_heights = cut_off(profile, 0.3).heights
     for rms, expected_words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
@@ -100,7 +100,7 @@ def test_instrument_limit_is_negligible_if_its_slope_fraction_is_small(profile):
         assert (characterisation.instrument_limit.slope_fraction < NEGLIGIBLE_SLOPE_FRACTION) == (rms < 1e-4)
 
 
-def test_tip_radius_adds_a_line_without_a_second_cutoff(profile):
+def test_tip_radius_adds_a_line_of_text_but_no_second_cutoff(profile):
     noise = np.random.default_rng(1).normal(size=len(profile))
     scans = {
         "rough": profile,
@@ -142,7 +142,7 @@ def test_caveats_and_table_of_noisy_body_suggest_the_same_cutoff(periodic):
     assert [caveat.cut_off for caveat in characterisation.caveats if caveat.severity == "fault"] == [limit.cut_off]
 
 
-def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
+def test_characterisation_of_a_spectrum_that_is_no_power_law_has_no_hurst_exponent(profile):
     filter_gain = np.interp(power_spectrum(profile).wave_number, [0.1, 3.0, 3.01, 300], [1.0, 1.0, 0.02, 0.02])
     heights = np.fft.irfft(np.fft.rfft(profile.heights) * np.concatenate([[0.0], filter_gain]), len(profile))
     characterisation = Characterisation(Profile(heights, spacing=0.01), band=(0.1, 5.0))
@@ -158,7 +158,7 @@ def test_spectrum_that_is_not_a_power_law_has_no_hurst_exponent(profile):
 
 class TestCharacterisationFigure:
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_figure_is_one_column_wide_and_shows_units_and_fitted_exponent(self, profile, periodic, tmp_path):
+    def test_characterisation_figure_is_one_column_wide_and_shows_units_and_fitted_exponent(self, profile, periodic, tmp_path):
         figure = characterisation_figure(profile, periodic=periodic)
         labels = [ax.get_xlabel() for ax in figure.axes] + [ax.get_ylabel() for ax in figure.axes]
         assert {"position $x$ (µm)", "height (nm)", "density (1/nm)", "density $C$ (µm³)"} <= set(labels)
@@ -171,7 +171,7 @@ class TestCharacterisationFigure:
         assert imread(tmp_path / "figure.png").shape[1] == pytest.approx(80 / 25.4 * 300, abs=2)
         assert min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text()) >= 6
 
-    def test_fitted_line_in_the_figure_equals_the_estimated_power_law(self, profile):
+    def test_fitted_line_in_the_characterisation_figure_equals_the_estimated_power_law(self, profile):
         figure = characterisation_figure(profile)
         estimate = estimate_hurst_exponent(profile)
         spectrum = next(ax for ax in figure.axes if "density $C$" in ax.get_ylabel())
@@ -182,13 +182,13 @@ class TestCharacterisationFigure:
             2 * np.pi / np.array([estimate.longest_wavelength, estimate.shortest_wavelength])
         )
 
-    def test_range_of_heights_determines_the_unit_in_the_figure(self, profile):
+    def test_range_of_heights_determines_the_height_unit_in_the_characterisation_figure(self, profile):
         for factor, unit in ((0.01, "nm"), (100.0, "µm")):
             scaled_profile = Profile(factor * profile.heights, spacing=factor * profile.spacing)
             labels = [ax.get_ylabel() for ax in characterisation_figure(scaled_profile).axes]
             assert {f"height ({unit})", f"density (1/{unit})"} <= set(labels)
 
-    def test_figure_without_a_fitted_band_has_a_note(self):
+    def test_characterisation_figure_states_that_no_self_affine_band_was_found(self):
         legend_texts = [
             text.get_text()
             for ax in characterisation_figure(PROFILE_WITHOUT_BAND).axes
@@ -212,7 +212,7 @@ def test_hurst_exponent_above_1_adds_a_caution():
     assert "caution" not in characterisation_text(rough_profile)
 
 
-def test_fitted_band_that_starts_at_a_peak_is_reported():
+def test_fitted_band_that_starts_at_a_spectral_peak_is_reported():
     rough_profile = self_affine(2, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.05, longest_wavelength=8.0)
     sine_wave = 0.4 * np.sin(2 * np.pi * rough_profile.x / 8.0)
     text = characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.05), band=(0.2, 8.2))
@@ -241,7 +241,7 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
             assert exponents[1] == pytest.approx(exponents[0], abs=0.05)
 
 
-def test_dominant_peak_is_reported_with_its_fraction_of_the_mean_square():
+def test_dominant_spectral_peak_is_reported_with_its_fraction_of_the_mean_square():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
     assert "peak" not in texts_by_label(characterisation_text(rough_profile))
     # The sine wave has the amplitude of typical instrument vibration.
@@ -276,7 +276,7 @@ def surface_characterisation(surface):
     return Characterisation(surface)
 
 
-def test_text_and_figure_about_a_surface_show_results_of_the_library(surface, surface_characterisation):
+def test_characterisation_text_and_figure_of_a_surface_show_the_values_of_the_library(surface, surface_characterisation):
     text = characterisation_text(surface_characterisation)
     texts, parameters, estimate = texts_by_label(text), surface_parameters(surface), estimate_hurst_exponent(surface)
     assert texts["Sa"] == f"{1000 * parameters.Sa:.4g} nm"
@@ -323,7 +323,7 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
 
 
 class TestJoinedSpectrum:
-    def test_pressure_panel_shows_the_spectral_estimate_up_to_hardness(self, tmp_path):
+    def test_pressure_panel_shows_the_spectral_estimate_up_to_the_hardness(self, tmp_path):
         fine_surface = self_affine_surface(4, hurst_exponent=0.8, rms=0.05, shape=(256, 256), spacing=0.01)
         height_maps = fine_surface.heights.reshape(64, 4, 64, 4).mean((1, 3)), fine_surface.heights[:128, :128]
         scans = [Surface(heights, spacing=spacing) for heights, spacing in zip(height_maps, (0.04, 0.01), strict=True)]

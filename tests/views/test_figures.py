@@ -64,13 +64,13 @@ def list_figure_names(dataset, picture=None):
     return [name for name, _ in select_figures(dataset, picture)]
 
 
-def test_study_determines_which_figures_are_drawn(generated_dataset):
+def test_figure_settings_of_a_study_determine_which_figures_are_drawn(generated_dataset):
     assert list_figure_names(generated_dataset) == ["friction_mu0_0.1", "friction_mu0_0.4", "friction_mu0_1", "area"]
     study = parse_study_of_dataset(generated_dataset).with_changes({"figures.draw": ["profiles", "length-scales"]})
     assert list_figure_names(generated_dataset.assign_attrs(study=study.to_toml())) == ["profiles", "length_scales"]
 
 
-def test_results_of_measured_surfaces_have_the_standard_figures(maps_at_two_cutoffs, profiles_dataset):
+def test_results_of_measured_surfaces_have_the_standard_figures_by_default(maps_at_two_cutoffs, profiles_dataset):
     repeated_names = ("friction", "compass", "positions", "cut_off")
     names_with_suffix = [f"{name}{suffix}" for suffix in ("", "-2", "-3", "-4") for name in repeated_names]
     assert list_figure_names(maps_at_two_cutoffs, contact_picture(maps_at_two_cutoffs)) == [
@@ -141,7 +141,7 @@ def test_figures_of_a_result_are_written_in_every_format(generated_dataset, tmp_
     assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
 
 
-def test_functions_that_draw_figures_reject_empty_results_and_preserve_files_of_other_programs(tmp_path):
+def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_programs(tmp_path):
     from matplotlib.figure import Figure
 
     for ending in FIGURE_FORMATS:
@@ -164,7 +164,7 @@ def axes_without_colorbars(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
-def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
+def test_friction_figure_has_friction_maps_and_curves_with_labels(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
         figure = friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4]))
         axes = axes_without_colorbars(figure)
@@ -181,7 +181,7 @@ def test_friction_figure_has_labelled_maps_and_curves(generated_dataset):
     assert figure_of_part.get_suptitle() == "unfinished: 3 of 12 repetitions"
 
 
-def test_friction_curves_fill_their_panel_and_no_label_covers_them(generated_dataset):
+def test_friction_curves_fill_their_panel_and_are_not_covered_by_labels(generated_dataset):
     for mu0 in (0.1, 0.4, 2.0):
         values = evaluate_friction_over_dimension(Result.of(generated_dataset.isel(amplitude=[1])), [mu0])[0]
         axes = axes_without_colorbars(friction_figure(values))[2]
@@ -230,7 +230,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_figures_of_friction_and_area_for_small_results_cause_no_warning(generated_dataset, selection, tmp_path):
+def test_figures_of_results_with_one_dimension_or_pair_or_few_approaches_cause_no_warning(generated_dataset, selection, tmp_path):
     result = Result.of(generated_dataset.isel(amplitude=[0], **selection))
     save_figure(friction_figure(*evaluate_friction_over_dimension(result, [0.0])), tmp_path / "friction.png")
     save_figure(area_figure(evaluate_area_over_load(result), result.study), tmp_path / "area.png")
@@ -261,7 +261,7 @@ def test_area_figure_has_a_labelled_curve_for_each_fractal_dimension(generated_d
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_reached_loads_lie_within_the_range_of_mean_loads_of_the_dataset(generated_dataset):
+def test_loads_of_a_figure_are_reached_at_every_fractal_dimension(generated_dataset):
     loads = choose_loads_in_range(generated_dataset)
     mean_loads = generated_dataset["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)
@@ -312,7 +312,7 @@ def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):
     assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
 
 
-def test_lines_in_a_figure_have_the_colours_of_their_sliding_rules(maps_at_two_cutoffs):
+def test_lines_in_a_figure_have_only_the_colours_of_the_sliding_rules_and_greys(maps_at_two_cutoffs):
     for name in ("friction", "cut_off", "compass", "positions"):
         used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
         assert (
@@ -333,7 +333,7 @@ def test_compass_figure_shows_the_mean_in_each_direction_on_an_axis_that_starts_
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_shows_values_of_maps_in_increasing_order_and_values_of_profiles_by_position(
+def test_positions_figure_sorts_maps_by_value_and_profiles_by_position(
     maps_at_two_cutoffs, profiles_dataset
 ):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
@@ -343,7 +343,7 @@ def test_positions_figure_shows_values_of_maps_in_increasing_order_and_values_of
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)
 
 
-def test_contacts_figure_marks_every_contact_and_load_percentages_that_add_up_to_100(maps_at_two_cutoffs):
+def test_contacts_figure_marks_every_contact_with_load_percentages_that_add_up_to_100(maps_at_two_cutoffs):
     picture = contact_picture(maps_at_two_cutoffs)
     figure = contacts_and_pressure_figure(picture, direction=90.0)
     axes = figure.axes[0]
@@ -409,7 +409,7 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
 
 
-def test_labels_of_the_budget_figure_are_inside_it_and_have_no_article():
+def test_labels_of_the_budget_figure_lie_inside_the_figure_and_start_without_article():
     point = summarize(measured_result(), measured_study()).first
     labels = ("the junction growth α", "the roughness that the tip of the instrument did not reach")
     budget = tuple(
@@ -427,7 +427,7 @@ def test_labels_of_the_budget_figure_are_inside_it_and_have_no_article():
     assert row_labels == ["contributions", "combined interval", *(label.removeprefix("the ") for label in labels)]
 
 
-def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
+def test_force_arrows_stay_inside_the_frame_of_the_contact_figure(create_circular_arc, tmp_path):
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     figure = contact_forces_figure(build_contact_forces(upper, lower, 0.02, mu0=0.3).assign_attrs(load_mN=0.1))
     assert figure.axes[0].get_title(loc="left").endswith("at an approach of 20 nm\n$F_N$ = 0.1 mN")
@@ -445,7 +445,7 @@ def test_force_arrows_stay_inside_their_frame(create_circular_arc, tmp_path):
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
 
 
-def test_conversion_to_inline_svg_draws_a_figure_with_automatic_layout_only_once(monkeypatch):
+def test_conversion_to_inline_svg_draws_a_figure_with_constrained_layout_only_once(monkeypatch):
     draw, num_draws = Figure.draw, 0
 
     def count_draws(figure, renderer):
@@ -463,14 +463,14 @@ def test_conversion_to_inline_svg_draws_a_figure_with_automatic_layout_only_once
 # ---- Style -----------------------------------------------------------------------------------------------------------
 
 
-def test_labels_of_curves_do_not_overlap_and_are_in_the_order_of_their_values():
+def test_curve_labels_do_not_overlap_and_have_the_order_of_the_curve_ends():
     label_positions = spread_label_positions([1.0, 1.01, 0.99, 3.0], 0.1)
     assert np.array_equal(np.argsort(label_positions), [2, 0, 1, 3])
     assert np.diff(np.sort(label_positions)).min() == pytest.approx(0.1)
     assert label_positions[3] == 3.0
 
 
-def test_unfiltered_scans_are_drawn_to_the_left_of_the_first_cutoff(maps_at_two_cutoffs):
+def test_cutoff_figure_shows_unfiltered_scans_to_the_left_of_the_shortest_cutoff(maps_at_two_cutoffs):
     result = Result.of(maps_at_two_cutoffs)
     points = result.at().isel(load=0, mu0=0, tau0=0)
     assert points["cut_off"].values[0] == 0
@@ -493,7 +493,7 @@ def test_resolution_limits_of_a_result_with_several_cutoffs_have_combined_interv
     assert limits.points.sizes["cut_off"] == 2
 
 
-def test_filtered_result_that_is_quoted_does_not_change_the_resolved_wavelengths(maps_at_two_cutoffs):
+def test_resolved_wavelengths_do_not_depend_on_whether_the_filtered_result_is_quoted(maps_at_two_cutoffs):
     study = parse_study_of_dataset(maps_at_two_cutoffs)
     points = Result.of(maps_at_two_cutoffs).at().isel(load=0, mu0=0, tau0=0)
     filtered_first = study.with_changes({"surfaces.cut_off": [each.text for each in study.surfaces.cut_off[::-1]]})
@@ -513,7 +513,7 @@ def test_listing_the_figures_of_a_result_does_not_compute_resolution_limits(maps
 
 
 @pytest.mark.parametrize("name", ["friction", "positions"])
-def test_legend_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset, maps_dataset, name):
+def test_figure_legend_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset, maps_dataset, name):
     labels = []
     for dataset in (opposing_interface_dataset, maps_dataset):
         figure = dict(select_figures(dataset))[name]()
@@ -523,7 +523,7 @@ def test_legend_starts_with_the_sliding_rule_of_the_interface(opposing_interface
     assert labels[0] == labels[1][::-1]
 
 
-def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoffs):
+def test_report_and_plot_draw_the_same_figure_of_friction_against_cutoff(maps_at_two_cutoffs):
     result = Result.of(maps_at_two_cutoffs)
     panels = {panel.title: panel for panel in list_panels(collect_report_data(result))}
     figures = [panels["Cutoff wavelength"].draw_figure(), dict(select_figures(result))["cut_off"]()]
@@ -545,7 +545,7 @@ def test_report_and_plot_draw_the_same_figure_over_the_cutoff(maps_at_two_cutoff
 @pytest.mark.parametrize(
     "name", [r"$\write18{id}$", "$a__b$", "_a", "a_b^2", r"\$x$", "$", "a\nb", "\u202eb", "$\\frac$ $"]
 )
-def test_names_of_files_are_drawn_as_literal_text(name):
+def test_file_names_are_drawn_in_figures_as_literal_text(name):
     figure = Figure()
     axes = figure.add_subplot()
     axes.set_title(f"{literal_text(name)}, $\\mu_0$ = 0.2")

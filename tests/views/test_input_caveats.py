@@ -53,7 +53,7 @@ def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [caveat.text for caveat in find_input_caveats(upper, lower, measured_study(mu0=mu0), loads)]
 
 
-def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
+def test_height_range_that_is_large_for_the_scan_length_adds_a_caveat(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
     assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
     heights = np.outer(np.hanning(8), np.hanning(8))
@@ -68,7 +68,7 @@ def test_heights_larger_than_the_scan_length_add_a_caveat(rough_profile):
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
 
 
-def test_form_error_adds_a_caveat_unless_the_form_is_removed(rough_profile):
+def test_form_error_of_a_profile_adds_a_caveat_unless_the_form_is_removed(rough_profile):
     x = np.linspace(-1, 1, 2000)
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
@@ -86,7 +86,7 @@ def test_form_error_adds_a_caveat_unless_the_form_is_removed(rough_profile):
 @pytest.mark.parametrize(
     ("name", "has_caveat"), [("rock on rock, below 200 MPa", True), ("MoS2 on bearing steel, dry air", False)]
 )
-def test_interface_of_unknown_range_adds_a_caveat(rough_profile, name, has_caveat):
+def test_interface_adds_a_caveat_only_if_the_ranges_of_mu0_and_tau0_are_unknown(rough_profile, name, has_caveat):
     study = pair_study(
         rough_profile, rough_profile, effective_modulus="10 GPa", load="1 MPa", interface=name, mechanics="asperities"
     )
@@ -105,7 +105,7 @@ def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile
 
 
 @pytest.mark.parametrize("points", [[0], [-1], [700, 701, 702]], ids=["first point", "last point", "three points"])
-def test_spikes_at_the_ends_and_of_several_points_of_a_profile_add_a_caveat(rough_profile, points):
+def test_spikes_at_profile_ends_and_spikes_of_several_points_add_a_caveat(rough_profile, points):
     heights = rough_profile.heights.copy()
     heights[points] += 6 * heights.std()
     caveats = find_scan_caveats(Profile(heights, spacing=rough_profile.spacing))
@@ -137,14 +137,14 @@ def test_spikes_of_a_map_add_a_caveat_that_states_their_number(kind):
     assert "4 points are more than 6 rms heights from their neighbours" in caveat.text
 
 
-def test_caveat_about_both_scans_is_listed_once(rough_profile):
+def test_caveat_that_applies_to_both_scans_is_listed_once(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
     caveats = caveat_texts(tall_profile, tall_profile)
     assert len(caveats) == len(set(caveats))
     assert all(text.startswith("both scans: ") for text in caveats)
 
 
-def test_huge_coefficients_and_loads_add_caveats(rough_profile):
+def test_implausibly_large_mu0_and_loads_add_caveats(rough_profile):
     assert (
         caveat_texts(
             rough_profile,
@@ -187,7 +187,7 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
     assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
 
 
-def test_caveat_suggests_no_cutoff_above_a_third_of_the_scan_length():
+def test_noise_caveat_suggests_no_cutoff_above_a_third_of_the_scan_length():
     noise_profile = Profile(0.1 * np.random.default_rng(2).normal(size=960), spacing=0.5)
     short_profile = self_affine(3, points=200, spacing=0.5, hurst_exponent=0.7, rms=0.01, shortest_wavelength=5.0)
     cutoff = instrument_limit(noise_profile).cut_off
@@ -234,7 +234,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
 
 
 @pytest.mark.parametrize("options", [{"cutoff": "200 nm"}, {}])
-def test_fraction_that_the_tip_does_not_resolve_is_counted_on_the_filtered_scans(options):
+def test_slope_fraction_that_the_tip_does_not_resolve_is_computed_from_filtered_scans(options):
     noise = np.random.default_rng(1).normal(size=(2, 3000))
     clean = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.8, rms=0.005, longest_wavelength=5.0, shortest_wavelength=0.1
@@ -256,7 +256,7 @@ def test_fraction_that_the_tip_does_not_resolve_is_counted_on_the_filtered_scans
     assert all(any(percentage in text for text in texts) for percentage in expected_percentages)
 
 
-def test_noise_caveat_contains_the_fraction_that_a_given_cutoff_leaves():
+def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
     clean = self_affine(
         97, points=8000, spacing=0.25, longest_wavelength=60.0, shortest_wavelength=2.0, hurst_exponent=0.8, rms=0.25
     )
@@ -280,7 +280,7 @@ def test_noise_caveat_contains_the_fraction_that_a_given_cutoff_leaves():
             assert percentage == pytest.approx(100 * (gradients[0] / gradients[1]) ** 2, abs=2)
 
 
-def test_tip_caveat_and_tip_estimate_are_left_out_if_the_filter_removes_what_the_tip_does_not_resolve():
+def test_tip_has_no_caveat_and_estimate_if_the_filter_removes_the_wavelengths_it_misses():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )
@@ -312,7 +312,7 @@ class TestNoiseHiddenByRoughness:
         rng = np.random.default_rng(1)
         return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
 
-    def test_suspected_noise_adds_a_filtered_result_to_the_unfiltered_result(self):
+    def test_suspected_noise_adds_a_result_for_filtered_scans(self):
         noisy_maps = self.create_maps_with_noise(0.1)
         assert [instrument_limit(noisy_map).reason for noisy_map in noisy_maps] == ["pixels", "pixels"]
         study = pair_study(*noisy_maps, **self.options)
@@ -336,12 +336,12 @@ class TestNoiseHiddenByRoughness:
         assert study.surfaces.upper.limit_cut_off(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
         assert study.surfaces.lower.limit_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
-    def test_maps_without_noise_have_only_an_unfiltered_result(self):
+    def test_maps_without_noise_are_pressed_only_unfiltered(self):
         study = pair_study(*self.create_maps_with_noise(0.0), **self.options)
         assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [0.0]
         assert study.surfaces.both_readings is None
 
-    def test_interval_contains_filtered_and_unfiltered_results(self):
+    def test_pair_interval_contains_the_filtered_and_the_unfiltered_result(self):
         result = pair(*self.create_maps_with_noise(0.1), **self.options, tau0="100 MPa", shifts=4, onset=0)
         unfiltered_point, filtered_point = result.summary().points
         assert (unfiltered_point.at["cut_off"], filtered_point.covered) == (0.0, True)
@@ -350,7 +350,7 @@ class TestNoiseHiddenByRoughness:
         assert result.interval[1] > result.interval_of_mean[1]
 
 
-def test_caveats_of_a_gap_do_not_mention_two_scans(tmp_path):
+def test_caveats_of_a_single_gap_do_not_mention_two_scans(tmp_path):
     heights = rough_maps(1, points=40)[0].heights.copy()
     heights[5, 5] += 15 * heights.std()
     heights[15:25, 15:25] = np.nan
@@ -382,7 +382,7 @@ def form_texts(body, **options):
     ]
 
 
-def test_spherical_cap_of_a_map_adds_a_caveat_unless_the_form_is_removed():
+def test_spherical_map_adds_a_caveat_unless_its_form_is_removed():
     y, x = np.indices((256, 256)) / 255 - 0.5
     capped_map = Surface(0.5 * short_wave_map(1) - 4 * 2 * (x**2 + y**2), spacing=0.5)
     assert [text.split(" contributes")[0] for text in form_texts(capped_map)] == ["form (a parabola)"]

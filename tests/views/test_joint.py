@@ -87,7 +87,7 @@ def export_text(result, path, **options):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, values, units):
+def test_joint_table_contains_the_values_of_the_result_at_each_nominal_pressure(result, values, units):
     length, pressure = UNIT_SYSTEMS[units]
     table = result.joint_table(units=units)
     loads = np.array([row.load for row in table.rows])
@@ -117,7 +117,7 @@ def test_joint_table_contains_the_values_of_the_result_at_each_pressure(result, 
         assert {each.kind for each in percentiles} == {"prediction"}
 
 
-def test_tangential_stiffness_of_grooves_equals_the_normal_unloading_stiffness(table):
+def test_joint_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(table):
     for row in table.rows:
         unloading = row.estimates["unloading_closure_stiffness"].value
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
@@ -178,7 +178,7 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_csv_file_of_a_joint_contains_the_numbers_of_all_its_other_files(result, directory, units):
+def test_csv_file_of_a_joint_contains_every_number_of_the_joint_table(result, directory, units):
     table = result.joint_table(units=units)
     csv = export_text(result, directory / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(directory / "joint.csv")
@@ -206,7 +206,7 @@ def test_csv_file_of_a_joint_contains_the_numbers_of_all_its_other_files(result,
     assert f"{closure_of(table.reference):.6g}" in export_text(result, directory / "card.inp", units=units)
 
 
-def test_friction_and_stiffness_in_an_exported_input_file_have_at_most_four_digits(result, directory):
+def test_friction_and_stiffness_in_an_exported_solver_input_have_at_most_four_digits(result, directory):
     """Pressures and closures have six, because other programs derive the stiffness from their differences."""
     friction, stiffness = re.search(
         r"^\*FRICTION\n(.*), (.*)$", export_text(result, directory / "card.inp"), re.M
@@ -244,7 +244,7 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
     assert not any("--compute" in note for note in computed.joint_table().notes)
 
 
-def test_result_evaluates_a_single_quantity_with_its_combined_interval(result):
+def test_result_evaluated_for_one_quantity_has_the_interval_of_a_complete_evaluation(result):
     closure = result.at(quantities=["closure"])["closure"].squeeze()
     np.testing.assert_array_equal(closure, result.at()["closure"].squeeze())
 
@@ -309,7 +309,7 @@ def small_pair(rms=0.3, **options):
         ({"mu0": 2, "rms": 60.0, "shifts": 16}, "a prediction needs a coefficient with an interval"),  # sticks
     ],
 )
-def test_notes_and_card_of_a_joint_state_why_percentiles_are_missing(tmp_path, options, reason):
+def test_joint_notes_and_exported_card_state_why_percentiles_are_missing(tmp_path, options, reason):
     result = small_pair(**options)
     assert [note for note in result.joint_table().notes if "No percentiles" in note] == [f"No percentiles: {reason}."]
     card = export_text(result, tmp_path / "card.inp")
@@ -318,7 +318,7 @@ def test_notes_and_card_of_a_joint_state_why_percentiles_are_missing(tmp_path, o
     assert card.endswith("\n** No *FRICTION, because there is no median of mu_s: see the notes above.\n")
 
 
-def test_export_checks_the_file_and_the_units_before_it_computes_the_joint(tmp_path):
+def test_export_checks_file_and_units_before_it_computes_the_joint_table(tmp_path):
     small_pair(mu0=0.1, shifts=3, directory=tmp_path / "pair")
     (tmp_path / "old.csv").write_text("old")
     for arguments, message in (

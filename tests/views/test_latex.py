@@ -29,7 +29,7 @@ def table_cells(table):
 
 
 @pytest.mark.parametrize("summary_name", SUMMARIES)
-def test_latex_table_has_one_row_for_each_headline_result(summary_name):
+def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
     summary = SUMMARIES[summary_name]
     table = latex_table(summary)
     header, *rows = table_cells(table)
@@ -94,7 +94,7 @@ def test_latex_table_contains_pressures_materials_ranges_and_positions(pair_tabl
     assert [part for part in expected_parts if part not in caption] == []
 
 
-def test_latex_table_is_a_float_with_booktabs_rules(pair_table):
+def test_latex_table_is_a_table_float_with_booktabs_rules(pair_table):
     lines = [line for line in pair_table.splitlines() if line.startswith("\\") or line.startswith("%")]
     commands = [re.match(r"\\?\w+(\{\w+\})?|%.*", line)[0] for line in lines]
     assert [each for each in commands if not each.startswith("%")] == [
@@ -108,7 +108,7 @@ def test_latex_table_is_a_float_with_booktabs_rules(pair_table):
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
-def test_latex_compiles_the_table(pair_table, tmp_path):
+def test_latex_compiles_the_exported_table(pair_table, tmp_path):
     document = "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n" + pair_table + "\\end{document}\n"
     (tmp_path / "table.tex").write_text(document, encoding="utf-8")
     completed = subprocess.run(

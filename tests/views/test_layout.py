@@ -39,7 +39,7 @@ def test_formatted_paragraphs_are_separated_by_empty_lines(monkeypatch):
     ]  # fmt: skip
 
 
-def test_split_table_omits_rows_without_cells():
+def test_parts_of_a_split_table_omit_rows_that_are_empty_in_their_columns():
     rows = [["", "first", "second"], ["", "", "(unit)"], ["row", "1" * 12, "2" * 12]]
     assert format_table(rows, 20).splitlines() == [
         "     first", "row  " + "1" * 12, "     second", "     (unit)", "row  " + "2" * 12
@@ -50,7 +50,7 @@ def test_split_table_omits_rows_without_cells():
     ("min_shown", "max_shown", "max_height", "num_shown"),
     [(1, None, None, 4), (1, 3, None, 3), (1, None, 3, 2), (1, None, 1, 1), (2, None, 1, 2), (4, None, 0, 4)],
 )
-def test_shortened_list_counts_the_omitted_lines(monkeypatch, min_shown, max_shown, max_height, num_shown):
+def test_shortened_list_states_the_number_of_omitted_lines(monkeypatch, min_shown, max_shown, max_height, num_shown):
     monkeypatch.setenv("COLUMNS", "40")
     lines = [WrappedText("- one"), WrappedText("- " + "two " * 15), WrappedText("- three"), WrappedText("- four")]
     text = format_paragraph([ShortenedList(lines, min_shown, max_shown, max_height, "line", "all()")])

@@ -86,7 +86,7 @@ def scan_with_tip(surface, radius):
 
 
 @pytest.mark.parametrize("hurst_exponent", [0.5, 0.8])
-def test_range_for_finer_scans_of_a_blunt_tip_contains_the_true_result(hurst_exponent):
+def test_range_for_finer_scans_of_scans_with_a_blunt_tip_contains_the_true_result(hurst_exponent):
     roughness_options = {
         "hurst_exponent": hurst_exponent,
         "rms": 0.01,

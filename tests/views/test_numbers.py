@@ -75,7 +75,7 @@ def report_evaluator(generated_dataset):
 
 @pytest.mark.parametrize("digits", [1, 2])
 @pytest.mark.parametrize("scale", [3.3e-4, 0.1147, 0.99951, 17.251, 1234.0, 56_789.0, 4.2e7])
-def test_report_script_prints_numbers_with_the_decimals_of_the_terminal_output(report_evaluator, scale, digits):
+def test_report_script_prints_numbers_with_as_many_decimals_as_the_terminal_output(report_evaluator, scale, digits):
     random = np.random.default_rng(3)
     value = scale * random.uniform(0.9, 1.1, 40)
     half_width = scale * 10 ** random.uniform(-6, 0.5, 40)
@@ -135,7 +135,7 @@ def test_report_scripts_contain_no_fixed_number_of_printed_digits():
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-HALF_PLANE_STUDY_CHANGES = {
+HALF_PLANE_STUDY_OVERRIDES = {
     "contact.mechanics": "half-space",
     "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"],
@@ -192,7 +192,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(
     generated_dataset, report_evaluator, case_name
 ):
     if case_name == "half-planes":
-        generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_STUDY_CHANGES)).dataset
+        generated_dataset = run(Study.named("quick").with_changes(HALF_PLANE_STUDY_OVERRIDES)).dataset
         report_evaluator = ReportEvaluator(report_page(generated_dataset))
     statuses, errors = compare_friction(generated_dataset, report_evaluator, random_settings(report_evaluator, 60, 5))
     assert set(statuses) <= {"ok", "not-reached", "self-locked", "below-range"}
@@ -201,7 +201,7 @@ def test_friction_in_reports_of_generated_profiles_equals_library_values(
 
 
 @pytest.mark.parametrize("tangential_factor", [0.0, 1.0])
-def test_friction_in_reports_about_arbitrary_load_sums_equals_library_values(tangential_factor):
+def test_friction_in_reports_equals_library_values_even_for_random_stored_loads(tangential_factor):
     dataset, report_evaluator = evaluate_arbitrary_sums(tangential_factor)
     axes = report_evaluator.facts["axes"]
     random = np.random.default_rng(3)
@@ -214,7 +214,7 @@ def test_friction_in_reports_about_arbitrary_load_sums_equals_library_values(tan
     assert max(errors, default=0.0) < MAX_PACKING_ERROR
 
 
-def test_report_ignores_pairs_without_a_solution(generated_dataset):
+def test_friction_in_reports_ignores_pairs_without_a_solution(generated_dataset):
     dataset = generated_dataset.copy(deep=True)
     dataset["normal_elastic"].loc[{"repetition": 3, "approach": dataset["approach"][-1]}] = np.nan
     report_evaluator = ReportEvaluator(report_page(dataset))
@@ -227,7 +227,7 @@ def test_report_ignores_pairs_without_a_solution(generated_dataset):
     assert max(errors) < MAX_PACKING_ERROR
 
 
-def test_report_of_profiles_without_contact_has_no_loads():
+def test_report_of_profiles_without_contact_offers_no_loads():
     dataset = empty_dataset(SMALL_STUDY.with_changes({"contact.approach": ["0 nm"]}))
     assert ReportEvaluator(report_page(dataset)).facts["loads"]["values"] == []
 
@@ -404,7 +404,7 @@ def test_axis_ticks_have_round_values_within_the_axis_limits(drawing_functions, 
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])
-def test_cell_edges_of_a_map_are_midpoints_between_cell_centres(drawing_functions, scale):
+def test_cell_edges_of_a_friction_map_are_midpoints_between_cell_centres(drawing_functions, scale):
     centres = (scale * 2.0 ** np.arange(7)).tolist()
     cell_edges = drawing_functions("(centres) => edges(centres)", centres)
     assert (np.array(cell_edges[1:-1]) == (np.array(centres[1:]) + centres[:-1]) / 2).all()

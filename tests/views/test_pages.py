@@ -175,7 +175,7 @@ def zoom_by_wheel(driver, plot):
 @pytest.mark.parametrize(
     ("page_name", "plot"), [(page_name, plot) for page_name, plots in PLOTS_WITH_AXES.items() for plot in sorted(plots)]
 )
-def test_plot_can_be_zoomed_and_panned_by_mouse_or_keyboard_or_touch(driver, pages, page_name, plot):
+def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages, page_name, plot):
     from selenium.webdriver.common.keys import Keys
 
     browser.open_page(driver, pages[page_name])
@@ -274,7 +274,7 @@ def test_numbers_shown_at_the_mouse_pointer_equal_library_values(generated_repor
     assert len(statuses) > 1
 
 
-def test_click_selects_a_cell_of_the_map_and_double_click_resets_the_zoom(generated_report):
+def test_click_selects_a_cell_of_the_friction_map_and_double_click_resets_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     create_pointer_actions(generated_report, left + 0.125 * width, top + 0.7 * height).click().perform()
@@ -290,7 +290,7 @@ def test_click_selects_a_cell_of_the_map_and_double_click_resets_the_zoom(genera
     assert axis_limits(generated_report) == pytest.approx(initial_limits)
 
 
-def test_dragging_a_rectangle_and_clicking_buttons_change_the_zoom(generated_report):
+def test_dragging_a_rectangle_and_clicking_zoom_buttons_change_the_zoom(generated_report):
     initial_limits = axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     actions = create_pointer_actions(generated_report, left + 0.3 * width, top + 0.3 * height)
@@ -318,7 +318,7 @@ def test_dragging_a_rectangle_and_clicking_buttons_change_the_zoom(generated_rep
     assert axis_limits(generated_report, "friction") == pytest.approx(limits_before)
 
 
-def test_arrow_keys_move_the_selected_cell(generated_report):
+def test_arrow_keys_move_the_selected_cell_of_the_friction_map(generated_report):
     from selenium.webdriver.common.keys import Keys
 
     generated_report.execute_script("pick(2, 20)")
@@ -335,7 +335,7 @@ def test_arrow_keys_move_the_selected_cell(generated_report):
     assert generated_report.execute_script("return state.mu0") == 0.8
 
 
-def test_cells_beyond_the_range_of_the_model_are_hatched(generated_report):
+def test_friction_map_cells_beyond_the_range_of_the_model_are_hatched(generated_report):
     assert generated_report.find_elements("css selector", "dd.beyond") == []
     assert find_element(generated_report, "readout").get_attribute("data-status") == "ok"
     hatched_paths, coloured_paths = generated_report.execute_script(
@@ -350,7 +350,7 @@ def test_cells_beyond_the_range_of_the_model_are_hatched(generated_report):
     assert generated_report.execute_script("return document.querySelectorAll('#map [style*=fill-opacity]').length") == 0
 
 
-def test_address_of_a_report_restores_its_settings(driver, pages):
+def test_address_of_a_report_restores_the_selected_settings(driver, pages):
     browser.open_page(driver, pages["study"])
     mu0, tau0 = move_slider(driver, "mu0", 1), move_slider(driver, "tau0", 1)
     browser.press_keys(driver, "map", "\ue012\ue013\ue013")
@@ -398,7 +398,7 @@ def test_figures_and_tables_are_saved_as_svg_or_png_or_csv_files(driver, pages, 
     assert [float(row["mu_s"]) for row in rows if row["mu_s"]] == values
 
 
-def test_map_shows_the_selected_quantity_and_amplitude(generated_report):
+def test_report_map_shows_the_selected_quantity_and_amplitude(generated_report):
     from selenium.webdriver.support.ui import Select
 
     def read_map():
@@ -414,7 +414,7 @@ def test_map_shows_the_selected_quantity_and_amplitude(generated_report):
     assert read_map() not in maps
 
 
-def test_report_states_why_results_are_missing(driver, tmp_path, generated_dataset):
+def test_report_states_why_values_are_missing(driver, tmp_path, generated_dataset):
     dataset_without_solution = generated_dataset.copy(deep=True)
     dataset_without_solution["normal_elastic"].values[0, 0, 3, 2] = np.nan
     for dataset, expected_words in (
@@ -580,7 +580,7 @@ def test_labels_of_the_compass_figure_do_not_overlap_on_a_phone(driver, pages):
     assert overlapping_texts == []
 
 
-def test_tab_key_reaches_every_control(generated_report):
+def test_tab_key_reaches_every_control_of_a_report(generated_report):
     from selenium.webdriver import ActionChains
     from selenium.webdriver.common.keys import Keys
 
@@ -611,7 +611,7 @@ def test_captions_of_area_and_stiffness_figures_mention_the_combined_interval(dr
     assert log_is_empty(driver)
 
 
-def test_figure_of_a_wide_panel_fills_the_panel(generated_report):
+def test_figure_in_a_wide_panel_has_the_width_of_the_panel(generated_report):
     browser.open_more_section(generated_report)
     figure_width, svg_width = generated_report.execute_script(
         "const figure = document.querySelector('.more .panel > .figure'); figure.parentElement.classList.add('wide');"

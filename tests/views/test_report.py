@@ -44,7 +44,7 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_REPORT_LOADS * num_pairs
 
 
-def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_dataset, maps_dataset):
+def test_report_of_a_result_that_is_too_large_is_rejected(monkeypatch, generated_dataset, maps_dataset):
     monkeypatch.setattr("stiction.views.report.result.MAX_REPORT_VALUES", {True: 100, False: 79})
     with pytest.raises(ReportError, match=r"at most 79 .* choose fewer fractal dimensions, amplitudes or directions"):
         report_page(generated_dataset)
@@ -52,13 +52,13 @@ def test_report_rejects_a_result_that_is_too_large(monkeypatch, generated_datase
         report_page(maps_dataset)
 
 
-def test_report_rejects_a_result_without_finished_pairs(generated_dataset):
+def test_report_of_a_result_without_finished_pairs_is_rejected(generated_dataset):
     with pytest.raises(ReportError, match="must have a member"):
         report_page(generated_dataset.isel(repetition=[]))
 
 
 @pytest.mark.usefixtures("disable_figures")
-def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, maps_dataset):
+def test_report_title_contains_the_names_of_the_study_or_the_scan_files(generated_dataset, maps_dataset):
     assert "<title>study – static friction – stiction</title>" in report_page(generated_dataset)
     assert "<title>mine – " in report_page(generated_dataset, name="mine")
     quick_dataset = empty_dataset(Study.named("quick")).assign_attrs(study=Study.named("quick").to_toml())
@@ -67,7 +67,7 @@ def test_report_title_contains_the_study_or_the_scan_files(generated_dataset, ma
     assert "<title>upper-maps.npy on lower-maps.npy (mine) – " in report_page(maps_dataset, name="mine")
 
 
-def test_report_rejects_a_dataset_without_study(generated_dataset):
+def test_report_of_a_dataset_without_a_study_is_rejected(generated_dataset):
     with pytest.raises(ReportError):
         report_page(generated_dataset.drop_attrs())
 
@@ -108,7 +108,7 @@ def test_report_of_a_scan_lists_caveats_and_escapes_text():
     assert "<code>&lt;i&gt;</code>" in page
 
 
-def test_report_shows_how_each_file_was_read(tmp_path):
+def test_report_states_how_each_scan_file_was_read(tmp_path):
     rows = np.column_stack([0.5 * np.arange(64), np.random.default_rng(0).standard_normal(64)])
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header="x (um),height (um)", comments="")
     (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("(um)", "(nm)"))
@@ -134,7 +134,7 @@ def test_report_shows_how_each_file_was_read(tmp_path):
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
-def test_report_contains_area_fractions_only_if_the_terminal_output_does(fixture_name, request):
+def test_report_contains_area_fractions_only_if_the_terminal_output_contains_them(fixture_name, request):
     """The nominal area of spheres on a strip has no meaning."""
     result = Result(request.getfixturevalue(fixture_name))
     content = measured_report_content(collect_report_data(result), evaluate_measured_values(result), "")
@@ -196,7 +196,7 @@ def test_report_states_the_junction_growth_coefficient_alpha(tmp_path):
     assert "hardness 2 GPa, junction growth: α = 9." in page
 
 
-def test_report_shows_the_lower_limit_if_the_softer_body_shears(tmp_path):
+def test_report_shows_the_coefficient_as_a_lower_limit_if_the_softer_body_shears(tmp_path):
     spacing = write_maps(tmp_path)
     contact = 'load = ["1 mN", "2 mN"]\nhardness = "0.3 GPa"\njunction_growth = "slip-line"'
     study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)

@@ -12,7 +12,7 @@ pytestmark = browser.BROWSER_MARKS
 NUM_FRICTION_PARAMETER_PAIRS = 10  # number of (mu0, tau0) for each kind of result
 NUM_SETTINGS = 50  # number of settings of all controls for each kind of result
 MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
-HALF_PLANE_STUDY_CHANGES = {
+HALF_PLANE_STUDY_OVERRIDES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",
     "ensemble.repetitions": 4, "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.1, 1.4],
@@ -47,7 +47,7 @@ def result_and_driver(request, driver, tmp_path_factory):
     directory = tmp_path_factory.mktemp("settings")
     result_factories = {
         "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
-        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_STUDY_CHANGES)),
+        "half-planes": lambda: run(Study.named("quick").with_changes(HALF_PLANE_STUDY_OVERRIDES)),
         "surfaces": lambda: run(Study().with_changes(SURFACE_STUDY_CHANGES)),
         "maps": lambda: Result(request.getfixturevalue("maps_dataset")),
         "lines": lambda: Result(request.getfixturevalue("profiles_dataset")),
@@ -85,7 +85,7 @@ def test_numbers_in_a_report_agree_with_the_library_at_random_settings(result_an
             assert (status == "ok") == np.isfinite(expected[0])
             if status != "ok":
                 continue
-            # The driver returns numbers that are not finite as None.
+            # The WebDriver returns NaN and infinity as None.
             displayed = np.array([np.nan if number is None else number for number in numbers])
             expected = [number if np.isfinite(number) else np.nan for number in expected]
             np.testing.assert_allclose(displayed, expected, rtol=MAX_PACKING_ERROR, atol=1e-12)

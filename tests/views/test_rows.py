@@ -32,7 +32,7 @@ def parse_csv(text):
 
 
 @pytest.mark.parametrize(("contact_status", "expected_status"), [("ok", "no-mean"), ("complete", "complete")])
-def test_missing_area_fraction_does_not_have_the_status_ok(contact_status, expected_status):
+def test_missing_area_fraction_has_the_status_of_the_contact(contact_status, expected_status):
     dataset = measured_result(loads=(1.0, 1e3))
     fractions = dataset["contact_area_fraction"]
     dataset["contact_area_fraction"] = fractions.where(fractions["load"] < 10.0)
@@ -43,7 +43,7 @@ def test_missing_area_fraction_does_not_have_the_status_ok(contact_status, expec
     assert np.isfinite(rows["value"]).tolist() == [True, False]
 
 
-def test_data_frame_contains_all_numeric_variables():
+def test_data_frame_of_values_contains_all_numeric_variables():
     dataset = measured_result(**MULTI_VALUE_ARGUMENTS)
     rows = values_frame(dataset)
     numeric_names = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
@@ -70,7 +70,7 @@ def test_table_of_values_states_the_kind_of_each_interval():
         assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 
 
-def test_data_frame_contains_the_status_of_values():
+def test_data_frame_of_values_contains_their_status():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["status"].loc[{"load": 10.0}] = "not-reached"
     dataset["friction_coefficient"].loc[{"load": 10.0}] = np.nan
@@ -122,7 +122,7 @@ DATASETS_AND_STUDIES = {
 }
 
 
-def test_exported_csv_table_contains_all_fractal_dimensions_of_a_range(tmp_path):
+def test_exported_csv_table_has_all_fractal_dimensions_even_if_the_summary_has_fewer(tmp_path):
     dimensions = {"start": 1.2, "stop": 1.8, "count": 7}
     changes = {"surfaces.points": 2000, "ensemble.repetitions": 2, "surfaces.fractal_dimension": dimensions}
     result = run(Study.named("quick").with_changes(changes))
@@ -133,7 +133,7 @@ def test_exported_csv_table_contains_all_fractal_dimensions_of_a_range(tmp_path)
 
 
 @pytest.mark.parametrize("case_name", DATASETS_AND_STUDIES)
-def test_json_record_has_the_same_keys_for_all_results(case_name):
+def test_json_record_has_equal_keys_for_results_of_all_kinds(case_name):
     dataset, study = DATASETS_AND_STUDIES[case_name]
     record = json.loads(summary_json("at", summarize(dataset, study)))
     assert list(record)[:3] == ["schema", "stiction", "command"]

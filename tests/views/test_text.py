@@ -80,11 +80,11 @@ def test_result_text_starts_with_coefficient_and_assessment():
 
 
 @pytest.mark.parametrize(("area", "text"), [(2000.0, "2000 µm²"), (5181.6, "5182 µm²"), (2.304e9, "2304 mm²")])
-def test_nominal_area_has_a_suitable_unit(area, text):
+def test_nominal_area_is_printed_in_a_unit_that_suits_its_size(area, text):
     assert nominal_area_text(area) == text
 
 
-def test_verbose_tables_of_axes_and_directions_are_labelled_as_sampling_intervals():
+def test_verbose_tables_of_axes_and_directions_state_that_intervals_are_of_the_mean():
     dataset = measured_result()
     text = result_text(summarize(dataset, measured_study()), verbose=True)
     tables = text.split("\n\n")
@@ -122,7 +122,7 @@ def test_text_of_profiles_with_asperity_model_has_no_area_fraction():
         assert ("A/A0" in result_text(summarize(DATASETS_AND_STUDIES["lines"][0], study))) == has_area_fraction
 
 
-def test_result_text_has_one_line_for_each_combination_of_load_and_mu0_and_tau0():
+def test_result_text_has_one_line_for_each_combination_of_load_mu0_and_tau0():
     lines = result_text(summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study())).splitlines()
     assert lines[0].split()[:2] == ["load", "τ0"]
     assert [line.split()[:2] for line in lines[1:5]] == [["1", "mN"], ["1", "mN"], ["10", "mN"], ["10", "mN"]]
@@ -139,7 +139,7 @@ def test_caveat_that_applies_to_some_loads_states_the_number_of_these_loads():
     assert "edge (1 of 2)" in " ".join(text.split())
 
 
-def test_assessment_lists_a_remedy_only_if_it_changes_the_printed_interval():
+def test_assessment_lists_a_remedy_only_if_it_would_change_the_printed_interval():
     point = summarize(measured_result(), measured_study()).points[0]
     cases = (
         ((0.205, 0.215), True),
@@ -196,7 +196,7 @@ def test_grooves_are_reported_if_friction_intervals_along_the_axes_are_disjoint(
     assert grooves_paragraph(point_with_one_axis) == []
 
 
-def test_verbose_text_contains_directed_quantities_only_for_a_single_direction():
+def test_verbose_text_contains_direction_dependent_quantities_only_for_a_single_direction():
     label = "load that opposes"
     for directions, is_printed in (((0.0,), True), ((0.0, 180.0), False)):
         dataset = measured_result(directions=directions, share_opposing=None)
@@ -240,7 +240,7 @@ def test_overview_has_one_row_for_each_combination_of_parameters_and_marks_inval
 
 
 @pytest.mark.parametrize("shorten", [{"max_lines": 1}, {"max_groups": 1}])
-def test_shortened_caveats_of_several_points_contain_all_faults_and_count_the_others(shorten):
+def test_shortened_caveat_list_contains_all_faults_and_counts_other_caveats(shorten):
     faults = [Caveat(f"fault {name}", "repair it", "fault") for name in "ab"]
     cautions = [Caveat(f"caution {name}", "check it", "caution") for name in "ab"]
     points = [
@@ -257,7 +257,7 @@ def test_shortened_caveats_of_several_points_contain_all_faults_and_count_the_ot
     assert len(format_paragraph(assessment_paragraph(points)).splitlines()) == 5
 
 
-def test_grouped_caveats_state_the_range_of_their_numbers():
+def test_caveat_grouped_from_several_points_states_the_range_of_its_numbers():
     points = summarize(generated_result(dimensions=(1.1, 1.2, 1.3)), generated_study()).points
     pressures, counts = ("950 kPa", "116 MPa", "1.2 GPa"), ("3", "12.5", "12.5")
     points = [
@@ -281,7 +281,7 @@ def test_grouped_caveats_state_the_range_of_their_numbers():
         (("from 1...2 GPa", "from 1...3 GPa"), "from 1...2 to 3 GPa"),
     ],
 )
-def test_caveats_that_contain_dates_or_exponents_can_be_grouped(texts, expected_text):
+def test_caveats_that_differ_only_in_numbers_are_grouped_even_with_dates_and_exponents(texts, expected_text):
     points = summarize(generated_result(dimensions=(1.1, 1.2)), generated_study()).points
     points = [
         replace(point, caveats=(Caveat(text, "check it", "caution"),))
@@ -300,7 +300,7 @@ def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lin
     assert short_text.splitlines()[-1] == "  1 more caveat: stiction info DIR --verbose shows all"
 
 
-def test_printed_result_is_a_table_of_all_conditions_only_for_generated_surfaces():
+def test_result_text_is_an_overview_table_only_for_generated_surfaces():
     measured, generated = (summarize(*DATASETS_AND_STUDIES[name]) for name in ("with caveats", "generated"))
     for verbose in (False, True):
         text = study_result_text(measured, verbose=verbose, max_overview_lines=1, complete_command="--verbose")
@@ -324,7 +324,7 @@ def test_result_text_for_many_loads_and_mu0_and_tau0_has_at_most_40_lines():
     assert sum(line[0].isdigit() for line in all_rows) == len(summary.reported_points)
 
 
-def test_headings_of_quantities_state_the_fractal_dimension():
+def test_heading_of_a_quantity_table_states_the_fractal_dimension_if_there_are_several():
     for dimensions, expected_heading in (((1.1, 1.2), "D = 1.1, mean [95 %]"), ((1.1,), "mean [95 %]")):
         text = result_text(summarize(generated_result(dimensions=dimensions), generated_study()))
         table = text[text.rindex("\n\n") :] if "\n\n" in text else text
@@ -332,7 +332,7 @@ def test_headings_of_quantities_state_the_fractal_dimension():
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_percentage_has_three_digits_or_is_none():
+def test_percentage_is_printed_with_three_digits_or_as_none():
     assert [percent_text(fraction) for fraction in (0.1087, 0.06353, 0.0, np.nan)] == [
         "10.9 %",
         "6.35 %",
@@ -341,7 +341,7 @@ def test_percentage_has_three_digits_or_is_none():
     ]
 
 
-def test_formatted_numbers_have_the_documented_digits():
+def test_formatted_numbers_have_the_documented_number_of_digits():
     assert [format_significant(value) for value in (128.0, 96.4, 2.04e-5, 0.2, 0.0)] == [
         "130",
         "96",
@@ -373,7 +373,7 @@ def test_quantity_is_printed_in_the_unit_that_requires_the_fewest_zeros(value, u
     assert format_with_unit(value, unit) == text
 
 
-def test_large_areas_and_lengths_are_printed_in_larger_units():
+def test_large_areas_and_lengths_are_printed_in_mm2_and_m():
     dataset = measured_result(contact_area=1.01e7, contact_area_fraction=None)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     assert "true contact area (mm²)" in text

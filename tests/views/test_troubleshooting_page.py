@@ -75,7 +75,7 @@ def list_mirror_caveats():
     return find_input_caveats(upper, lower, study)
 
 
-def test_troubleshooting_page_explains_every_status_without_a_coefficient():
+def test_troubleshooting_page_explains_every_status_of_results_without_a_coefficient():
     assert sorted(list_first_cells("status")) == sorted(f"`{status}`" for status in STATUSES if status != STATUS_OK)
 
 
