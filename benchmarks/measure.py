@@ -63,6 +63,6 @@ def measure_peak_mebibytes(call: Callable[[], object]) -> float:
 
 def _send_peak_mebibytes(call: Callable[[], object], queue: "multiprocessing.Queue[float]") -> None:
     call()
-    # getrusage is unsuitable, because a new process inherits the peak of its parent.
+    # getrusage is unsuitable, because a new process inherits the peak memory of its parent.
     lines = Path("/proc/self/status").read_text("ascii").splitlines()
     queue.put(next(float(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")))

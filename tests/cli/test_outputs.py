@@ -132,7 +132,7 @@ def test_csv_table_escapes_file_names_that_start_like_formulas(scans_directory, 
     with (scans_directory / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
-    # Negative numbers start with a minus sign like formulas, but they are not escaped.
+    # A cell that starts with "-" could be a formula and is escaped, but a negative number is not.
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 

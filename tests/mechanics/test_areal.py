@@ -377,7 +377,7 @@ class TestContactLawsOnMaps:
             expected = force_and_area(law, overlap=table.overlap[i], radius=table.radius[i])
             assert_close((table.force[i], table.area[i]), expected, ROUND_OFF)
         assert np.allclose(table.radius, np.sqrt(table.radii.prod(axis=1)), rtol=ROUND_OFF)
-        # The contact patch has the shape of the ellipse and the area of the contact law.
+        # The contact patch has the shape of the Hertz ellipse and the area that the contact law gives.
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
         assert np.allclose(
             table.axes[:, 1] / table.axes[:, 0], elastic_table.axes[:, 1] / elastic_table.axes[:, 0], rtol=1e-9

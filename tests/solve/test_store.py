@@ -438,13 +438,13 @@ def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, ki
 # ---- Foreign files --------------------------------------------------------------------------------------------------
 
 
-def create_variable_change(name, change_values):
-    """Return a function that replaces a variable of a file by changed values."""
+def make_variable_rewriter(name, change_values):
+    """Return a function that replaces the values of one variable of a block file."""
 
     return lambda file: rewrite_variable(file, name, change_values)
 
 
-def attribute_setter(name, value):
+def make_attribute_setter(name, value):
     def set_attribute(file):
         file.attrs[name] = value
 
@@ -478,10 +478,10 @@ def create_unwritten_variable(file):
 
 BLOCK_FILE_CHANGES = {
     "no variable": lambda file: file.__delitem__("contact_area"),
-    "another shape": create_variable_change("contact_area", lambda values: values[..., :2]),
-    "an infinite area": create_variable_change("contact_area", lambda values: np.full_like(values, np.inf)),
+    "another shape": make_variable_rewriter("contact_area", lambda values: values[..., :2]),
+    "an infinite area": make_variable_rewriter("contact_area", lambda values: np.full_like(values, np.inf)),
     "no study text": lambda file: file.attrs.__delitem__("study"),
-    "an invalid study text": attribute_setter("study", "seed"),
+    "an invalid study text": make_attribute_setter("study", "seed"),
     "a link to another file": link_to_other_file,
     "bytes of another file": use_bytes_of_other_file,
     "numbers of another file": map_to_other_file,

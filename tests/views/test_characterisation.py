@@ -69,9 +69,7 @@ class TestCharacterisationText:
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_input(
-        self, profile
-    ):
+    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_input(self, profile):
         assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
@@ -158,7 +156,9 @@ def test_characterisation_of_a_spectrum_that_is_no_power_law_has_no_hurst_expone
 
 class TestCharacterisationFigure:
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_characterisation_figure_is_one_column_wide_and_shows_units_and_fitted_exponent(self, profile, periodic, tmp_path):
+    def test_characterisation_figure_is_one_column_wide_and_shows_units_and_fitted_exponent(
+        self, profile, periodic, tmp_path
+    ):
         figure = characterisation_figure(profile, periodic=periodic)
         labels = [ax.get_xlabel() for ax in figure.axes] + [ax.get_ylabel() for ax in figure.axes]
         assert {"position $x$ (µm)", "height (nm)", "density (1/nm)", "density $C$ (µm³)"} <= set(labels)
@@ -276,7 +276,9 @@ def surface_characterisation(surface):
     return Characterisation(surface)
 
 
-def test_characterisation_text_and_figure_of_a_surface_show_the_values_of_the_library(surface, surface_characterisation):
+def test_characterisation_text_and_figure_of_a_surface_show_the_values_of_the_library(
+    surface, surface_characterisation
+):
     text = characterisation_text(surface_characterisation)
     texts, parameters, estimate = texts_by_label(text), surface_parameters(surface), estimate_hurst_exponent(surface)
     assert texts["Sa"] == f"{1000 * parameters.Sa:.4g} nm"

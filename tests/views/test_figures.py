@@ -230,7 +230,9 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_figures_of_results_with_one_dimension_or_pair_or_few_approaches_cause_no_warning(generated_dataset, selection, tmp_path):
+def test_figures_of_results_with_one_dimension_or_pair_or_few_approaches_cause_no_warning(
+    generated_dataset, selection, tmp_path
+):
     result = Result.of(generated_dataset.isel(amplitude=[0], **selection))
     save_figure(friction_figure(*evaluate_friction_over_dimension(result, [0.0])), tmp_path / "friction.png")
     save_figure(area_figure(evaluate_area_over_load(result), result.study), tmp_path / "area.png")
@@ -333,9 +335,7 @@ def test_compass_figure_shows_the_mean_in_each_direction_on_an_axis_that_starts_
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_sorts_maps_by_value_and_profiles_by_position(
-    maps_at_two_cutoffs, profiles_dataset
-):
+def test_positions_figure_sorts_maps_by_value_and_profiles_by_position(maps_at_two_cutoffs, profiles_dataset):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
     assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # The result has 4 members in 4 directions.
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
