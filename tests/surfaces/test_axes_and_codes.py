@@ -56,7 +56,7 @@ def test_column_of_a_spectrum_is_not_read_as_heights(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["sample", "frame", "Pixel", "data point", "Messpunkt", "lfd. Nr.", "idx"])
 @pytest.mark.parametrize("step", [1, 10])
-def test_column_of_point_numbers_read_as_positions_has_a_caveat(tmp_path, name, step):
+def test_column_of_positions_that_may_be_point_numbers_has_a_caveat(tmp_path, name, step):
     path = write_columns(tmp_path / "a.csv", f"{name};z", step, first=5 * (step - 1))
     assert "numbering" in caveats_of(path, unit="um")
 
@@ -81,12 +81,12 @@ def test_position_column_with_an_unknown_name_and_no_unit_has_a_caveat_unless_it
 @pytest.mark.parametrize(
     "name", ["Distanza", "posição", "longueur", "odległość", "Положение", "距離", "위치", "avstånd"]
 )
-def test_position_column_with_a_foreign_name_has_no_caveat(tmp_path, name):
+def test_position_column_with_a_name_in_another_language_has_no_caveat(tmp_path, name):
     assert not caveats_of(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
 
 
 @pytest.mark.parametrize("line", ["X_Dimension\tTime", "X axis: Time", "X quantity = angle", "X label: frequency"])
-def test_header_line_with_another_quantity_along_x_rejects_the_positions(tmp_path, line):
+def test_positions_are_rejected_if_a_header_line_declares_another_quantity_along_x(tmp_path, line):
     path = write_columns(tmp_path / "a.csv", f"{line}\nX_Value;Laser")
     assert f"has positions in '{line.split()[-1]}', which is not a supported unit" in error_message(path, unit="mm")
 
@@ -115,7 +115,7 @@ def test_column_of_calculated_heights_has_a_caveat(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["z x0.1", "z x.5", "heights x5"])
-def test_column_of_heights_with_a_factor_after_x_has_a_caveat(tmp_path, name):
+def test_height_column_whose_name_contains_a_factor_such_as_x10_has_a_caveat(tmp_path, name):
     assert list(caveats_of(write_columns(tmp_path / "a.csv", f"x (um);{name} (um)"))) == ["scale"]
 
 
@@ -130,7 +130,7 @@ def test_height_column_whose_name_has_an_abbreviation_or_a_vertical_bar_has_no_c
 @pytest.mark.parametrize(
     "codes", [(-9999, -9998), (-999, -999.9, -1000), (-524287, -524288), (32767, -32768), (-9999, 9999, 9998)]
 )
-def test_several_codes_for_missing_points_are_reported_with_their_numbers(tmp_path, codes):
+def test_codes_for_missing_points_are_reported_with_their_number_of_occurrences(tmp_path, codes):
     heights = MAP.copy()
     for place, code in enumerate(codes):
         heights[3 + place :: 7, 2 + 3 * place] = code
@@ -156,7 +156,7 @@ def test_several_codes_for_missing_points_are_reported_with_their_numbers(tmp_pa
         ([1.1, 1.1], []),  # a repeated number close to the other heights
     ],
 )
-def test_repeated_or_known_number_beyond_the_range_of_the_heights_is_reported(tmp_path, codes, reported):
+def test_repeated_or_well_known_code_beyond_the_range_of_other_heights_is_reported(tmp_path, codes, reported):
     heights = np.round(np.interp(MAP, (MAP.min(), MAP.max()), (-1, 1)), 4)
     heights[3 : 3 + len(codes), 5] = codes
     reading = read_with_interpretation(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")
@@ -197,7 +197,7 @@ def test_zeros_that_result_from_rounding_are_not_reported(tmp_path, deviation, r
 
 @pytest.mark.parametrize("copies", [2, 3])
 @pytest.mark.parametrize("kind", ["profile", "map"])
-def test_sequence_of_heights_that_occurs_repeatedly_is_reported(tmp_path, kind, copies):
+def test_repeated_sequence_of_heights_is_reported(tmp_path, kind, copies):
     if kind == "profile":
         path = tmp_path / "a.csv"
         path.write_text("".join(f"{z}\n" for z in [*PROFILE] * copies))
@@ -206,12 +206,12 @@ def test_sequence_of_heights_that_occurs_repeatedly_is_reported(tmp_path, kind, 
     assert f"follow each other {copies} times" in caveats_of(path, unit="um", spacing="1 mm")["repeated-rows"]
 
 
-def test_sinusoidal_profile_is_not_reported_as_repeated_heights(tmp_path):
+def test_sinusoidal_profile_is_not_reported_as_a_repeated_sequence(tmp_path):
     (tmp_path / "a.csv").write_text("".join(f"{np.sin(np.pi * at / 25):.4f}\n" for at in range(200)))
     assert not caveats_of(tmp_path / "a.csv", unit="um", spacing="1 um")
 
 
-def test_zeros_in_a_profile_are_reported(tmp_path):
+def test_exact_zeros_in_a_profile_are_reported(tmp_path):
     heights = PROFILE.copy()
     heights[7::20] = 0
     path = tmp_path / "a.txt"
@@ -220,7 +220,7 @@ def test_zeros_in_a_profile_are_reported(tmp_path):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_rows_equal_to_the_previous_row_are_reported(tmp_path, axis):
+def test_map_rows_equal_to_the_previous_row_are_reported(tmp_path, axis):
     heights = MAP.copy() if axis == 0 else MAP.T.copy()
     heights[10:13] = heights[9]
     path = write_map(tmp_path / "a.csv", heights if axis == 0 else heights.T)
@@ -232,7 +232,7 @@ def test_rows_equal_to_the_previous_row_are_reported(tmp_path, axis):
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_row_of_equal_heights_is_reported(tmp_path, axis):
+def test_row_or_column_of_equal_heights_in_a_map_is_reported(tmp_path, axis):
     heights = MAP.copy() if axis == 0 else MAP.T.copy()
     heights[7] = 0
     path = write_map(tmp_path / "a.csv", heights if axis == 0 else heights.T)

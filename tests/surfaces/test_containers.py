@@ -30,7 +30,7 @@ def error_message(path, **options):
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-def test_array_of_a_container_has_the_orientation_of_an_npy_file(tmp_path, suffix):
+def test_array_in_a_container_is_read_with_the_orientation_of_an_npy_file(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     np.save(tmp_path / "map.npy", HEIGHTS)
     options = {"unit": "um", "spacing": ("2 um", "1 um")}
@@ -75,7 +75,7 @@ def test_two_columns_of_an_array_in_a_container_are_read_as_a_profile(tmp_path):
     assert np.array_equal(profile.heights, np.resize(HEIGHTS, 40))
 
 
-def test_container_without_a_matrix_is_rejected(tmp_path):
+def test_container_without_an_array_of_heights_is_rejected(tmp_path):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / "map.h5", z=HEIGHTS[0])
     assert "contains no matrix of numbers that may be heights" in error_message(path, spacing="1 um")
@@ -132,7 +132,7 @@ def test_material_ratio_curves_of_a_mitutoyo_workbook_are_not_read_as_heights(tm
     assert profile.spacing == pytest.approx(0.5)
 
 
-def test_channel_name_with_a_remark_in_brackets_is_compared_as_a_whole(tmp_path):
+def test_channel_is_selected_by_its_complete_name_including_a_remark_in_brackets(tmp_path):
     rows = [[at / 2, z, -z, 2 * z] for at, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=[["x (um)", "z (trace)", "z (retrace)", "phase"], *rows])
     assert "has no column named 'z (backward)'" in error_message(path, columns="z (backward)")

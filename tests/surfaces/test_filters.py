@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filter_does_not_change_heights_at_missing_points_far_from_measured_points(self):
+    def test_filter_leaves_heights_of_missing_points_far_from_measured_points_unchanged(self):
         missing = np.zeros(400, bool)
         missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
@@ -109,7 +109,7 @@ class TestRobustFilter:
         assert np.abs(result - form).max() < 3e-3
         assert np.abs(linear - form).max() > 0.05
 
-    def test_robust_filter_of_a_surface_with_normally_distributed_heights_agrees_with_a_quadratic_fit(self):
+    def test_robust_filter_of_normally_distributed_heights_agrees_with_a_local_quadratic_fit(self):
         surface = self_affine_map(1, 0.7, (16, 20), spacing=(0.5, 0.25))
         terms = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0)]
         result = filtered(surface, cutoff=4.0, robust=True).heights
@@ -141,7 +141,7 @@ def test_filter_accepts_a_cutoff_as_long_as_the_profile():
 
 @pytest.mark.parametrize("points", [0.5, 1.0, 2.0, 3.9])
 @pytest.mark.parametrize("has_missing", [False, True])
-def test_filter_with_a_short_cutoff_attenuates_noise_at_edges_and_gaps(points, has_missing):
+def test_filter_with_a_short_cutoff_does_not_amplify_noise_at_edges_and_missing_points(points, has_missing):
     heights = np.random.default_rng(1).normal(size=(48, 40))
     missing = np.zeros(heights.shape, dtype=bool)
     missing[20:26, 10:13] = missing[:3, 5] = has_missing

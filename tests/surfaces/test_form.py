@@ -33,7 +33,7 @@ def test_levelling_removes_only_polynomials_up_to_the_given_degree(trend, degree
 
 
 @pytest.mark.parametrize("trend", ["cubic", "sextic"])
-def test_levelling_equals_direct_least_squares(trend):
+def test_levelling_subtracts_the_polynomial_of_a_direct_least_squares_fit(trend):
     degree = {"cubic": 3, "sextic": 6}[trend]
     heights = np.random.default_rng(2).normal(size=(20, 25))
     y, x = np.meshgrid(np.linspace(-1, 1, 20), np.linspace(-1, 1, 25), indexing="ij")
@@ -73,7 +73,7 @@ def test_levelling_removes_a_circle_and_leaves_the_noise():
     assert result.heights.std() == pytest.approx(noise.std(), rel=3e-3)
 
 
-def test_removal_of_form_ignores_missing_points():
+def test_form_removal_ignores_missing_points():
     x = np.arange(400.0)
     heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
     missing[50:80] = True
@@ -83,7 +83,7 @@ def test_removal_of_form_ignores_missing_points():
         assert np.abs(residuals[~missing]).max() < 1e-5
 
 
-def test_removal_of_form_changes_pure_noise_only_slightly():
+def test_form_removal_changes_the_heights_of_pure_noise_only_slightly():
     noise = noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
         result = levelled(Surface(noise, spacing=0.5), trend).heights

@@ -21,7 +21,7 @@ def hurst_of_dimension(dimension, convention):
 
 
 class TestRandomPhases:
-    def test_random_phases_are_reproducible_across_versions(self):
+    def test_random_phases_equal_recorded_values_in_every_version_of_numpy(self):
         # The expected phases are recorded numbers. All versions of NumPy generate the same raw PCG64 words.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == RECORDED_PHASES
@@ -73,7 +73,7 @@ class TestFractalProfile:
         error = np.abs(profile.heights[indices] - expected).max() / np.ptp(profile.heights)
         assert error < DIRECT_SUM_TOLERANCE
 
-    def test_fractal_profile_equals_direct_sum_for_any_parameters(self):
+    def test_fractal_profile_equals_direct_sum_for_random_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
             settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID_ARGUMENTS}
@@ -86,7 +86,7 @@ class TestFractalProfile:
             0, abs=1e-13
         )
 
-    def test_profile_of_classical_dimension_d_equals_profile_of_dimension_1_plus_half_d_in_the_paper(self):
+    def test_classical_fractal_dimension_d_equals_1_plus_d_over_2_in_the_convention_of_the_paper(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID_ARGUMENTS)
@@ -164,7 +164,7 @@ class TestFractalSurface:
         assert row.spacing == profile.spacing
         assert np.abs(row.heights - profile.heights).max() < DIRECT_SUM_TOLERANCE * np.ptp(profile.heights)
 
-    def test_band_limit_omits_frequencies_that_the_grid_cannot_resolve(self):
+    def test_band_limit_omits_harmonics_that_the_grid_cannot_resolve(self):
         phases = random_phases(8, frequencies=100)
         band_limited_surface = weierstrass_mandelbrot_surface(
             phases, 1.2, shape=(30, 30), extent=1.0, band_limit="nyquist"
@@ -174,7 +174,7 @@ class TestFractalSurface:
         )
         assert np.allclose(band_limited_surface.heights, surface_with_fewer_frequencies.heights, rtol=0, atol=1e-12)
 
-    def test_fractal_surface_on_a_long_strip_equals_a_profile(self):
+    def test_first_row_of_a_fractal_surface_on_a_long_narrow_strip_equals_a_profile(self):
         phases = random_phases(8)
         strip = weierstrass_mandelbrot_surface(phases, 1.5, shape=(2, 50_000), extent=(0.1, 4.0))
         profile = weierstrass_mandelbrot(phases, 1.5, points=50_000, extent=4.0)
@@ -201,7 +201,7 @@ class TestFractalSurface:
             weierstrass_mandelbrot_surface(**arguments)
 
 
-def test_height_variance_equals_half_of_the_sum_of_squared_amplitudes():
+def test_height_variance_of_a_fractal_equals_half_of_the_sum_of_squared_amplitudes():
     # The height variance is half the sum of squared amplitudes.
     # Directions m and M - m have independent phases, and direction m = M/2 has no harmonic.
     dimension, gamma = 1.2, 1.5

@@ -43,7 +43,7 @@ def caveat_names(reading):
      "Resolution: 0.5 um per pixel", "X step: 0.5 um (nominal)", "Punktabstand: 0,5 µm", "Data interval = 500 nm/pt",
      "Increment: 0.5 um", "Pixelgröße: 0,5 µm"],
 )  # fmt: skip
-def test_header_line_that_only_declares_the_spacing_is_used_without_a_caveat(read_text, line):
+def test_header_line_that_can_only_mean_the_spacing_is_used_without_a_caveat(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert reading.body.spacing == pytest.approx(0.5)
     assert not reading.caveats
@@ -100,7 +100,7 @@ HEADER_LINES_WITH_TWO_SPACINGS = [
 
 
 @pytest.mark.parametrize("line", TWO_SPACINGS)
-def test_two_spacings_without_axes_are_rejected_and_must_agree_with_given_spacings(read_text, line):
+def test_two_header_spacings_without_axes_are_rejected_unless_both_spacings_are_given(read_text, line):
     text = f"{line}\nZ unit: um\n{MAP_TEXT}"
     assert f"its header line {line!r} does not name the axes of its spacings" in error_message(read_text, text)
     message = error_message(read_text, text, spacing="0.5 um")
@@ -116,7 +116,7 @@ def test_two_spacings_that_name_their_axes_are_assigned_to_these_axes(read_text,
 
 
 @pytest.mark.parametrize("line", ["Pixel size: 0.5 µm x 0.5 µm", "Pixel size: 500 nm x 0.5 um", "Pixel size: 0.5 um"])
-def test_equal_spacings_along_both_axes_are_used(read_text, line):
+def test_equal_header_spacings_along_both_axes_are_used(read_text, line):
     assert read_text(f"{line}\nZ unit: um\n{MAP_TEXT}").body.spacings == pytest.approx((0.5, 0.5))
 
 
@@ -151,7 +151,7 @@ def test_pixel_size_that_agrees_with_the_spacing_of_rows_is_used(read_text, line
      "Vergrößerung 10:1", "Vertical scale 1000:1", "Exponent: 1", "Z exponent: 1.0", "z x0.1 (um)",
      "z x5", "height x 0.5"],
 )  # fmt: skip
-def test_height_factor_described_in_words_adds_a_caveat(read_text, line):
+def test_header_line_that_describes_a_height_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert caveat_names(reading) == ["scale"]
 
@@ -175,7 +175,7 @@ def test_header_factor_that_does_not_apply_to_heights_has_no_caveat(read_text, l
     assert not read_text(f"{line}\n{MAP_TEXT}", unit="um", spacing="0.5 um").caveats
 
 
-def test_unit_with_a_factor_of_one_is_read_without_a_caveat(read_text):
+def test_height_unit_with_a_factor_of_one_is_read_without_a_caveat(read_text):
     reading = read_text(f"heights in 1 nm\n{MAP_TEXT}", spacing="0.5 um")
     assert (reading.unit, reading.caveats) == ("nm", ())
 
@@ -236,7 +236,7 @@ def test_unit_with_a_power_of_ten_or_with_unusual_characters_is_read(read_text, 
         "z µm/s",
     ],
 )
-def test_unit_option_does_not_replace_another_unit_at_the_end_of_a_column_name(read_text, name):
+def test_unit_option_does_not_replace_an_unsupported_unit_at_the_end_of_a_column_name(read_text, name):
     message = error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
@@ -249,7 +249,7 @@ def test_unit_option_does_not_replace_another_unit_at_the_end_of_a_column_name(r
      ("x-mm;surface height-km", "km"), ("x mm;Height u m", "u m"), ("X;Z\nmm;0.1 um", "0.1 um"),
      ("Distance;Height\nmm;foo", "foo"), ("x_mm;z_foo", "foo")],
 )  # fmt: skip
-def test_unit_option_does_not_replace_a_column_unit_without_brackets(read_text, names, unit):
+def test_unit_option_does_not_replace_an_unsupported_column_unit_without_brackets(read_text, names, unit):
     message = error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
@@ -278,23 +278,23 @@ def test_unit_option_does_not_replace_an_unsupported_unit_above_the_heights(read
 
 
 @pytest.mark.parametrize("line", ["Height map", "Height (trace)", "Z: 12.5 mm", "Height: 200 um\nWidth: 200 um"])
-def test_header_line_about_the_heights_without_a_unit_is_ignored(read_text, line):
+def test_header_line_that_names_heights_but_no_unit_is_ignored(read_text, line):
     options = {} if "Width" in line else {"spacing": "5 um"}
     assert read_text(f"{line}\n{MAP_TEXT}", unit="um", **options).body.heights.tolist() == MAP.tolist()
 
 
-def test_unit_of_y_is_not_used_for_the_heights_of_a_map(read_text):
+def test_header_unit_of_y_is_not_used_for_the_heights_of_a_map(read_text):
     assert not read_text(f"Y unit: mm\n{MAP_TEXT}", unit="um", spacing="5 um").caveats
 
 
 @pytest.mark.parametrize("names", ["x (um);z (raw)", "x um;Height raw", "x;z\num;raw"])
-def test_raw_heights_without_a_unit_have_a_caveat(read_text, names):
+def test_column_of_raw_heights_without_a_unit_has_a_caveat(read_text, names):
     rows = "".join(f"{at / 2:.1f};{z}\n" for at, z in enumerate(PROFILE))
     assert caveat_names(read_text(f"{names}\n{rows}", unit="um")) == ["scale"]
 
 
 @pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
-def test_last_word_of_a_column_name_is_not_always_a_unit(read_text, name):
+def test_last_word_of_a_column_name_that_is_no_unit_is_ignored(read_text, name):
     assert read_text(f"x (mm);{name}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -312,7 +312,7 @@ def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_t
     assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
 
 
-def test_letter_after_a_column_name_is_a_unit_if_another_column_has_a_unit(read_text):
+def test_single_letter_after_a_column_name_is_a_unit_if_another_column_has_a_unit(read_text):
     assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
 
 
@@ -327,13 +327,13 @@ def test_unit_option_does_not_replace_a_unit_that_contains_a_number(read_text):
 
 
 @pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
-def test_unit_after_z_in_a_header_line_is_used_or_rejected(read_text, line, unit):
+def test_unit_after_z_in_a_header_line_is_used_if_it_is_a_length_and_else_rejected(read_text, line, unit):
     message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}" in message
     assert read_text(f"Z: nm\n{PROFILE_TEXT}", spacing="0.5 um").unit == "nm"
 
 
-def test_declared_range_of_the_heights_determines_their_unit(read_text):
+def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit(read_text):
     header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
     reading = read_text(header + MAP_TEXT)
     assert reading.body.heights == pytest.approx(MAP / 1000)
@@ -361,7 +361,7 @@ def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
     assert read_text(f"x (mm);z ({remark})\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
-def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
+def test_unit_of_positions_in_a_header_line_is_used_if_it_is_a_length_and_else_rejected(read_text):
     assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
     assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
 
@@ -375,7 +375,7 @@ def test_unit_of_positions_in_a_header_line_is_used_or_rejected(read_text):
      ("# x;z\n# mm;nm", "nm"), ('[{"name": "x", "unit": "mm"}, {"name": "z", "unit": "nm"}]', "nm"),
      ("name: x\nunit: mm\nname: z\nunit: mm\nx;z", "mm")],
 )  # fmt: skip
-def test_units_of_the_columns_in_a_separate_line_are_read(read_text, header, unit):
+def test_column_units_in_a_line_separate_from_the_column_names_are_read(read_text, header, unit):
     reading = read_text(f"{header}\n{ROWS}")
     assert (reading.unit, reading.body.spacing) == (unit, pytest.approx(0.5))
 
@@ -391,7 +391,7 @@ def test_units_between_names_separated_by_blanks_are_read(read_text):
     ["Units: x=mm, z=PSIA\nx;z", "mm;PSIA\nPosition;Height", "name: x\nunit: mm\nname: z\nunit: PSIA\nx;z",
      "units.z: V\nx;z", "figure units: z = V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
 )  # fmt: skip
-def test_unit_option_does_not_replace_a_unit_in_a_header_of_several_quantities(read_text, header):
+def test_unit_option_does_not_replace_an_unsupported_unit_in_a_header_of_several_quantities(read_text, header):
     message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
@@ -402,7 +402,7 @@ def test_header_unit_that_contradicts_the_unit_of_a_column_has_a_caveat(read_tex
 
 
 @pytest.mark.parametrize("line", ["unit: 0.1 um", "Z unit: 10 um", "Units: x 10 um", "z in 0.1 um"])
-def test_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, line):
+def test_header_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, line):
     reading = read_text(f"{line}\nx (mm);z (um)\n{ROWS}")
     assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
 
@@ -460,7 +460,7 @@ def test_file_is_rejected_if_the_description_next_to_it_declares_slopes(tmp_path
 
 
 @pytest.mark.parametrize("names", ["y (um) x (um) z (um)", "Y [um] X [um] Height [um]", "# y (um) x (um) z (um)"])
-def test_column_names_with_units_in_brackets_may_be_separated_by_single_blanks(read_text, names):
+def test_column_names_with_units_in_brackets_are_read_if_separated_by_single_blanks(read_text, names):
     rows = "".join(f"{y * 0.5} {x * 0.25} {MAP[y, x]}\n" for y in range(14) for x in range(20))
     body = read_text(f"{names}\n{rows}").body
     assert body.spacing == (0.5, 0.25)
@@ -486,7 +486,7 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
 
 
 @pytest.mark.parametrize("columns", [None, (0,)])
-def test_numbers_in_several_units_are_rejected(read_text, columns):
+def test_heights_with_different_units_beside_the_numbers_are_rejected(read_text, columns):
     text = "".join(f"{z};um\n" if at % 9 else f"{1000 * z:.1f};nm\n" for at, z in enumerate(PROFILE))
     message = error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
     assert "has numbers in several units in column 1: 'um' (106) and 'nm' (14)" in message

@@ -48,7 +48,7 @@ def test_flat_scan_with_equal_spikes_has_no_rounding_step(shape):
     assert find_height_step(np.array([1.0, 2.0])) == 0
 
 
-def test_clipped_map_of_unrounded_heights_has_no_rounding_step():
+def test_unrounded_map_with_clipped_heights_has_no_rounding_step():
     heights = gaussian_filter(np.random.default_rng(1).normal(size=(1024, 1024)), 4)
     clipped_heights = np.maximum(heights, np.quantile(heights, 0.95))
     assert find_height_step(clipped_heights) == 0

@@ -41,7 +41,7 @@ class TestNoiseFloorFit:
         assert fit.ratios == pytest.approx((level / end_density[0], 0.5 * level / end_density[1]), rel=0.02)
         assert fit.is_significant
 
-    def test_fit_of_noise_floor_converges_to_the_parameters_of_an_exact_spectrum(self):
+    def test_fit_of_noise_floor_finds_level_and_exponent_of_an_exact_spectrum_to_8_digits(self):
         fit = fit_noise_floor([self.create_spectrum(2.2, 1.0)], exponents=(1.0, 5.0))
         assert fit.level == pytest.approx(1.0, rel=1e-8)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-8)
@@ -52,7 +52,7 @@ class TestNoiseFloorFit:
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-3)
 
-    def test_gain_of_a_noise_floor_fit_is_its_increase_in_log_likelihood(self):
+    def test_gain_of_a_noise_floor_fit_is_the_increase_of_the_log_likelihood_due_to_the_floor(self):
         spectrum = self.create_spectrum(2.2, 1.0, weight=3.0)
         fit = fit_noise_floor([spectrum], exponents=(1.0, 5.0))
 
@@ -106,12 +106,12 @@ def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
     )
 
 
-def test_aliased_surface_is_reported_as_possibly_noisy():
+def test_undersampled_surface_is_reported_as_possibly_noisy():
     fine_heights = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
     assert find_hidden_noise(Surface(fine_heights[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
 
 
-def test_hidden_noise_is_not_estimated_for_feed_marks():
+def test_hidden_noise_is_not_estimated_for_turned_profiles_with_feed_marks():
     heights = turned_surface(np.random.default_rng(1), 1, feed=(25, 25))
     noisy_heights = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
     assert find_hidden_noise(Profile(noisy_heights, spacing=SPACING)) is None

@@ -57,7 +57,7 @@ class TestProfileHurstExponent:
         spectrum = power_spectrum(profile, periodic=True)
         assert np.allclose(result.density(spectrum.wave_number[:-1]), spectrum.density[:-1], rtol=1e-8, atol=0)
 
-    def test_fitted_band_extends_from_roll_off_to_cut_off(self):
+    def test_fitted_band_extends_from_the_roll_off_to_the_cutoff_of_the_spectrum(self):
         profile = rough_profile(points=60_000, longest_wavelength=10.0, shortest_wavelength=0.1)
         result = estimate_hurst_exponent(profile)
         # Next to the cutoff, the estimate omits one bin, whose width is a fifth of the wavelength.
@@ -105,7 +105,7 @@ class TestProfileHurstExponent:
             original_estimate.value, abs=0.2 * (original_estimate.upper - original_estimate.lower)
         )
 
-    def test_hurst_estimate_uses_the_given_band(self):
+    def test_hurst_estimate_is_fitted_in_the_given_band(self):
         result = estimate_hurst_exponent(rough_profile(), band=(0.05, 2.0))
         assert 0.05 <= result.shortest_wavelength < result.longest_wavelength <= 2.0 * (1 + 1e-9)
 
@@ -117,7 +117,7 @@ class TestProfileHurstExponent:
             # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
             assert result.dispersion > 1
 
-    def test_fitted_band_of_weierstrass_mandelbrot_profiles_ends_where_harmonics_become_separate_lines(self):
+    def test_fitted_band_of_weierstrass_mandelbrot_profiles_ends_where_harmonics_separate(self):
         # Below a wavelength of about 0.04 µm, the harmonics of the 40 directions are separate lines in the spectrum.
         profile = weierstrass_mandelbrot(random_phases(1), 1.4, points=150_000)
         result = estimate_hurst_exponent(profile)
@@ -159,7 +159,7 @@ class TestProfileHurstExponent:
             estimate_hurst_exponent(Profile([0.0, 1.0] * 50, spacing=1.0), periodic=True)
 
 
-def test_hurst_exponent_with_a_wide_interval_or_outside_0_to_1_has_a_caution():
+def test_hurst_exponent_outside_0_to_1_or_with_a_wide_interval_has_a_caution():
     estimate = estimate_hurst_exponent(rough_profile(points=4096))
     assert estimate.caution is None
     assert estimate.interval_classical == (2 - estimate.upper, 2 - estimate.lower)

@@ -63,7 +63,7 @@ def test_joined_spectrum_agrees_with_the_spectrum_and_the_slope_of_the_surface(c
     assert np.all(np.abs(np.log(combined_spectrum.disagreement)) < 0.4)
 
 
-def test_joined_scans_disagree_if_one_has_a_wrong_calibration(complete_surface):
+def test_joined_spectrum_reports_a_disagreement_if_one_scan_is_miscalibrated(complete_surface):
     scans = scans_of_instruments(complete_surface)
     miscalibrated_spectrum = joined_spectrum([Surface(2 * scans[0].heights, spacing=scans[0].spacing), *scans[1:]])
     # The spectrum is proportional to the square of the heights, so its ratio is about 4.
@@ -107,7 +107,7 @@ def test_joined_profiles_are_treated_as_sections_of_an_isotropic_surface(complet
     assert float(joined.roughness().gradient_at(0.1)) == pytest.approx(float(true_roughness.gradient_at(0.1)), rel=0.3)
 
 
-def test_surface_generated_from_a_joined_spectrum_has_that_spectrum(complete_surface):
+def test_surface_generated_from_a_joined_spectrum_has_this_spectrum(complete_surface):
     joined = joined_spectrum(scans_of_instruments(complete_surface))
     body = joined.surface(3, shape=(512, 512), spacing=0.04)
     repeated_body = joined.surface(3, shape=(512, 512), spacing=0.04)

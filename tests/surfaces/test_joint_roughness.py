@@ -34,7 +34,7 @@ def test_rising_slope_depends_on_the_sense_of_the_motion_and_z2_does_not():
 
 
 @pytest.mark.parametrize("slope", [0.05, 0.6])
-def test_jrc_is_undefined_outside_its_range(slope):
+def test_jrc_is_undefined_for_slopes_outside_the_range_of_its_correlation(slope):
     assert math.isnan(measure_joint_roughness(Profile(slope * 127 * np.arange(100.0), spacing=127.0), 0).jrc)
 
 

@@ -295,7 +295,7 @@ def read_scan_or_none(path, **options):
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_any_encoding(tmp_path, name, encoding):
+def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_encoding(tmp_path, name, encoding):
     write, options, variants = EXPORT_FORMATS[name]
     accepted = 0
     for variant in variants:
@@ -340,7 +340,7 @@ def test_profiles_exported_by_instruments_are_read_exactly_or_rejected_in_any_en
         assert body.spacing == pytest.approx(0.5)
 
 
-def test_exported_file_is_recognised_by_exactly_one_layout_parser():
+def test_each_export_format_is_recognised_by_exactly_one_layout_parser():
     texts = {
         name: write(**variant) for name, (write, _, variants) in EXPORT_FORMATS.items() for variant in variants[:1]
     }
@@ -486,7 +486,7 @@ def test_rows_of_dashes_between_numbers_are_read_as_missing_points(tmp_path):
     assert np.flatnonzero(body.missing).tolist() == [20, 21, 22]
 
 
-def test_codes_for_missing_points_are_reported_and_can_be_masked(tmp_path):
+def test_codes_for_missing_points_are_reported_and_masked_by_the_missing_value_option(tmp_path):
     path = tmp_path / "a.csv"
     for code in ("-9999", "-32768", "99999.0", "0.000"):
         body = [f"{0.5 * index},{code if index in (7, 8, 33) else z + 500}" for index, z in enumerate(LINE_HEIGHTS)]
@@ -529,7 +529,7 @@ def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
         assert read_scan_or_none(path) is None
 
 
-def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
+def test_ambiguous_commas_are_rejected_unless_column_names_resolve_them(tmp_path):
     lines = [f"{format_number(0.5 * index, True)},{format_number(z, True)}" for index, z in enumerate(LINE_HEIGHTS)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
@@ -538,7 +538,7 @@ def test_ambiguous_commas_are_resolved_by_column_names_or_rejected(tmp_path):
     assert read_scan_or_none(path, unit="um", spacing="0.5 um") is None
 
 
-def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
+def test_blocks_of_equal_width_with_titles_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
     with pytest.raises(FormatError, match=r"contains the channels 0 \(Height\), 1 \(Phase\); choose one with"):
@@ -547,7 +547,7 @@ def test_titled_blocks_of_equal_width_are_read_as_channels(tmp_path):
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
-def test_titled_single_lines_of_numbers_are_listed_as_channels(tmp_path):
+def test_single_lines_of_numbers_with_titles_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {index}\n{line}" for index, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(
@@ -684,7 +684,7 @@ def lines_in_table_shape(shape, heights):
 
 @pytest.mark.parametrize("shape", ["column", "positions", "triplets", "labelled", "matrix"])
 @pytest.mark.parametrize("declaration", ["factor", "code", "unit", "spacing", "scale", "count"])
-def test_declarations_in_a_header_apply_to_tables_of_every_shape(tmp_path, shape, declaration):
+def test_declarations_in_a_header_apply_to_columns_and_matrices_and_point_lists(tmp_path, shape, declaration):
     heights = HEIGHTS.copy()
     heights[2, 3:5] = {"code": 77.25, "count": 0.0}.get(declaration, 1.0)
     line = {
@@ -741,7 +741,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, decl
         ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
     ],
 )  # fmt: skip
-def test_number_labelled_scale_in_a_header_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
+def test_header_scale_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
@@ -901,7 +901,7 @@ def test_columns_option_can_exclude_a_column_of_flags_without_a_known_meaning(tm
     [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
-def test_counts_that_are_not_whole_numbers_are_rejected_in_headers(tmp_path, name, key, count):
+def test_point_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, key, count):
     write, options, _ = EXPORT_FORMATS[name]
     lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))
@@ -948,7 +948,7 @@ def test_tip_radius_in_a_header_is_added_to_the_history(tmp_path, line):
 
 
 @pytest.mark.parametrize("spacing", [0.25, 0.333, 0.2, 1.26])
-def test_rounded_positions_on_a_grid_are_read_if_the_spacing_is_above_two_units_of_the_last_digit(tmp_path, spacing):
+def test_rounded_grid_positions_are_read_if_the_spacing_exceeds_two_units_of_the_last_digit(tmp_path, spacing):
     path = tmp_path / "a.xyz"
     order = np.random.default_rng(5).permutation(HEIGHTS.size)
     y, x = (spacing * item.ravel()[order] for item in np.mgrid[:NUM_ROWS, :NUM_COLUMNS])

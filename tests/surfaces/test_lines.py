@@ -28,7 +28,7 @@ def surface_of_stacked_rows(hurst, lines=40, points=600, **changes):
     return Surface(np.array(rows) + tilt, spacing=(0.5, 0.02))
 
 
-def test_line_roughness_equals_the_mean_over_single_lines():
+def test_line_roughness_of_a_surface_equals_the_mean_over_its_lines():
     surface = surface_of_stacked_rows(0.6)
     result = line_roughness(surface, "x", band=(0.1, 2.0))
     x = np.arange(600)
@@ -161,7 +161,7 @@ def test_lines_along_straight_grooves_have_no_hurst_exponent():
     assert np.isnan(roughness_y.misfit)
 
 
-def test_misfit_of_a_power_law_is_near_1_for_a_power_law_spectrum_and_larger_for_a_spectrum_with_a_bend():
+def test_misfit_is_near_1_for_a_power_law_spectrum_and_larger_for_a_spectrum_with_a_bend():
     straight_grooves = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

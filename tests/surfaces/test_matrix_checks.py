@@ -171,7 +171,7 @@ def test_profile_wrapped_into_lines_of_several_heights_adds_a_caveat(tmp_path, p
 
 @pytest.mark.parametrize("shape", [(15, 20), (60, 5), (30, 30), (10, 8)])
 @pytest.mark.parametrize("step", [1, 4, 12])
-def test_map_of_few_columns_has_no_caveat_about_a_wrapped_profile(tmp_path, shape, step):
+def test_map_with_few_columns_has_no_caveat_about_a_wrapped_profile(tmp_path, shape, step):
     path = tmp_path / "a.txt"
     path.write_text(to_text(create_map(step * shape[0], shape[1])[::step]))
     assert not read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats
@@ -184,7 +184,7 @@ def test_profile_with_another_number_of_points_than_its_header_declares_has_a_ca
 
 
 @pytest.mark.parametrize("order", [(3, 0, 1, 2), (3, 4, 5, 0, 1, 2), (0, 2, 1, 3), (2, 0, 1, 3)])
-def test_grid_coordinates_are_found_among_other_columns(tmp_path, order):
+def test_grid_coordinates_are_found_among_columns_of_other_quantities(tmp_path, order):
     columns = np.column_stack([X, Y, HEIGHTS.ravel(), np.sqrt(NUMBERS % 97) / 10, np.cos(X * Y), np.sin(NUMBERS**2)])
     path = tmp_path / "a.txt"
     path.write_text(to_text(columns[:, order]))
@@ -230,7 +230,7 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
 
 @pytest.mark.parametrize("names", ["", "x (um) z (um)\n", "24 18\nx (um) z (um)\n"])
 @pytest.mark.parametrize("words", ["Ra 0.07 x z\n", "mean\n", "a b\nc d\n"])
-def test_profile_row_above_a_line_of_words_is_not_dropped_silently(tmp_path, names, words):
+def test_profile_row_above_a_line_of_words_is_rejected_instead_of_skipped(tmp_path, names, words):
     path = tmp_path / "a.txt"
     rows = [f"{x:.1f} {z:.4f}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)]
     path.write_text(names + rows[0] + words + "".join(rows[1:]))
@@ -249,7 +249,7 @@ def test_two_numbers_above_the_column_names_are_not_read_as_a_row(tmp_path, line
 
 @pytest.mark.parametrize("point", [".", ","])
 @pytest.mark.parametrize(("cut", "names"), [(0, []), (1, ["truncated"]), (4, ["truncated"]), (5, ["truncated"])])
-def test_number_that_is_cut_off_at_the_end_of_a_profile_has_a_caveat(tmp_path, cut, names, point):
+def test_number_that_is_truncated_at_the_end_of_a_profile_has_a_caveat(tmp_path, cut, names, point):
     path = tmp_path / "a.txt"
     text = "".join(f"{x / 2:.4f};{z:.4f}\n" for x, z in enumerate(HEIGHTS.ravel()[:120])).replace(".", point)
     path.write_text(text[: len(text) - cut - 1])
@@ -257,7 +257,7 @@ def test_number_that_is_cut_off_at_the_end_of_a_profile_has_a_caveat(tmp_path, c
 
 
 @pytest.mark.parametrize("form", [".4g", ".0f"])
-def test_last_number_among_numbers_of_different_or_no_decimals_has_no_caveat(tmp_path, form):
+def test_short_last_number_has_no_caveat_if_numbers_have_different_or_no_decimals(tmp_path, form):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"{z * 100:{form}}" for z in [*HEIGHTS.ravel()[:120], 0.5]))
     names = [caveat.name for caveat in read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats]
@@ -273,7 +273,7 @@ def test_smooth_profile_wrapped_into_few_lines_has_a_caveat(tmp_path):
 
 @pytest.mark.parametrize("shape", [(3, 32), (4, 25), (8, 12), (17, 16)])
 @pytest.mark.parametrize("seed", range(4))
-def test_rough_profile_wrapped_into_lines_has_a_caveat(tmp_path, shape, seed):
+def test_rough_profile_wrapped_into_many_lines_has_a_caveat(tmp_path, shape, seed):
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
     profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
     path.write_text(to_text(profile.reshape(shape)))
@@ -321,7 +321,7 @@ def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
     assert "lists all x and then all z" in error_message(path, **OPTIONS)
 
 
-def test_column_of_a_ramp_and_a_rough_part_is_read_as_one_profile(tmp_path):
+def test_profile_that_starts_with_a_ramp_is_read_completely(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 100, HEIGHTS.ravel()[:151]])[:, np.newaxis]))
     assert read_measurement(path, **OPTIONS).heights.size == 271

@@ -93,7 +93,9 @@ def test_long_map_has_the_same_heights_for_any_number_of_threads(write_file, mon
 
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("row", [0, 57, 199])
-def test_error_in_a_long_map_has_the_line_and_the_cell_for_any_number_of_threads(write_file, monkeypatch, threads, row):
+def test_error_in_a_long_map_states_the_line_and_the_cell_for_any_number_of_threads(
+    write_file, monkeypatch, threads, row
+):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
     cells = [list(row_cells) for row_cells in long_map()[0]]
     cells[row][7] = "1.2.3"
@@ -149,7 +151,7 @@ def test_profile_written_in_any_text_format_is_read_with_equal_heights_and_spaci
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_reader_requires_unit_and_spacing_as_options_if_the_file_does_not_state_them(write_file):
+def test_reader_requires_unit_and_spacing_options_for_a_file_that_does_not_state_them(write_file):
     file_without_units = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(file_without_units)
     assert read_profile(file_without_units, unit="um").heights.tolist() == HEIGHTS
@@ -242,14 +244,14 @@ def test_text_files_without_a_profile_are_rejected(write_file, text, message):
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
-def test_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
+def test_map_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     lines = ["nan,NaN,nan,nan" if row in rows else "1,2,3.5,4" for row in range(4)]
     (tmp_path / "map.csv").write_text("\n".join(lines))
     missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
     assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_are_accepted_if_they_deviate_from_uniform_spacing_only_by_rounding_or_truncation(write_file):
+def test_positions_are_accepted_if_only_rounding_or_truncation_makes_their_spacing_uneven(write_file):
     true_positions = 0.156245 * np.arange(9600)
     for printed_positions in (
         [f"{x:.1f}" for x in true_positions],
@@ -267,7 +269,7 @@ def test_positions_are_accepted_if_they_deviate_from_uniform_spacing_only_by_rou
     )
 
 
-def test_declared_spacing_that_disagrees_with_positions_is_reported(write_file):
+def test_header_spacing_that_disagrees_with_the_positions_is_reported(write_file):
     data = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
     with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but the spacing of its positions is 0.1 µm"):
         profile = read_profile(write_file("Spacing,0.2 um\n" + data))
@@ -360,7 +362,7 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
         assert np.array_equal(surface.heights, matrix)
 
 
-def test_spacing_option_must_agree_with_the_declared_spacing_of_a_matrix(write_file):
+def test_spacing_option_that_disagrees_with_the_header_of_a_matrix_is_rejected(write_file):
     path = write_file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
     assert "declares a spacing of 0.5 µm, but 2 µm and 1 µm are given" in error_message(
@@ -625,7 +627,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
     assert isinstance(read_measurement(tmp_path / name), Surface)
 
 
-def test_narrow_surface_is_not_written_to_a_format_that_cannot_store_it(tmp_path):
+def test_surface_of_three_columns_is_written_only_to_formats_that_can_store_it(tmp_path):
     with pytest.raises(FormatError, match="must have at least 4 columns, but the surface has 3"):
         write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())
@@ -633,7 +635,7 @@ def test_narrow_surface_is_not_written_to_a_format_that_cannot_store_it(tmp_path
     assert read_surface(tmp_path / "a.npy").heights.tolist() == np.eye(3).tolist()
 
 
-def test_trailing_data_of_an_npy_file_are_read_only_if_written_by_stiction(write_file):
+def test_metadata_after_the_array_of_an_npy_file_are_read_only_if_written_by_stiction(write_file):
     spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
     own_content = npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.array(["made up\x1b[31m"]))
     assert read_surface(write_file(own_content, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
@@ -744,7 +746,7 @@ def test_missing_points_are_found_in_all_pieces_of_a_long_text(write_file):
 
 
 @pytest.mark.parametrize("separator", [",", ", ", ";", "|", "\t", " "])
-def test_text_file_with_too_many_lines_or_cells_is_rejected(write_file, monkeypatch, separator):
+def test_text_file_with_more_lines_or_cells_than_the_limit_is_rejected(write_file, monkeypatch, separator):
     monkeypatch.setattr(text_files, "MAX_LINES", 20)
     monkeypatch.setattr(split_files, "MAX_CELLS_PER_LINE", 10)
     wide_row = separator.join(["1.5"] * 5) + "\n"
@@ -876,7 +878,7 @@ def test_x3p_file_with_an_impossible_height_factor_is_rejected(write_file, incre
     assert "for Record1/Axes/CZ/Increment; it must be a number from" in error_message(path, read_surface)
 
 
-def test_file_whose_size_is_too_small_for_its_declared_points_is_rejected(tmp_path, write_file):
+def test_file_that_is_too_small_for_its_declared_number_of_points_is_rejected(tmp_path, write_file):
     zeros = x3p_bytes(np.zeros((1100, 1000)), data_type="I", increment=1e-9)
     path = write_file(zeros, "a.x3p")
     assert "declares 1100000 points, but has only" in error_message(path, read_surface)
@@ -903,7 +905,7 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     assert "y coordinate varies" in error_message(write_file(stream.getvalue(), "a.x3p"))
 
 
-def test_heights_from_an_x3p_file_agree_with_those_of_another_reader(write_file):
+def test_heights_read_from_an_x3p_file_agree_with_surfacetopography(write_file):
     topography = pytest.importorskip("SurfaceTopography")
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:

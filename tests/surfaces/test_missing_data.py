@@ -107,7 +107,7 @@ def test_missing_points_at_an_edge_are_masked_in_maps_and_cropped_in_profiles(tm
     assert line.missing.tolist() == [False, False, True, False, False]
 
 
-def test_cropping_ignores_missing_points_outside_the_range(complete_surface, scan_path):
+def test_cropping_ignores_missing_points_outside_the_cropped_range(complete_surface, scan_path):
     with pytest.raises(ValueError, match="480 of 4096 heights"):
         read_surface(scan_path, **READ_OPTIONS)
     piece = read_surface(scan_path, crop="0 um, 2.5 um, 1 um, 6.4 um", **READ_OPTIONS)
@@ -124,7 +124,7 @@ def test_cropping_ignores_missing_points_outside_the_range(complete_surface, sca
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
-def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
+def test_outlier_detection_finds_spikes_but_not_steps_or_scratches(hurst, tmp_path):
     options = {"hurst_exponent": hurst, "rms": 0.02, "spacing": 0.1}
     for body in (self_affine(1, points=4000, **options), self_affine_surface(1, shape=(128, 128), **options)):
         assert not find_outliers(body.heights).any()
@@ -148,7 +148,7 @@ def test_outlier_detection_finds_spikes_but_no_larger_features(hurst, tmp_path):
 
 
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_outlier_detection_finds_groups_of_outliers_and_outliers_at_the_edge(shape):
+def test_outlier_detection_finds_neighbouring_outliers_and_outliers_at_the_edge(shape):
     heights = filtered_noise(np.random.default_rng(1), shape, 0.8)
     mean_difference = float(np.abs(np.diff(heights)).mean())
     spike_indices = [(0,), (400,), (401,), (800,), (802,), (1999,)]
@@ -175,7 +175,7 @@ def test_outlier_detection_finds_groups_of_outliers_and_outliers_at_the_edge(sha
 
 
 @pytest.mark.parametrize(("size", "is_outlier"), [(4, True), (5, False)])
-def test_outlier_detection_finds_groups_of_at_most_four_points(size, is_outlier):
+def test_outlier_detection_finds_groups_of_up_to_four_points_but_not_of_five(size, is_outlier):
     heights = filtered_noise(np.random.default_rng(1), (96, 96), 0.8)
     group = np.zeros(heights.shape, bool)
     group[[40, 41, 40, 41, 42][:size], [50, 51, 52, 53, 52][:size]] = True
@@ -274,7 +274,7 @@ def test_outlier_detection_finds_spikes_of_partly_flat_scans(num_levels, flat_fr
     assert num_outliers <= (2 if num_levels is None else 0.015 * num_points)
 
 
-def test_nominal_area_excludes_missing_points_and_interpolation_adds_a_caveat(complete_surface, scan_path):
+def test_nominal_area_excludes_missing_points_and_interpolated_points_add_a_caveat(complete_surface, scan_path):
     scan, complete_result = (
         read_surface(scan_path, missing="mask", **READ_OPTIONS),
         pair(complete_surface, complete_surface, shifts=4, **PAIR_OPTIONS),

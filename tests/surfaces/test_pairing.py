@@ -33,7 +33,7 @@ class TestLinePairs:
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
-    def test_line_pair_is_independent_of_pairs_created_earlier(self):
+    def test_line_pair_with_a_number_does_not_depend_on_pairs_created_earlier(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", has_several_pairs=True)
         assert pairs.max_pair_count() is None
@@ -99,7 +99,7 @@ class TestMapPairs:
             MapPairs(create_surface((20, 64)), create_surface((20, 64))).pair(0)
 
 
-def test_pairs_of_isotropic_surfaces_have_the_length_of_the_shorter_profile():
+def test_isotropic_surfaces_from_two_profiles_are_cut_to_the_shorter_profile():
     one, other = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

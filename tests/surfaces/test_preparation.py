@@ -122,7 +122,7 @@ def test_common_grid_preserves_the_finer_profile_and_interpolates_the_coarser_pr
         assert np.abs(shared_heights - coarse_profile.heights[::2]).max() < ROUND_OFF
 
 
-def test_profiles_that_already_have_equal_grids_are_unchanged():
+def test_common_grid_leaves_heights_of_profiles_with_equal_spacings_unchanged():
     a, b = rough_profile(30), rough_profile(20)
     common = on_common_grid(a, b)
     assert np.array_equal(common[0].heights, a.heights[:20])

@@ -62,13 +62,13 @@ def test_registration_of_a_large_map_finds_its_exact_shift():
     assert registration.rms_gap < 1e-9
 
 
-def test_rotation_of_faces_that_do_not_fit_stays_within_its_limit():
+def test_registration_of_unmated_faces_keeps_the_rotation_within_its_limit():
     other = self_affine_surface(9, shape=(64, 64), **ROUGH)
     rotations = [register_faces(cut_piece(LARGE, row, row, points=64), other)[2].rotation for row in (0, 40, 80, 120)]
     assert np.abs(rotations).max() <= MAX_ROTATION + 1e-9
 
 
-def test_rotation_and_shift_are_found_despite_tilt_and_unequal_shapes():
+def test_registration_finds_rotation_and_shift_despite_tilt_and_unequal_shapes():
     upper, lower = cut_moved_pair(1.3, (4, -3), noise=1.0)
     tilted = Surface(upper.heights[:90] + 0.5 * np.arange(100), spacing=50.0)
     _, _, registration = register_faces(tilted, lower)
@@ -100,7 +100,7 @@ def test_registration_ignores_missing_points():
     assert register_faces(upper, holed)[2].shift == (350.0, -600.0)
 
 
-def test_measure_of_fit_is_high_only_for_faces_that_fit():
+def test_measure_of_fit_is_high_only_for_mated_faces():
     other = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGH), 0, 0)
     piece = cut_piece(LARGE, 30, 40)
     assert measure_fit(piece, piece) == pytest.approx(1)

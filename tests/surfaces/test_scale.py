@@ -166,7 +166,7 @@ class TestInstrumentLimit:
         assert result.reason == "noise floor"
         assert result.noise > 10
 
-    def test_tip_limit_is_the_wavelength_at_which_the_surface_curvature_reaches_the_curvature_of_the_tip(self):
+    def test_tip_limit_is_the_wavelength_at_which_surface_and_tip_have_equal_curvatures(self):
         surface = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(256, 256), spacing=0.01)
         roughness = scale_dependent_roughness(surface)
         for radius in (0.02, 0.1, 1.0):
@@ -176,7 +176,7 @@ class TestInstrumentLimit:
         assert result.reason == "tip"
         assert math.isnan(instrument_limit(surface, tip_radius=1e-5).tip)
 
-    def test_instrument_limits_of_measured_scans_equal_recorded_values(self, find_measured_file):
+    def test_instrument_limits_of_measured_scans_equal_recorded_limits(self, find_measured_file):
         surface = read_surface(find_measured_file("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
@@ -355,7 +355,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_noise_across_grooves_is_included_in_the_slope_fraction_although_roughness_hides_it(self):
+    def test_slope_fraction_includes_noise_across_grooves_although_roughness_hides_it(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)
@@ -370,7 +370,7 @@ class TestNoiseOfAnisotropicMap:
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 
-    def test_height_offsets_between_rows_are_treated_as_noise_only_along_y(self, grooved_heights_and_rng):
+    def test_height_offsets_between_rows_count_as_noise_along_y_but_not_along_x(self, grooved_heights_and_rng):
         heights, rng = grooved_heights_and_rng
         noise = 0.05 * rng.normal(size=(192, 1)) + np.zeros(heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
@@ -409,8 +409,8 @@ def test_interpolation_of_gradient_and_wavelength_rejects_invalid_arguments():
 
 
 @pytest.mark.parametrize("colour", ["white", "band"])
-def test_filtering_at_the_instrument_cutoff_preserves_the_slope_of_the_noise_free_surface(colour):
-    """Check that the cutoff removes little slope. A cutoff at the limit itself would reduce h' by 20 %."""
+def test_filtering_at_the_instrument_cutoff_preserves_the_slope_of_a_noise_free_surface(colour):
+    """Check that the cutoff removes little slope. A cutoff at the resolution limit itself would reduce h' by 20 %."""
     for seed in range(6):
         clean_surface = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2

@@ -87,7 +87,7 @@ def test_cached_defects_are_released_with_their_scan():
     assert reference() is None
 
 
-def test_file_is_read_once_for_its_relative_and_its_absolute_path(scan_directory):
+def test_scan_file_is_read_only_once_for_its_relative_and_absolute_paths(scan_directory):
     relative, absolute = (
         MeasuredBodySettings(file=str(file), unit="um", spacing="0.1 um")
         for file in ("upper.npy", scan_directory / "upper.npy")
@@ -124,7 +124,7 @@ def find_cutoff(defects):
 @pytest.mark.parametrize("num_spikes", [3, 20])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 @pytest.mark.parametrize("noise", [0.0, 0.05])
-def test_cutoff_of_scan_with_spikes_equals_cutoff_without_spikes(num_spikes, shape, noise):
+def test_cutoff_of_a_scan_with_spikes_equals_its_cutoff_without_spikes(num_spikes, shape, noise):
     rng, kind = np.random.default_rng(3), Profile if len(shape) == 1 else Surface
     heights = 0.1 * scale_to_unit_rms(filtered_noise(rng, shape, 0.8)) + 0.1 * noise * rng.normal(size=shape)
     scans = (heights, add_spikes(heights, num_spikes))
@@ -220,7 +220,7 @@ def test_spikes_of_scratched_and_honed_profiles_are_found_but_no_scratches(build
     assert min(num_found.values()) >= 27
 
 
-def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_no_spike():
+def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_not_a_spike():
     rng = np.random.default_rng(0)
     steps = np.where(rng.random(2000) < 0.05, rng.choice([-1.0, 1.0, 2.0], 2000), 0.0)
     for height, num_spikes in ((4.0, 0), (8.0, 1)):
@@ -230,7 +230,7 @@ def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_no_spike():
         assert defects.num_spikes == num_spikes
 
 
-def test_defects_of_a_periodic_body_are_cached_separately():
+def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
     profile = Profile(filtered_noise(np.random.default_rng(1), (512,), 0.8), spacing=0.1)
     options = {"tip_radius": 2.0, "textured": False}
     defects, periodic_defects = (find_scan_defects(profile, **options, periodic=each) for each in (False, True))
@@ -262,7 +262,7 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
     assert spiky.estimate.value == pytest.approx(clean.estimate.value, abs=0.05)
 
 
-def test_roughness_drift_is_limited_if_the_roughness_jumps():
+def test_roughness_drift_of_a_profile_is_limited_if_its_roughness_jumps():
     """Check this because a straight line through the logarithms of strips overshoots a step."""
     heights = rough_maps(points=96)[0].heights.copy()
     heights[:, 48:] *= 0.02

@@ -138,7 +138,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_mean_profile_element_equals_that_of_the_reference_implementation(seed):
+def test_mean_profile_element_agrees_with_the_reference_implementation(seed):
     heights = ground_profile(seed, points=1500).heights
     assert mean_profile_element(heights, 0.5, 0.7) == pytest.approx(
         reference_roughness.mean_profile_element(heights, 0.5, 0.7), rel=1e-9
@@ -154,7 +154,7 @@ class TestSettingClass:
             (30.0, 20.0, "Sc5", 8000, 25),
         ],
     )  # fmt: skip
-    def test_class_of_settings_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
+    def test_settings_class_for_section_parameters_is_chosen_from_ra_and_rsm(self, amplitude, wavelength, name, lc, ls):
         x = 0.5 * np.arange(20_000)
         profile = Profile(amplitude * np.sin(2 * np.pi * x / wavelength), spacing=0.5)
         computed_parameters = section_parameters(profile).filters
@@ -235,7 +235,7 @@ def test_section_parameters_reject_a_flat_profile():
         section_parameters(Profile(np.ones(1000), spacing=0.5))
 
 
-def test_straight_profile_has_no_roughness():
+def test_section_roughness_of_a_straight_profile_is_zero():
     computed_parameters = section_parameters(Profile(np.linspace(-1, 1, 1000), spacing=0.5), lc=80)
     assert computed_parameters.Ra < 1e-9
 

@@ -27,7 +27,7 @@ class TestSelfAffineProfile:
         assert spectrum.density[is_beyond_cutoff].max() < 1e-24 * spectrum.density[0]
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_ensemble_of_profiles_has_the_requested_mean_square_height(self, periodic):
+    def test_ensemble_of_self_affine_profiles_has_the_requested_mean_square_height(self, periodic):
         squares = [
             roughness_parameters(rough_profile(repetition=r, periodic=periodic, longest_wavelength=0.5)).Pq ** 2
             for r in range(100)
@@ -36,14 +36,14 @@ class TestSelfAffineProfile:
         # Subtracting the mean height reduces the mean square by another 4 %.
         assert np.mean(squares) == pytest.approx(0.1**2, rel=0.12)
 
-    def test_profile_on_a_finer_grid_contains_the_points_of_the_coarser_grid(self):
+    def test_profile_generated_on_a_finer_grid_contains_the_points_of_the_coarser_grid(self):
         options = {"shortest_wavelength": 0.05}
         for periodic in (True, False):
             coarse_profile = rough_profile(points=1000, spacing=0.01, periodic=periodic, **options)
             fine_profile = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
             assert np.allclose(fine_profile.heights[::4], coarse_profile.heights, rtol=0, atol=ROUND_OFF)
 
-    def test_end_of_a_profile_continues_at_its_start_only_if_it_is_periodic(self):
+    def test_profile_end_continues_at_the_start_only_if_the_profile_is_periodic(self):
         def relative_end_jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
@@ -143,7 +143,7 @@ def test_self_affine_surface_is_periodic():
     )
 
 
-def test_surface_on_a_finer_grid_contains_the_points_of_the_coarser_grid():
+def test_surface_generated_on_a_finer_grid_contains_the_points_of_the_coarser_grid():
     coarse_surface = create_surface(shortest_wavelength=0.1, longest_wavelength=0.8)
     fine_surface = create_surface(
         shortest_wavelength=0.1, longest_wavelength=0.8, shape=(288, 256), spacing=(0.02 / 3, 0.005)
@@ -166,7 +166,7 @@ def test_self_affine_surface_is_reproducible_and_depends_on_seed():
     ) / np.sqrt(40)
 
 
-def test_phases_of_a_generated_profile_match_the_documented_random_numbers():
+def test_spectral_phases_of_a_generated_profile_equal_the_documented_random_numbers():
     # The strip contains a single harmonic (1, 0) along x. The second random word has no effect, because the rms is
     # given.
     sinusoidal_surface = self_affine_surface(

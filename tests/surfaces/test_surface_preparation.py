@@ -58,7 +58,7 @@ def test_flipping_rotates_a_surface_about_the_x_axis():
     assert list_history_without_flips(flipped_surface) == ()
 
 
-def test_flip_in_a_file_of_an_earlier_version_is_recognised(tmp_path):
+def test_flip_recorded_in_a_file_of_an_earlier_version_is_recognised(tmp_path):
     surface = Surface(np.eye(8), spacing=1.0, history=("turned over", "levelled by a plane"))
     write_surface(surface, tmp_path / "old.npy")
     read_back = read_surface(tmp_path / "old.npy")
@@ -147,7 +147,7 @@ def test_rotation_by_multiples_of_90_degrees_preserves_heights(quarter_turns):
 
 @pytest.mark.parametrize("angle", [-60, 17, 45, 90, 100, 213])
 @pytest.mark.parametrize("shape", [(80, 70), (30, 140)])
-def test_rotated_surface_equals_the_rotated_function(angle, shape):
+def test_rotated_surface_equals_its_height_function_at_rotated_points(angle, shape):
     surface, height = bumpy_surface(shape, (0.1, 0.1))
     rotated_surface = rotated(surface, angle)
     middle_position = [(points - 1) * 0.05 for points in shape]

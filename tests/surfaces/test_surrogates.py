@@ -68,7 +68,7 @@ class TestSurrogate:
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
-    def test_surrogate_preserves_the_slope_and_short_wavelengths(self, hurst, longest):
+    def test_surrogate_preserves_the_rms_slope_and_the_spectrum_at_short_wavelengths(self, hurst, longest):
         slope_ratios, short_wave_ratios = [], []
         for r in range(20):
             profile = rough_profile(points=4096, longest_wavelength=longest, hurst_exponent=hurst, repetition=r)
@@ -113,7 +113,7 @@ def create_map(hurst, side="lower", shape=(256, 2048), spacing=0.1):
 
 
 @pytest.mark.parametrize("hurst", [0.4, 0.9])
-def test_isotropic_surface_spectrum_is_recovered_from_a_section(hurst):
+def test_spectrum_of_an_isotropic_surface_is_recovered_from_its_section(hurst):
     """Check a profile whose spectrum C1D(k) is exactly the sum of a known C2D over all transverse wavenumbers."""
     points, spacing = 512, 0.5
     q = 2 * np.pi * np.fft.fftfreq(points, spacing)
@@ -203,7 +203,7 @@ def test_isotropic_surface_rejects_invalid_arguments(changes, words):
 
 
 @pytest.mark.soak
-def test_isotropic_surfaces_of_sections_have_contact_area_and_friction_of_the_original_maps():
+def test_isotropic_surfaces_from_sections_have_contact_area_and_friction_of_the_original_maps():
     """Check pieces of 128 by 128 points.
 
     The script docs/scripts/isotropic.py uses larger pieces for H from 0.4 to 0.9.
