@@ -48,15 +48,19 @@ _uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] 
 
 
 def get_half_space_grids(
-    shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool
-) -> _core.HalfSpaceGrids:
-    """Return the grids of a half-space problem with their elastic kernels. Equal arguments share the same grids."""
+    shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
+    remains_cached: bool = True,
+) -> _core.HalfSpaceGrids:  # fmt: skip
+    """Return the grids of a half-space problem with their elastic kernels. Equal arguments share the same grids.
+
+    Unless `remains_cached` is False, the grids remain cached until the next call, even if no problem uses them.
+    """
     key = shape, spacing, effective_modulus, periodic
     grids = _grids_by_key.get(key)
     if grids is None:
         grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
         _grids_by_key[key], _key_of_grids[grids] = grids, key
-    if math.prod(shape) <= MAX_CACHED_GRID_POINTS:
+    if remains_cached and math.prod(shape) <= MAX_CACHED_GRID_POINTS:
         _last_grids.append(grids)
     return grids
 
@@ -408,9 +412,8 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         np.ascontiguousarray(values[every_second]) for values in (problem.upper, problem.lower, problem.gap)
     )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
-    # `get_half_space_grids` would replace the cached grids of the problem.
-    grids = _core.HalfSpaceGrids(gap.shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
-    _key_of_grids[grids] = gap.shape, spacing, effective_modulus, periodic
+    # The grids of the problem remain cached, because the next problem needs them.
+    grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_range)
     return replace(
