@@ -12,6 +12,7 @@
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace stiction {
@@ -29,6 +30,9 @@ constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
 // The sum of the weights multiplies long wavelengths, so it must be small if contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
+// Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
+// Zero padding truncates the influence of a load, so that some Fourier components could be zero or negative.
+constexpr double min_compliance_ratio = 1e-3;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
@@ -596,6 +600,49 @@ std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus
   return stencil;
 }
 
+void check_grid(const char* name, const Grid& grid, double effective_modulus) {
+  if (grid.size() == 0 || !(grid.spacing_x > 0.0) || !(grid.spacing_y > 0.0) || !(effective_modulus > 0.0) ||
+      (grid.line && grid.rows != 1)) {
+    throw std::invalid_argument(
+        std::string(name) +
+        ": the grid must not be empty, spacings and modulus must be above 0, and a line must have one row");
+  }
+}
+
+// Return the Fourier coefficients of the displacement per pressure [µm/GPa] on the extended grid of StiffnessKernel.
+// On a free grid, all Fourier coefficients are positive. The coefficient of a uniform pressure is arbitrary there.
+std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
+                                          FftPlans& plans, const ThreadPool& pool) {
+  Scratch scratch;
+  std::vector<double> factors = compliance(shape, grid, effective_modulus, plans, scratch, pool);
+  if (grid.periodic) {
+    return factors;
+  }
+  double own_displacement = 0.0;
+  compute_influence_row(grid, effective_modulus, 0, {&own_displacement, 1});
+  if (!(factors[0] > 0.0)) {
+    factors[0] = std::abs(*std::max_element(
+        factors.begin(), factors.end(), [](double left, double right) { return std::abs(left) < std::abs(right); }));
+  }
+  for (double& factor : factors) {
+    factor = std::max(factor, min_compliance_ratio * own_displacement);
+  }
+  return factors;
+}
+
+std::vector<double> to_stiffness(std::vector<double> compliance_factors) {
+  for (double& factor : compliance_factors) {
+    factor = factor > 0.0 ? 1.0 / factor : 0.0;
+  }
+  return compliance_factors;
+}
+
+// Replace the response to a uniform pressure by the largest response.
+std::vector<double> to_preconditioner(std::vector<double> compliance_factors) {
+  compliance_factors[0] = *std::max_element(compliance_factors.begin(), compliance_factors.end());
+  return compliance_factors;
+}
+
 }  // namespace
 
 std::size_t fast_length(std::size_t points) {
@@ -648,12 +695,7 @@ struct ElasticKernel::Transforms {
 };
 
 ElasticKernel::ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool) : grid_(grid) {
-  if (grid.size() == 0 || !(grid.spacing_x > 0.0) || !(grid.spacing_y > 0.0) || !(effective_modulus > 0.0) ||
-      (grid.line && grid.rows != 1)) {
-    throw std::invalid_argument(
-        "ElasticKernel: the grid must not be empty, spacings and modulus must be above 0, and a line must have one "
-        "row");
-  }
+  check_grid("ElasticKernel", grid, effective_modulus);
   if (!grid.line) {
     stencil_ = compute_stencil(grid, effective_modulus);
   }
@@ -698,6 +740,57 @@ void ElasticKernel::apply_foundation_compliance(std::span<const float> loads, do
     throw std::invalid_argument("ElasticKernel: foundation must be above 0");
   }
   (*transforms_->foundation_filter(grid_, foundation))(loads, result, workspace.buffers_->scratch, pool);
+}
+
+struct StiffnessKernel::Transforms {
+  Transforms(const Grid& grid, double effective_modulus, const ThreadPool& pool) : Transforms(transform_shape(grid)) {
+    const std::vector<double> factors =
+        invertible_compliance(transform_shape(grid), grid, effective_modulus, plans, pool);
+    double_pressure = std::make_unique<const Filter<double>>(shape, to_stiffness(factors), plans);
+    single_pressure = std::make_unique<const Filter<float>>(shape, to_stiffness(factors), plans);
+    double_displacement = std::make_unique<const Filter<double>>(shape, factors, plans);
+    preconditioner = std::make_unique<const Filter<float>>(shape, to_preconditioner(factors), plans);
+  }
+
+  explicit Transforms(const TransformShape& padded)
+      : shape{padded.padded_rows, padded.padded_columns, padded.padded_rows, padded.padded_columns} {}
+
+  TransformShape shape;
+  FftPlans plans;
+  std::unique_ptr<const Filter<double>> double_pressure;
+  std::unique_ptr<const Filter<float>> single_pressure;
+  std::unique_ptr<const Filter<double>> double_displacement;
+  std::unique_ptr<const Filter<float>> preconditioner;
+};
+
+StiffnessKernel::StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool) {
+  check_grid("StiffnessKernel", grid, effective_modulus);
+  transforms_ = std::make_unique<const Transforms>(grid, effective_modulus, pool);
+}
+
+StiffnessKernel::~StiffnessKernel() = default;
+
+std::size_t StiffnessKernel::rows() const { return transforms_->shape.rows; }
+std::size_t StiffnessKernel::columns() const { return transforms_->shape.columns; }
+
+void StiffnessKernel::pressure(Values displacements, std::span<double> pressures, Workspace& workspace,
+                               const ThreadPool& pool) const {
+  (*transforms_->double_pressure)(displacements, pressures, workspace.buffers_->scratch, pool);
+}
+
+void StiffnessKernel::pressure(std::span<const float> displacements, std::span<float> pressures, Workspace& workspace,
+                               const ThreadPool& pool) const {
+  (*transforms_->single_pressure)(displacements, pressures, workspace.buffers_->scratch, pool);
+}
+
+void StiffnessKernel::displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
+                                   const ThreadPool& pool) const {
+  (*transforms_->double_displacement)(pressures, displacements, workspace.buffers_->scratch, pool);
+}
+
+void StiffnessKernel::precondition(std::span<const float> pressures, std::span<float> displacements,
+                                   Workspace& workspace, const ThreadPool& pool) const {
+  (*transforms_->preconditioner)(pressures, displacements, workspace.buffers_->scratch, pool);
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {

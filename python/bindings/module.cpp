@@ -16,6 +16,7 @@ void bind_contact(pybind11::module_& module);
 void bind_loading(pybind11::module_& module);
 void bind_contact_statistics(pybind11::module_& module);
 void bind_half_space(pybind11::module_& module);
+void bind_energy_minimizer(pybind11::module_& module);
 void bind_number_cells(pybind11::module_& module);
 }  // namespace stiction::python
 
@@ -37,5 +38,6 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_loading(module);
   stiction::python::bind_half_space(module);
   stiction::python::bind_contact_statistics(module);
+  stiction::python::bind_energy_minimizer(module);
   stiction::python::bind_number_cells(module);
 }

@@ -133,6 +133,47 @@ class HalfSpaceSolver:
     ) -> dict[str, numpy.ndarray[typing.Any, numpy.dtype[typing.Any]]]:
         """Solve for each of several approaches [µm]; see `contacts_at`."""
 
+class MinimizationState:
+    """State between two steps of an energy minimization, from which it can be resumed."""
+    def __init__(self, fields: dict[str, typing.Any]) -> None:
+        """Restore a state from the arrays and numbers of `fields`."""
+    def fields(self) -> dict[str, typing.Any]:
+        """Return the arrays and numbers of the state."""
+    @property
+    def approach(self) -> float: ...
+    @property
+    def number(self) -> int: ...
+
+class EnergyMinimizer:
+    """Energy of an adhesive contact under a constant load, minimized by conjugate gradients."""
+    def __init__(
+        self,
+        gap: NDArray[float64],
+        grids: HalfSpaceGrids,
+        *,
+        max_attraction: float,
+        range: float,
+        hardness: float,
+        threads: int = 1,
+    ) -> None: ...
+    def start(
+        self, pressure: NDArray[float64], attraction: NDArray[float64], load: float, *, threads: int = 1
+    ) -> MinimizationState:
+        """Return the state at the start of a minimization under a mean pressure [GPa]."""
+    def step(
+        self,
+        state: MinimizationState,
+        load: float,
+        *,
+        max_residual: float,
+        max_accepted_residual: float,
+        min_contact_load: float,
+        threads: int = 1,
+    ) -> str:
+        """Perform a step. Returns "unfinished", or why no step was performed: "balanced", "separated" or "stalled"."""
+    def stresses(self, state: MinimizationState) -> tuple[NDArray[float64], NDArray[float64]]:
+        """Return the pressure and the attraction [GPa] at each grid point."""
+
 @typing.overload
 def approaches_at(
     upper: NDArray[float64],

@@ -17,8 +17,10 @@ from stiction import (
     tabor_parameter,
 )
 from stiction.mechanics import adhesion
-from stiction.mechanics.adhesion import AdhesionSolver
+from stiction.mechanics.adhesion import AdhesionSolver, EnergyMinimizer
 from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
+from stiction.mechanics.solution_record import SolutionRecord
+from support.threads import releases_interpreter_lock
 
 GAP_TOLERANCE = 1e-3
 """Tolerance of gaps as a fraction of the range of adhesion. For soft bodies the energy minimum is flat."""
@@ -330,6 +332,53 @@ def test_minimum_of_the_energy_under_tension_is_an_equilibrium(boundary):
     assert state.contact_load == pytest.approx(plain_state.contact_load, rel=2e-3)
     assert adhesion_solver.minimize_energy(start, -1.03 * pull_off) is None
     assert not adhesion_solver.find_equilibrium_at_pressure(start, -1.03 * pull_off, longest=1.0)[1]
+
+
+class InterruptedRecord(SolutionRecord):
+    """Record that interrupts a computation when it offers its state, or continues from a stored state."""
+
+    def __init__(self, interrupted_offer=None, state=None):
+        super().__init__()
+        self.interrupted_offer, self.state, self.num_offers = interrupted_offer, state, 0
+
+    def read_state(self):
+        return self.state
+
+    def offer_state(self, get_state):
+        self.num_offers += 1
+        if self.num_offers == self.interrupted_offer:
+            self.state = {name: np.asarray(value) for name, value in get_state().items()}
+            raise InterruptedError
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_interrupted_energy_minimization_continues_with_the_same_bits(boundary):
+    bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary=boundary, **adhesive)
+    start = AdhesionSolver(curve._problem, tolerance=1e-6, report=None).find_equilibrium_at_pressure(None, 0.0)[0]
+
+    def minimize(record):
+        solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None, record=record)
+        return EnergyMinimizer(solver).minimize(start, -0.95 * curve.pull_off / solver.mean_pressure_to_force(1.0))
+
+    complete_record, interrupted_record = InterruptedRecord(), InterruptedRecord(interrupted_offer=5)
+    expected_state = minimize(complete_record)
+    with pytest.raises(InterruptedError):
+        minimize(interrupted_record)
+    continued_record = InterruptedRecord(state=interrupted_record.state)
+    state = minimize(continued_record)
+    assert (state.pressure == expected_state.pressure).all()
+    assert (state.attraction == expected_state.attraction).all()
+    assert continued_record.num_offers == complete_record.num_offers - 4
+
+
+def test_energy_minimization_releases_the_interpreter_lock():
+    bodies, adhesive = create_rough_bodies(0.02, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
+    start = solver.find_equilibrium_at_pressure(None, 0.0)[0]
+    minimizer = EnergyMinimizer(solver)
+    assert releases_interpreter_lock(lambda: minimizer.minimize(start, -0.1 * start.mean_attraction))
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):

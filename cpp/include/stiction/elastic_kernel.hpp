@@ -39,6 +39,7 @@ class Workspace {
 
  private:
   friend class ElasticKernel;
+  friend class StiffnessKernel;
   struct Buffers;
   std::unique_ptr<Buffers> buffers_;
 };
@@ -92,6 +93,46 @@ class ElasticKernel {
   Grid grid_;
   std::array<double, 9> stencil_{};
   std::unique_ptr<Transforms> transforms_;
+};
+
+/// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
+///
+/// The inverse needs a surface without edges. A free grid is therefore extended, by zero padding, to a larger grid that
+/// repeats periodically. The original grid is the first rows and columns of the extended grid. If no net pressure acts
+/// outside the original grid, displacements within the original grid equal those of ElasticKernel, up to a uniform one.
+/// A periodic grid is not extended. On a periodic grid, a uniform displacement requires no pressure.
+class StiffnessKernel {
+ public:
+  /// Compute the Fourier coefficients of compliance and stiffness.
+  /// Throws std::invalid_argument in the same cases as ElasticKernel.
+  StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
+  ~StiffnessKernel();
+  StiffnessKernel(const StiffnessKernel&) = delete;
+  StiffnessKernel& operator=(const StiffnessKernel&) = delete;
+
+  std::size_t rows() const;     ///< number of rows of the extended grid
+  std::size_t columns() const;  ///< number of columns of the extended grid
+  std::size_t size() const { return rows() * columns(); }
+
+  /// Compute pressures due to displacements of the extended grid. Both arguments may be the same array.
+  void pressure(Values displacements, std::span<double> pressures, Workspace& workspace,
+                const ThreadPool& pool = ThreadPool()) const;
+
+  /// Compute pressures in single precision, for the small steps of a solver.
+  void pressure(std::span<const float> displacements, std::span<float> pressures, Workspace& workspace,
+                const ThreadPool& pool = ThreadPool()) const;
+
+  /// Compute displacements due to pressures on the extended grid. Both arguments may be the same array.
+  void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
+                    const ThreadPool& pool = ThreadPool()) const;
+
+  /// Compute displacements in single precision. The response to a uniform pressure is the largest of all responses.
+  void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
+                    const ThreadPool& pool = ThreadPool()) const;
+
+ private:
+  struct Transforms;
+  std::unique_ptr<const Transforms> transforms_;
 };
 
 /// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.

@@ -84,21 +84,6 @@ MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimiza
 ITERATIONS_PER_MINIMIZATION_STEP = 2
 # The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
 MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
-# A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
-MAX_GAP_CHANGE = 2.0
-SMALL_GAP = 5.0  # largest small gap, as a multiple of the range of the attraction
-NEGLIGIBLE_ATTRACTION_GAP = 30.0  # gap beyond which the line search neglects the attraction, in multiples of its range
-# The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
-# first minimum. It ends if the slope of the energy is below a fraction of the initial slope.
-INITIAL_STEP_FRACTION = 0.125
-MAX_SLOPE_RATIO = 0.05
-MAX_STEP_LENGTH = 1e4
-MAX_LINE_SEARCH_STEPS = 12
-# The net pressure is recomputed in double precision after this number of steps, because round-off accumulates.
-NUM_STEPS_PER_RECOMPUTATION = 20
-MAX_FAILED_DESCENTS = 3  # maximum number of successive directions along which round-off increases the energy
-# Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
-MIN_COMPLIANCE_RATIO = 1e-3
 
 
 class EquilibriumNotFoundError(NoSolutionError):
@@ -558,253 +543,49 @@ class AdhesionSolver:
         return mean * self.problem.cell_area * self.problem.gap.size
 
 
-@dataclass
-class _MinimizationState:
-    """State between two steps of an energy minimization, from which the minimization can be resumed."""
-
-    gap: Floats
-    # Displacement and net pressure (pressure minus attraction). On free grids, both extend beyond the grid.
-    displacement: Floats
-    net_pressure: Floats
-    approach: float
-    direction: Floats | None = None
-    residual: Floats | None = None
-    approach_direction: float = 0.0
-    approach_residual: float = 0.0
-    slope: float = 0.0  # product of the residual and the preconditioned residual
-    num_failed_descents: int = 0
-    number: int = 0
-    recomputation_number: int = 0  # step number of the last computation of the net pressure in double precision
-
-
 class EnergyMinimizer:
-    """Minimizer of the energy of a contact under a constant load, by preconditioned conjugate gradients.
-
-    The variables are the gap and, on free grids, the approach and the displacements around the grid, where the net
-    pressure must vanish. The energy is the sum of the elastic energy, the energy of the attraction and the work of the
-    load. Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness. The
-    displacement due to the residual pressures preconditions the steps. Each step ends at the first minimum of the
-    energy along its direction.
-    """
+    """Minimizer of the energy of a contact under a constant load, by preconditioned conjugate gradients."""
 
     def __init__(self, solver: AdhesionSolver) -> None:
-        import scipy.fft
-
-        self.solver, problem = solver, solver.problem
-        self.hardness, self.record = float(solver.bound[0]), solver.record
-        shape = problem.gap.shape
-        impulse = np.zeros(shape)
-        impulse.flat[0] = 1.0
-        displacement = problem.grids.displacement(impulse)
-        self.window = tuple(slice(0, count) for count in shape)
-        self.shape = shape
-        if not problem.periodic:
-            # Displacements repeat periodically on an extended grid, on which the distances within the grid are unique.
-            self.shape = tuple(scipy.fft.next_fast_len(2 * count, real=True) for count in shape)
-            for axis, (count, length) in enumerate(zip(shape, self.shape, strict=True)):
-                distances = np.minimum(np.arange(length), length - np.arange(length))
-                displacement = np.take(displacement, np.minimum(distances, count - 1), axis=axis)
-        compliance = scipy.fft.rfftn(displacement).real
-        if not problem.periodic:
-            # The mean displacement is arbitrary, because the approach compensates it.
-            compliance.flat[0] = compliance.flat[0] if compliance.flat[0] > 0 else np.abs(compliance).max()
-            compliance = np.maximum(compliance, MIN_COMPLIANCE_RATIO * displacement.flat[0])
-        self.compliance = compliance
-        self.stiffness = np.zeros_like(compliance)
-        np.divide(1.0, compliance, out=self.stiffness, where=compliance > 0)
-        if problem.periodic:
-            self.stiffness.flat[0] = 0.0
-        self.single_stiffness = self.stiffness.astype(np.float32)
-        self.preconditioner = compliance.astype(np.float32)
-        self.preconditioner.flat[0] = max(self.preconditioner.flat[0], self.preconditioner.max())
-        self.window_stiffness = 0.0
-        if not problem.periodic:
-            uniform = np.zeros(self.shape)
-            uniform[self.window] = 1.0
-            self.window_stiffness = float(self._filter(uniform, self.stiffness)[self.window].sum())
-
-    def _filter(self, values: Any, factors: Any) -> Any:
-        """Multiply each Fourier component of a field on the extended grid by a factor."""
-        import scipy.fft
-
-        threads = solver_thread_count()
-        coefficients = scipy.fft.rfftn(values, workers=threads)
-        coefficients *= factors
-        return scipy.fft.irfftn(coefficients, s=self.shape, workers=threads, overwrite_x=True)
+        self.solver, self.problem, self.record = solver, solver.problem, solver.record
+        self.limits = {
+            "max_residual": MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO * solver.max_residual,
+            "max_accepted_residual": MAX_RESIDUAL_TO_TOLERANCE_RATIO * solver.max_residual,
+            "min_contact_load": solver.min_contact,
+        }
+        self._core = _core.EnergyMinimizer(
+            self.problem.gap, self.problem.grids, max_attraction=solver.max_attraction, range=solver.range,
+            hardness=float(solver.bound[0]), threads=solver_thread_count(),
+        )  # fmt: skip
 
     def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
         """Minimize the energy at an external pressure (GPa) from a nearby state. Return None if the bodies separate."""
-        solver = self.solver
-        stored_state = self.record.read_state()
-        if stored_state is None:
-            state = self._start(near, load)
-        else:
-            state = _MinimizationState(**{
-                field.name: _to_array_or_number(stored_state[field.name])
-                for field in fields(_MinimizationState)
-                if field.name in stored_state
-            })  # fmt: skip
-        max_residual = MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO * solver.max_residual
-        num_points, periodic = state.gap.size, solver.problem.periodic
-        for number in range(state.number, MAX_MINIMIZATION_STEPS):
-            state.number = number
-            self.record.offer_state(lambda: {name: value for name, value in vars(state).items() if value is not None})
-            attraction = solver.attraction_at_gap(state.gap)
-            mean_attraction = float(attraction.mean())
-            if load + mean_attraction < solver.min_contact:
+        state = self._restore_or_start(near, load)
+        for _ in range(state.number, MAX_MINIMIZATION_STEPS):
+            self.record.offer_state(state.fields)
+            outcome = self._core.step(state, load, **self.limits, threads=solver_thread_count())
+            if outcome == "separated":
                 return None
-            # At free points the residual is the net pressure that the gap does not balance. The residual vanishes at
-            # points in contact.
-            residual = state.net_pressure.copy()
-            grid_residual = residual[self.window]
-            grid_residual += attraction
-            pressure = np.where(state.gap > 0, 0.0, np.clip(grid_residual, 0.0, self.hardness))
-            if math.isfinite(self.hardness):
-                pressure[state.gap < 0] = self.hardness
-            grid_residual -= pressure
-            approach_residual = 0.0 if periodic else float(state.net_pressure[self.window].sum()) - load * num_points
-            relative_residual = (float(np.abs(residual).sum()) + abs(approach_residual)) / (
-                float(pressure.sum()) + mean_attraction * num_points
-            )
-            if relative_residual <= max_residual or state.num_failed_descents > MAX_FAILED_DESCENTS:
-                if state.recomputation_number != number:
-                    self._recompute_net_pressure(state, load)
-                    continue
-                if relative_residual > solver.max_residual * MAX_RESIDUAL_TO_TOLERANCE_RATIO:
-                    break
-                contact_load = load + mean_attraction
-                return AdhesionState(pressure.ravel(), attraction, contact_load, load, state.approach)
-            slope = self._update_direction(state, residual, approach_residual)
-            if slope >= 0:
-                self._recompute_net_pressure(state, load)
-                state.direction, state.num_failed_descents = None, state.num_failed_descents + 1
-                continue
-            state.num_failed_descents = 0
-            self._take_step(state, slope, load)
+            if outcome == "balanced":
+                return self._to_adhesion_state(state, load)
+            if outcome == "stalled":
+                break
             self.record.counter.add(ITERATIONS_PER_MINIMIZATION_STEP)
-        force = solver.mean_pressure_to_force(load)
+        force = self.solver.mean_pressure_to_force(load)
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 
-    def _start(self, near: AdhesionState, load: float) -> _MinimizationState:
-        problem = self.solver.problem
-        pressure = near.pressure.reshape(problem.gap.shape)
-        net_pressure = np.zeros(self.shape)
-        net_pressure[self.window] = pressure - near.attraction
-        displacement = self._filter(net_pressure, self.compliance)
-        gap = problem.gap + displacement[self.window]
-        elastic = (pressure > 0) & (pressure < self.hardness)
-        touching = elastic if elastic.any() else pressure > 0
-        approach = float(gap[touching].mean() if touching.any() else gap.min())
-        gap -= approach
-        gap = np.where(pressure > 0, np.where(pressure < self.hardness, 0.0, np.minimum(gap, 0.0)), np.maximum(gap, 0))
-        state = _MinimizationState(gap, displacement, net_pressure, approach)
-        self._recompute_net_pressure(state, load)
-        return state
+    def _restore_or_start(self, near: AdhesionState, load: float) -> _core.MinimizationState:
+        """Return the last state of an interrupted computation, or the initial state of the minimization."""
+        if (fields := self.record.read_state()) is not None:
+            return _core.MinimizationState({name: _to_array_or_number(value) for name, value in fields.items()})
+        shape = self.problem.gap.shape
+        pressure, attraction = near.pressure.reshape(shape), near.attraction.reshape(shape)
+        return self._core.start(pressure, attraction, load, threads=solver_thread_count())
 
-    def _recompute_net_pressure(self, state: _MinimizationState, load: float) -> None:
-        problem = self.solver.problem
-        state.displacement[self.window] = state.gap - problem.gap + state.approach
-        state.net_pressure = self._filter(state.displacement, self.stiffness)
-        if problem.periodic:
-            state.net_pressure += load
-        state.recomputation_number = state.number + 1
-
-    def _update_direction(self, state: _MinimizationState, residual: Floats, approach_residual: float) -> float:
-        """Set the next search direction by conjugate gradients, and return the slope of the energy along it."""
-        gap, grid_residual = state.gap, residual[self.window]
-        in_contact = (gap == 0) & (grid_residual == 0)
-        descent = self._filter((-residual).astype(np.float32), self.preconditioner).astype(float)
-        descent[self.window][in_contact] = 0.0
-        approach_descent = -approach_residual / self.window_stiffness if self.window_stiffness else 0.0
-        slope = _sum_of_products(descent, residual) + approach_descent * approach_residual
-        direction, approach_direction = descent, approach_descent
-        if state.direction is not None and state.residual is not None and state.slope:
-            change = slope - _sum_of_products(descent, state.residual) - approach_descent * state.approach_residual
-            factor = max(change / state.slope, 0.0)
-            direction = descent + factor * state.direction
-            approach_direction += factor * state.approach_direction
-            direction[self.window][in_contact] = 0.0
-            if _sum_of_products(direction, residual) + approach_direction * approach_residual >= 0:
-                direction, approach_direction = descent, approach_descent
-        # Keep points at the edge of the contact in place if their gap would change against their residual.
-        direction[self.window][(gap == 0) & (direction[self.window] * grid_residual > 0)] = 0.0
-        state.direction, state.approach_direction = direction, approach_direction
-        state.residual, state.approach_residual, state.slope = residual, approach_residual, slope
-        return _sum_of_products(direction, residual) + approach_direction * approach_residual
-
-    def _take_step(self, state: _MinimizationState, slope: float, load: float) -> None:
-        """Move the state along the search direction to the first minimum of the energy."""
-        solver, periodic = self.solver, self.solver.problem.periodic
-        assert state.direction is not None
-        gap, gap_direction = state.gap, state.direction[self.window]
-        displacement_direction = state.direction
-        if not periodic:
-            displacement_direction = state.direction.copy()
-            displacement_direction[self.window] += state.approach_direction
-        net_pressure_direction = self._filter(displacement_direction.astype(np.float32), self.single_stiffness)
-        total_load = 0.0 if periodic else load * gap.size
-        elastic_slope = (
-            _sum_of_products(displacement_direction, state.net_pressure) - total_load * state.approach_direction
-        )
-        curvature = _sum_of_products(displacement_direction, net_pressure_direction)
-        is_attracted = (gap < NEGLIGIBLE_ATTRACTION_GAP * solver.range) & (gap_direction != 0)
-        gaps, changes = gap[is_attracted], gap_direction[is_attracted]
-
-        def energy_slope(step: float) -> float:
-            new_gaps = gaps + step * changes
-            stress = solver.attraction_at_gap(new_gaps)
-            if math.isfinite(self.hardness):
-                stress[(new_gaps < 0) & (gaps <= 0)] -= self.hardness
-                stress[gaps * new_gaps < 0] = 0.0  # the step ends at a gap of 0
-            return elastic_slope + step * curvature + _sum_of_products(stress, changes)
-
-        max_change = float(np.abs(changes[np.abs(gaps) < SMALL_GAP * solver.range]).max(initial=0.0))
-        max_step = min(MAX_GAP_CHANGE * solver.range / max_change if max_change > 0 else math.inf, MAX_STEP_LENGTH)
-        step = _find_first_root(energy_slope, slope, max_step)
-        new_gap = gap + step * gap_direction
-        crosses = gap * new_gap < 0 if math.isfinite(self.hardness) else new_gap < 0
-        state.gap = np.where(crosses, 0.0, new_gap)
-        state.approach += step * state.approach_direction
-        displacement_direction *= step
-        state.displacement += displacement_direction
-        net_pressure_direction *= np.float32(step)
-        state.net_pressure += net_pressure_direction
-        if (state.number + 1) % NUM_STEPS_PER_RECOMPUTATION == 0:
-            self._recompute_net_pressure(state, load)
-        elif crosses.any():
-            # The step ends at a gap of 0.
-            correction = np.zeros(self.shape, np.float32)
-            correction[self.window] = state.gap - new_gap
-            state.displacement += correction
-            state.net_pressure += self._filter(correction, self.single_stiffness)
-
-
-def _sum_of_products(left: Floats, right: Floats) -> float:
-    """Return the sum of the products of two arrays, computed without a multithreaded linear algebra library."""
-    return float(np.einsum("i,i->", left.ravel(), right.ravel()))
-
-
-def _find_first_root(function: Callable[[float], float], value_at_zero: float, max_argument: float) -> float:
-    """Return the first root above 0 of a function that is negative at 0, or `max_argument` if it has no root."""
-    left, left_value = 0.0, value_at_zero
-    right = INITIAL_STEP_FRACTION * min(1.0, max_argument)
-    while (right_value := function(right)) <= 0:
-        if right >= max_argument:
-            return max_argument
-        left, left_value, right = right, right_value, min(2 * right, max_argument)
-    root = right
-    for _ in range(MAX_LINE_SEARCH_STEPS):
-        width = right - left
-        root = right - right_value * width / (right_value - left_value)
-        root = min(max(root, left + 0.02 * width), right - 0.02 * width)
-        value = function(root)
-        if abs(value) <= MAX_SLOPE_RATIO * abs(value_at_zero):
-            break
-        if value > 0:
-            right, right_value = root, value
-        else:
-            left, left_value = root, value
-    return root
+    def _to_adhesion_state(self, state: _core.MinimizationState, load: float) -> AdhesionState:
+        pressure, attraction = self._core.stresses(state)
+        attraction = attraction.reshape(self.problem.gap.shape)
+        return AdhesionState(pressure, attraction, load + float(attraction.mean()), load, state.approach)
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:

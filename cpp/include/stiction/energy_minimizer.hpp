@@ -1,0 +1,117 @@
+// Energy of an adhesive half-space contact under a constant load, minimised by preconditioned conjugate gradients.
+#pragma once
+
+#include "stiction/array.hpp"
+#include "stiction/elastic_kernel.hpp"
+#include "stiction/thread_pool.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace stiction {
+
+/// Attraction (w/ρ) exp(-gap/ρ) between opposite points of two surfaces, and the largest contact pressure.
+struct AdhesiveInterface {
+  double max_attraction = 0.0;                                ///< w/ρ [GPa], attraction of points in contact
+  double range = 1.0;                                         ///< range ρ of the attraction [µm] > 0
+  double hardness = std::numeric_limits<double>::infinity();  ///< largest contact pressure [GPa] > 0
+};
+
+/// Criteria by which a minimisation ends.
+struct MinimizationLimits {
+  double max_residual = 0.0;           ///< relative residual below which the state is an equilibrium
+  double max_accepted_residual = 0.0;  ///< relative residual that is accepted if round-off prevents further steps
+  double min_contact_load = 0.0;       ///< mean contact pressure [GPa] below which the bodies count as separate
+};
+
+/// State between two steps of a minimisation, from which the minimisation can be resumed.
+struct MinimizationState {
+  std::vector<double> gap;           ///< gap [µm] of each grid point
+  std::vector<double> net_pressure;  ///< pressure minus attraction [GPa] on the extended grid of StiffnessKernel
+  double approach = 0.0;             ///< approach [µm]
+  std::vector<float> direction;      ///< last direction of the displacements; empty before the first step
+  std::vector<float> residual;       ///< derivative of the energy before the last step, with respect to displacements
+  double approach_direction = 0.0;
+  double approach_residual = 0.0;
+  double slope = 0.0;                     ///< product of the residual and the preconditioned residual
+  std::int64_t number = 0;                ///< number of steps
+  std::int64_t num_failed_descents = 0;   ///< number of successive directions along which round-off raises the energy
+  std::int64_t recomputation_number = 0;  ///< number of the step before which the net pressure was recomputed
+};
+
+/// Result of a step. The state changes only if the minimisation continues.
+enum class MinimizationOutcome {
+  unfinished,
+  balanced,   ///< the state is an equilibrium
+  separated,  ///< the bodies have separated
+  stalled,    ///< round-off prevents that the state becomes an equilibrium
+};
+
+/// Pressure [GPa] and attraction [GPa] at each grid point.
+struct AdhesiveStresses {
+  std::vector<double> pressure;
+  std::vector<double> attraction;
+};
+
+/// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
+///
+/// The variables are the gap and, on free grids, the approach and the displacements around the grid, where the net
+/// pressure must vanish. The energy is the sum of the elastic energy, the energy of the attraction and the work of the
+/// load. Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness. The
+/// displacement due to the residual pressures preconditions the steps. Each step ends at the first minimum of the
+/// energy along its direction. Only one thread at a time may use the object.
+class EnergyMinimizer {
+ public:
+  /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive it.
+  /// Throws std::invalid_argument for wrong sizes and for a range or hardness that is not positive.
+  EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
+                  const ThreadPool& pool = ThreadPool());
+
+  /// Return the state at the start of a minimisation under an external load, a mean pressure [GPa].
+  /// `pressure` and `attraction` [GPa] are those of a nearby state.
+  MinimizationState start(Values pressure, Values attraction, double load, const ThreadPool& pool = ThreadPool());
+
+  /// Perform a step, unless the minimisation ends.
+  MinimizationOutcome step(MinimizationState& state, double load, const MinimizationLimits& limits,
+                           const ThreadPool& pool = ThreadPool());
+
+  /// Return the pressure and the attraction at each grid point.
+  AdhesiveStresses stresses(const MinimizationState& state) const;
+
+ private:
+  struct Residual;
+  struct Direction;
+
+  template <class Sums, class Work>
+  Sums sum_rows(const ThreadPool& pool, const Work& work) const;
+  void check(const MinimizationState& state) const;
+  double attraction(double gap) const;
+  std::size_t on_extended_grid(std::size_t point) const;
+  Residual compute_residual(const MinimizationState& state, double load, const ThreadPool& pool);
+  double compute_conjugate_direction(MinimizationState& state, double approach_residual, const ThreadPool& pool);
+  Direction fix_contact_points(MinimizationState& state, const ThreadPool& pool);
+  double find_step_length(const MinimizationState& state, const Direction& direction, double load,
+                          const ThreadPool& pool);
+  void change_state(MinimizationState& state, double step, double load, const ThreadPool& pool);
+  void recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool);
+
+  Values gap_;
+  Grid grid_;
+  AdhesiveInterface interface_;
+  StiffnessKernel kernel_;
+  double uniform_stiffness_ = 0.0;  // sum of pressures due to a uniform displacement of a free grid; 0 if periodic
+  // Arrays on the extended grid, whose memory is reused by the next step
+  Workspace workspace_;
+  std::vector<double> displacement_;
+  std::vector<float> residual_;
+  std::vector<float> descent_;              // negative residual after preconditioning
+  std::vector<float> displacement_change_;  // direction including the approach
+  std::vector<float> pressure_change_;      // net pressures due to displacement_change_
+  std::vector<double> attracted_gaps_;      // gaps at points of which the attraction changes along the direction
+  std::vector<double> attracted_gap_changes_;
+};
+
+}  // namespace stiction

@@ -1,0 +1,581 @@
+#include "stiction/energy_minimizer.hpp"
+
+#include "multiversion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace stiction {
+namespace {
+
+// A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
+constexpr double max_gap_change = 2.0;
+constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
+// Gap beyond which the line search neglects the attraction, as a multiple of its range.
+constexpr double negligible_attraction_gap = 30.0;
+// The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
+// first minimum. It ends if the slope of the energy is below a fraction of the initial slope.
+constexpr double initial_step_fraction = 0.125;
+constexpr double max_slope_ratio = 0.05;
+constexpr double max_step_length = 1e4;
+constexpr int max_line_search_steps = 12;
+constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
+// Number of steps after which the net pressure is computed in double precision, because round-off accumulates.
+constexpr std::int64_t steps_per_recomputation = 20;
+// Maximum number of successive directions along which round-off increases the energy.
+constexpr std::int64_t max_failed_descents = 3;
+// Number of values that a thread processes per task. Sums do not depend on the number of threads.
+constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
+constexpr std::size_t stress_lanes = 16;  // number of partial sums, so that the compiler vectorises sums
+
+// Sums are kept in stress_lanes, and added at the end.
+using Lanes = std::array<double, stress_lanes>;
+
+double total(const Lanes& values) {
+  double sum = 0.0;
+  for (const double value : values) {
+    sum += value;
+  }
+  return sum;
+}
+
+// Call visit(index, lane) for the indices from 0 to size - 1.
+template <class Visit>
+STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
+  std::size_t i = 0;
+  for (; i + stress_lanes <= size; i += stress_lanes) {
+    for (std::size_t lane = 0; lane < stress_lanes; ++lane) {
+      visit(i + lane, lane);
+    }
+  }
+  for (std::size_t lane = 0; i + lane < size; ++lane) {
+    visit(i + lane, lane);
+  }
+}
+
+// Copy the net pressure to the residual. Return the sum of its absolute values.
+STICTION_MULTIVERSION
+double copy_residual(const double* net_pressure, std::size_t size, float* __restrict residual) {
+  Lanes sums{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    residual[i] = static_cast<float>(net_pressure[i]);
+    sums[lane] += std::abs(net_pressure[i]);
+  });
+  return total(sums);
+}
+
+struct ResidualSums {
+  double absolute_residual = 0.0;
+  double pressure = 0.0;
+  double attraction = 0.0;
+  double net_pressure = 0.0;  // sum over the original grid
+
+  void add(const ResidualSums& other) {
+    absolute_residual += other.absolute_residual;
+    pressure += other.pressure;
+    attraction += other.attraction;
+    net_pressure += other.net_pressure;
+  }
+};
+
+// Return the contact pressure at a point, given its gap and the sum of net pressure and attraction.
+STICTION_INLINE double contact_pressure(double gap, double sum, double hardness) {
+  const double clipped = std::min(std::max(sum, 0.0), hardness);
+  const double closed = gap < 0.0 ? hardness : clipped;
+  return gap > 0.0 ? 0.0 : closed;
+}
+
+// Write the residual at the points of the original grid: the net pressure that gap and contact do not balance.
+STICTION_MULTIVERSION
+ResidualSums subtract_stresses(const double* net_pressure, const double* gap, const double* attraction, double hardness,
+                               std::size_t size, float* __restrict residual) {
+  Lanes residuals{};
+  Lanes pressures{};
+  Lanes attractions{};
+  Lanes net_pressures{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    const double sum = net_pressure[i] + attraction[i];
+    const double pressure = contact_pressure(gap[i], sum, hardness);
+    residual[i] = static_cast<float>(sum - pressure);
+    residuals[lane] += std::abs(sum - pressure);
+    pressures[lane] += pressure;
+    attractions[lane] += attraction[i];
+    net_pressures[lane] += net_pressure[i];
+  });
+  return {total(residuals), total(pressures), total(attractions), total(net_pressures)};
+}
+
+struct Products {
+  double first = 0.0;
+  double second = 0.0;
+
+  void add(const Products& other) {
+    first += other.first;
+    second += other.second;
+  }
+};
+
+// Return the products of an array with two other arrays.
+STICTION_MULTIVERSION
+Products products(const float* values, const float* first, const float* second, std::size_t size) {
+  Lanes firsts{};
+  Lanes seconds{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    firsts[lane] += static_cast<double>(values[i]) * static_cast<double>(first[i]);
+    seconds[lane] += static_cast<double>(values[i]) * static_cast<double>(second[i]);
+  });
+  return {total(firsts), total(seconds)};
+}
+
+STICTION_MULTIVERSION
+Products products(const float* values, const double* first, const float* second, std::size_t size) {
+  Lanes firsts{};
+  Lanes seconds{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    firsts[lane] += static_cast<double>(values[i]) * first[i];
+    seconds[lane] += static_cast<double>(values[i]) * static_cast<double>(second[i]);
+  });
+  return {total(firsts), total(seconds)};
+}
+
+STICTION_MULTIVERSION
+void negate(float* values, std::size_t size) {
+  for (std::size_t i = 0; i < size; ++i) {
+    values[i] = -values[i];
+  }
+}
+
+// Set the changes of points that stay in contact to 0.
+STICTION_MULTIVERSION
+void fix_contacts(const double* gap, const float* residual, std::size_t size, float* __restrict changes) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool stays = (gap[i] == 0.0) & (residual[i] == 0.0F);
+    changes[i] = stays ? 0.0F : changes[i];
+  }
+}
+
+// Add a multiple of the last direction to the descent. Return the product of the sum and the residual.
+STICTION_MULTIVERSION
+double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
+                     float* __restrict direction) {
+  Lanes sums{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    direction[i] = descent[i] + factor * direction[i];
+    sums[lane] += static_cast<double>(direction[i]) * static_cast<double>(residual[i]);
+  });
+  return total(sums);
+}
+
+struct Edges {
+  double slope = 0.0;
+  double max_change = 0.0;
+
+  void add(const Edges& other) {
+    slope += other.slope;
+    max_change = std::max(max_change, other.max_change);
+  }
+};
+
+// Set the changes at closed points that would move against their residual to 0. Add the approach to the others.
+// Returns the product of changes and residual, and the largest change of small gaps.
+STICTION_MULTIVERSION
+Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
+                float* __restrict direction, float* __restrict displacement_change) {
+  Lanes slopes{};
+  std::array<float, stress_lanes> largest{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    const bool stays = (gap[i] == 0.0) & (direction[i] * residual[i] > 0.0F);
+    const float change = stays ? 0.0F : direction[i];
+    direction[i] = change;
+    displacement_change[i] = change + approach;
+    slopes[lane] += static_cast<double>(change) * static_cast<double>(residual[i]);
+    largest[lane] = std::max(largest[lane], std::abs(gap[i]) < largest_small_gap ? std::abs(change) : 0.0F);
+  });
+  return {total(slopes), static_cast<double>(*std::max_element(largest.begin(), largest.end()))};
+}
+
+STICTION_MULTIVERSION
+void add_multiple(const float* values, double factor, std::size_t size, double* __restrict sums) {
+  for (std::size_t i = 0; i < size; ++i) {
+    sums[i] += factor * static_cast<double>(values[i]);
+  }
+}
+
+// Change the gaps by a step that ends at closed points. Store the remainder of the step. Return true if there is one.
+STICTION_MULTIVERSION
+bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
+                 float* __restrict remainder) {
+  std::array<float, stress_lanes> largest{};
+  for_lanes(size, [&](std::size_t i, std::size_t lane) {
+    const double changed = gap[i] + step * static_cast<double>(direction[i]);
+    const bool closes = yields ? gap[i] * changed < 0.0 : changed < 0.0;
+    gap[i] = closes ? 0.0 : changed;
+    remainder[i] = closes ? static_cast<float>(-changed) : 0.0F;
+    largest[lane] = std::max(largest[lane], std::abs(remainder[i]));
+  });
+  return *std::max_element(largest.begin(), largest.end()) > 0.0F;
+}
+
+// Return the first root above 0 of a function that is negative at 0, or `max_argument` if it has no root.
+template <class Function>
+double find_first_root(const Function& function, double value_at_zero, double max_argument) {
+  double left = 0.0;
+  double left_value = value_at_zero;
+  double right = initial_step_fraction * std::min(1.0, max_argument);
+  double right_value = function(right);
+  while (right_value <= 0.0) {
+    if (right >= max_argument) {
+      return max_argument;
+    }
+    left = right;
+    left_value = right_value;
+    right = std::min(2 * right, max_argument);
+    right_value = function(right);
+  }
+  double root = right;
+  for (int count = 0; count < max_line_search_steps; ++count) {
+    const double width = right - left;
+    root = right - right_value * width / (right_value - left_value);
+    root = std::clamp(root, left + min_step_bracket_fraction * width, right - min_step_bracket_fraction * width);
+    const double value = function(root);
+    if (std::abs(value) <= max_slope_ratio * std::abs(value_at_zero)) {
+      break;
+    }
+    (value > 0.0 ? right : left) = root;
+    (value > 0.0 ? right_value : left_value) = value;
+  }
+  return root;
+}
+
+struct Sum {
+  double value = 0.0;
+  void add(const Sum& other) { value += other.value; }
+};
+
+}  // namespace
+
+// Residual of a state: norm relative to the stresses, mean attraction [GPa] and residual of the approach [GPa].
+struct EnergyMinimizer::Residual {
+  double relative = 0.0;
+  double mean_attraction = 0.0;
+  double approach = 0.0;
+};
+
+// Direction of a step: slope of the energy along it, and its largest change of small gaps.
+struct EnergyMinimizer::Direction {
+  double slope = 0.0;
+  double max_change = 0.0;
+};
+
+EnergyMinimizer::EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus,
+                                 const AdhesiveInterface& interface, const ThreadPool& pool)
+    : gap_(gap), grid_(grid), interface_(interface), kernel_(grid, effective_modulus, pool) {
+  if (gap.size() != grid.size()) {
+    throw std::invalid_argument("EnergyMinimizer: gap must have one value for each grid point");
+  }
+  if (!(interface.range > 0.0) || !(interface.hardness > 0.0)) {
+    throw std::invalid_argument("EnergyMinimizer: range and hardness must be above 0");
+  }
+  displacement_.assign(kernel_.size(), 0.0);
+  residual_.resize(kernel_.size());
+  descent_.resize(kernel_.size());
+  displacement_change_.resize(kernel_.size());
+  pressure_change_.resize(kernel_.size());
+  if (!grid.periodic) {
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      displacement_[on_extended_grid(i)] = 1.0;
+    }
+    kernel_.pressure(displacement_, displacement_, workspace_, pool);
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      uniform_stiffness_ += displacement_[on_extended_grid(i)];
+    }
+  }
+}
+
+// Return the index of a grid point on the extended grid.
+std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
+  return point / grid_.columns * kernel_.columns() + point % grid_.columns;
+}
+
+// Call work(first, size, gap_index) for each row of the extended grid, and add the results in a fixed order.
+// `first` is the index of the first point of the row, and `size` the number of its points that are on the original
+// grid. The first of these points has the index `gap_index` on the original grid.
+template <class Sums, class Work>
+Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
+  const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);
+  std::vector<Sums> task_sums((kernel_.rows() + rows_per_task - 1) / rows_per_task);
+  pool.run_chunks(kernel_.rows(), rows_per_task, [&](std::size_t first, std::size_t last) {
+    Sums& sums = task_sums[first / rows_per_task];
+    for (std::size_t row = first; row < last; ++row) {
+      const bool is_inside = row < grid_.rows;
+      sums.add(work(row * kernel_.columns(), is_inside ? grid_.columns : 0, is_inside ? row * grid_.columns : 0));
+    }
+  });
+  Sums all = task_sums[0];
+  for (std::size_t task = 1; task < task_sums.size(); ++task) {
+    all.add(task_sums[task]);
+  }
+  return all;
+}
+
+void EnergyMinimizer::check(const MinimizationState& state) const {
+  const std::size_t direction_size = state.direction.empty() ? 0 : kernel_.size();
+  if (state.gap.size() != grid_.size() || state.net_pressure.size() != kernel_.size() ||
+      state.direction.size() != direction_size || state.residual.size() != direction_size) {
+    throw std::invalid_argument("EnergyMinimizer: the state must belong to the same grid");
+  }
+}
+
+double EnergyMinimizer::attraction(double gap) const {
+  return gap > 0.0 ? interface_.max_attraction * std::exp(-gap / interface_.range) : interface_.max_attraction;
+}
+
+MinimizationState EnergyMinimizer::start(Values pressure, Values attraction, double load, const ThreadPool& pool) {
+  if (pressure.size() != grid_.size() || attraction.size() != grid_.size()) {
+    throw std::invalid_argument("EnergyMinimizer: pressure and attraction must have one value for each grid point");
+  }
+  MinimizationState state;
+  state.net_pressure.assign(kernel_.size(), 0.0);
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    state.net_pressure[on_extended_grid(i)] = pressure[i] - attraction[i];
+  }
+  kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);
+  state.gap.resize(grid_.size());
+  double elastic_sum = 0.0;
+  double elastic_count = 0.0;
+  double yielded_sum = 0.0;
+  double yielded_count = 0.0;
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    state.gap[i] = gap_[i] + displacement_[on_extended_grid(i)];
+    if (pressure[i] > 0.0) {
+      const bool is_elastic = pressure[i] < interface_.hardness;
+      (is_elastic ? elastic_sum : yielded_sum) += state.gap[i];
+      (is_elastic ? elastic_count : yielded_count) += 1.0;
+    }
+  }
+  if (elastic_count > 0.0) {
+    state.approach = elastic_sum / elastic_count;
+  } else if (yielded_count > 0.0) {
+    state.approach = yielded_sum / yielded_count;
+  } else {
+    state.approach = *std::min_element(state.gap.begin(), state.gap.end());
+  }
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    const double gap = state.gap[i] - state.approach;
+    const double closed_gap = pressure[i] < interface_.hardness ? 0.0 : std::min(gap, 0.0);
+    state.gap[i] = pressure[i] > 0.0 ? closed_gap : std::max(gap, 0.0);
+  }
+  recompute_net_pressure(state, load, pool);
+  return state;
+}
+
+MinimizationOutcome EnergyMinimizer::step(MinimizationState& state, double load, const MinimizationLimits& limits,
+                                          const ThreadPool& pool) {
+  check(state);
+  const Residual residual = compute_residual(state, load, pool);
+  if (load + residual.mean_attraction < limits.min_contact_load) {
+    return MinimizationOutcome::separated;
+  }
+  const bool is_balanced = residual.relative <= limits.max_residual;
+  if ((is_balanced || state.num_failed_descents > max_failed_descents) && state.recomputation_number == state.number) {
+    return residual.relative <= limits.max_accepted_residual ? MinimizationOutcome::balanced
+                                                             : MinimizationOutcome::stalled;
+  }
+  ++state.number;
+  if (is_balanced || state.num_failed_descents > max_failed_descents) {
+    recompute_net_pressure(state, load, pool);
+    return MinimizationOutcome::unfinished;
+  }
+  const double slope = compute_conjugate_direction(state, residual.approach, pool);
+  Direction direction = fix_contact_points(state, pool);
+  direction.slope += state.approach_direction * residual.approach;
+  if (direction.slope < 0.0) {
+    state.num_failed_descents = 0;
+    state.slope = slope;
+    state.approach_residual = residual.approach;
+    state.residual.resize(kernel_.size());
+    state.residual.swap(residual_);
+    change_state(state, find_step_length(state, direction, load, pool), load, pool);
+    return MinimizationOutcome::unfinished;
+  }
+  ++state.num_failed_descents;
+  state.direction.clear();
+  state.residual.clear();
+  recompute_net_pressure(state, load, pool);
+  return MinimizationOutcome::unfinished;
+}
+
+// Compute the residual: at free points, the net pressure that the gap does not balance.
+// The residual vanishes at points in contact.
+EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationState& state, double load,
+                                                            const ThreadPool& pool) {
+  const auto sums = sum_rows<ResidualSums>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
+    std::vector<double> attractions(size);
+    const double* gap = state.gap.data() + gap_index;
+    std::transform(gap, gap + size, attractions.begin(), [this](double value) { return attraction(value); });
+    ResidualSums row_sums = subtract_stresses(&state.net_pressure[first], gap, attractions.data(), interface_.hardness,
+                                              size, &residual_[first]);
+    row_sums.absolute_residual += copy_residual(state.net_pressure.data() + first + size, kernel_.columns() - size,
+                                                residual_.data() + first + size);
+    return row_sums;
+  });
+  const auto points = static_cast<double>(grid_.size());
+  Residual residual;
+  residual.approach = grid_.periodic ? 0.0 : sums.net_pressure - load * points;
+  residual.mean_attraction = sums.attraction / points;
+  residual.relative = (sums.absolute_residual + std::abs(residual.approach)) / (sums.pressure + sums.attraction);
+  return residual;
+}
+
+// Store the next direction, conjugate to the last one unless it would increase the energy, in the state.
+// Returns the product of the residual and the preconditioned residual.
+double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
+                                                    const ThreadPool& pool) {
+  kernel_.precondition(residual_, descent_, workspace_, pool);
+  const bool has_last_direction = !state.direction.empty() && state.slope != 0.0;
+  const auto sums = sum_rows<Products>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
+    negate(&descent_[first], kernel_.columns());
+    fix_contacts(state.gap.data() + gap_index, &residual_[first], size, &descent_[first]);
+    return products(&descent_[first], &residual_[first],
+                    has_last_direction ? &state.residual[first] : &residual_[first], kernel_.columns());
+  });
+  const double approach_descent = uniform_stiffness_ > 0.0 ? -approach_residual / uniform_stiffness_ : 0.0;
+  const double slope = sums.first + approach_descent * approach_residual;
+  if (has_last_direction) {
+    const double change = slope - sums.second - approach_descent * state.approach_residual;
+    const double factor = std::max(change / state.slope, 0.0);
+    const auto sum = sum_rows<Sum>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
+      fix_contacts(state.gap.data() + gap_index, &residual_[first], size, &state.direction[first]);
+      return Sum{add_direction(&descent_[first], &residual_[first], static_cast<float>(factor), kernel_.columns(),
+                               &state.direction[first])};
+    });
+    state.approach_direction = approach_descent + factor * state.approach_direction;
+    if (sum.value + state.approach_direction * approach_residual < 0.0) {
+      return slope;
+    }
+  }
+  state.direction = descent_;
+  state.approach_direction = approach_descent;
+  return slope;
+}
+
+// Set the changes at closed points that would move against their residual to 0.
+EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
+  const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
+    Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,
+                          static_cast<float>(state.approach_direction), size, &state.direction[first],
+                          &displacement_change_[first]);
+    const std::size_t rest = kernel_.columns() - size;
+    const float* direction = state.direction.data() + first + size;
+    std::copy_n(direction, rest, displacement_change_.data() + first + size);
+    const float* residual = residual_.data() + first + size;
+    row.slope += products(direction, residual, residual, rest).first;
+    return row;
+  });
+  return {edges.slope, edges.max_change};
+}
+
+// Return the length of the step to the first minimum of the energy along the direction.
+double EnergyMinimizer::find_step_length(const MinimizationState& state, const Direction& direction, double load,
+                                         const ThreadPool& pool) {
+  kernel_.pressure(displacement_change_, pressure_change_, workspace_, pool);
+  const auto sums = sum_rows<Products>(pool, [&](std::size_t first, std::size_t, std::size_t) {
+    return products(&displacement_change_[first], &state.net_pressure[first], &pressure_change_[first],
+                    kernel_.columns());
+  });
+  const double total_load = grid_.periodic ? 0.0 : load * static_cast<double>(grid_.size());
+  const double elastic_slope = sums.first - total_load * state.approach_direction;
+  const double curvature = sums.second;
+  attracted_gaps_.clear();
+  attracted_gap_changes_.clear();
+  for (std::size_t row = 0; row < grid_.rows; ++row) {
+    const float* changes = &state.direction[row * kernel_.columns()];
+    const double* gaps = &state.gap[row * grid_.columns];
+    for (std::size_t column = 0; column < grid_.columns; ++column) {
+      if (changes[column] != 0.0F && gaps[column] < negligible_attraction_gap * interface_.range) {
+        attracted_gaps_.push_back(gaps[column]);
+        attracted_gap_changes_.push_back(static_cast<double>(changes[column]));
+      }
+    }
+  }
+  const bool yields = std::isfinite(interface_.hardness);
+  const auto energy_slope = [&](double step) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < attracted_gaps_.size(); ++i) {
+      const double gap = attracted_gaps_[i];
+      const double new_gap = gap + step * attracted_gap_changes_[i];
+      double stress = attraction(new_gap);
+      if (yields) {
+        stress -= new_gap < 0.0 && gap <= 0.0 ? interface_.hardness : 0.0;
+        stress = gap * new_gap < 0.0 ? 0.0 : stress;  // the step ends at a gap of 0
+      }
+      sum += stress * attracted_gap_changes_[i];
+    }
+    return elastic_slope + step * curvature + sum;
+  };
+  const double max_step = direction.max_change > 0.0
+                              ? std::min(max_gap_change * interface_.range / direction.max_change, max_step_length)
+                              : max_step_length;
+  return find_first_root(energy_slope, direction.slope, max_step);
+}
+
+// Change the state by a step along its direction. Points that would pass a gap of 0 stop there.
+void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
+  struct Closures {
+    bool any = false;
+    void add(const Closures& other) { any |= other.any; }
+  };
+  const auto closures = sum_rows<Closures>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
+    add_multiple(&pressure_change_[first], step, kernel_.columns(), &state.net_pressure[first]);
+    const bool closes = change_gaps(&state.direction[first], step, std::isfinite(interface_.hardness), size,
+                                    state.gap.data() + gap_index, &displacement_change_[first]);
+    std::fill_n(displacement_change_.data() + first + size, kernel_.columns() - size, 0.0F);
+    return Closures{closes};
+  });
+  state.approach += step * state.approach_direction;
+  if (state.number % steps_per_recomputation == 0) {
+    recompute_net_pressure(state, load, pool);
+  } else if (closures.any) {
+    kernel_.pressure(displacement_change_, pressure_change_, workspace_, pool);
+    sum_rows<Closures>(pool, [&](std::size_t first, std::size_t, std::size_t) {
+      add_multiple(&pressure_change_[first], 1.0, kernel_.columns(), &state.net_pressure[first]);
+      return Closures{};
+    });
+  }
+}
+
+// Compute the net pressure from the displacements in double precision.
+// Around a free grid, the displacements are those due to the last net pressure.
+void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
+  if (!grid_.periodic) {
+    kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);
+  }
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    displacement_[on_extended_grid(i)] = state.gap[i] - gap_[i] + state.approach;
+  }
+  kernel_.pressure(displacement_, state.net_pressure, workspace_, pool);
+  if (grid_.periodic) {
+    for (double& value : state.net_pressure) {
+      value += load;
+    }
+  }
+  state.recomputation_number = state.number;
+}
+
+AdhesiveStresses EnergyMinimizer::stresses(const MinimizationState& state) const {
+  check(state);
+  AdhesiveStresses result;
+  result.pressure.resize(grid_.size());
+  result.attraction.resize(grid_.size());
+  for (std::size_t i = 0; i < grid_.size(); ++i) {
+    result.attraction[i] = attraction(state.gap[i]);
+    result.pressure[i] = contact_pressure(state.gap[i], state.net_pressure[on_extended_grid(i)] + result.attraction[i],
+                                          interface_.hardness);
+  }
+  return result;
+}
+
+}  // namespace stiction
