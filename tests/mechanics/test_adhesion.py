@@ -229,7 +229,7 @@ PULL_OFF_TOLERANCE = 0.01
 
 
 @pytest.mark.parametrize("tension", [1.02, 1.05, 1.13, 1.7, 2.3])
-def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_the_contact(tension):
+def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_a_gap(tension):
     """Complete contact under a load of 0.05 p* opens where the lowest pressure is 0: at a tension of w/ρ - p*."""
     points, height = 512, 0.005
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
@@ -295,7 +295,7 @@ def create_soft_bodies_in_complete_contact():
     return create_rough_bodies(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
-def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pull_off():
+def test_attraction_decreases_at_every_point_as_the_load_approaches_pull_off():
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
@@ -315,7 +315,7 @@ def test_attraction_decreases_at_every_point_when_the_load_decreases_towards_pul
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_minimum_of_the_energy_under_tension_is_an_equilibrium(boundary):
+def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pull_off(boundary):
     bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
     curve = half_space(*bodies, [0.0], boundary=boundary, **adhesive)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
@@ -392,7 +392,7 @@ def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatc
         assert 0 < limited_curve.pull_off < curve.pull_off
 
 
-def test_pull_off_force_is_a_lower_bound_if_stability_is_undecided(monkeypatch):
+def test_pull_off_force_is_a_lower_bound_if_the_energy_minimization_does_not_converge(monkeypatch):
     bodies, adhesive = create_soft_bodies_in_complete_contact()
     curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
     assert curve.contact(0).pressure.all()
@@ -427,7 +427,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_solutions_of_random_adhesive_contacts_converge_and_few_give_only_a_lower_bound_of_the_pull_off_force():
+def test_random_adhesive_contacts_converge_and_few_have_only_a_bound_of_the_pull_off_force():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -492,7 +492,7 @@ def test_fuller_tabor_pull_off_force_equals_the_sum_over_summit_heights():
         )
 
 
-def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
+def test_friction_coefficient_of_adhesive_surfaces_increases_as_the_load_decreases():
     bodies, adhesive = create_rough_bodies(1e-3, 5e-5)
     loads = np.array([0.01, 0.0, -0.001])
     curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesive)
@@ -506,7 +506,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_at_low_loads():
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_half_space_pressures_for_zero_work_of_adhesion_equal_those_without_adhesion_bit_for_bit():
+def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_those_without_adhesion():
     bodies, adhesive = create_ball_on_flat(1.0)
     curve_without_adhesion = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     zero_adhesion_curve = half_space(
@@ -519,7 +519,7 @@ def test_half_space_pressures_for_zero_work_of_adhesion_equal_those_without_adhe
     assert weakly_adhesive_curve.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_positive_if_consecutive_iterations_do_not_change_the_solution():
+def test_pull_off_force_is_positive_even_if_two_iterations_in_turn_change_nothing():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     sign_arrays = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]

@@ -122,7 +122,7 @@ class TestSurfacesAgainstReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_grid_minima_without_a_contact_candidate_are_counted_as_unresolved(self):
+    def test_grid_minima_of_the_gap_without_a_candidate_are_counted_as_unresolved(self):
         upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
         inner_gap = gap[1:-1, 1:-1]
@@ -221,7 +221,7 @@ class TestSurfacesAgainstExactSolutions:
         # The lateral load is positive to the left of the motion. Left of +y is -x, so the sign changes.
         assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)
 
-    def test_extruded_profiles_have_the_same_contacts_as_the_original_profiles(self):
+    def test_maps_of_equal_rows_have_the_contacts_of_the_profile_in_each_row(self):
         upper, lower = (
             self_affine(
                 5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
@@ -254,7 +254,7 @@ class TestSurfacesAgainstExactSolutions:
         areal_index = np.abs(areal_contacts.centre[:, 0] - line_candidates.position[0, 0]).argmin()
         assert np.allclose(areal_contacts.normal[areal_index], line_contacts.normal[line_index], atol=1e-8)
 
-    def test_level_contacts_contribute_friction_only_if_friction_acts_at_all_contacts(self):
+    def test_level_contacts_contribute_to_friction_only_if_friction_acts_at_all_contacts(self):
         # A rough body on a flat has no friction under the opposing rule, because level contacts do not oppose the
         # motion.
         upper, _ = create_rough_surfaces()
@@ -293,7 +293,7 @@ class TestSurfaceScalingAndSymmetry:
             factor = 1 if name.endswith(("count", "area", "adhesive")) else 3
             assert np.allclose(getattr(stiffer_curve, name), factor * getattr(original_curve, name), rtol=ROUND_OFF)
 
-    def test_contact_opposes_the_motion_in_exactly_one_of_two_opposite_directions(self):
+    def test_each_areal_contact_opposes_exactly_one_of_two_opposite_directions_of_motion(self):
         upper, lower = create_rough_surfaces()
         forward_contacts, backward_contacts, contacts_under_all_rule = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)
@@ -320,7 +320,7 @@ class TestSurfaceScalingAndSymmetry:
             INVARIANCE_TOLERANCE,
         )
 
-    def test_contact_sums_for_several_directions_equal_contact_sums_for_each_direction_alone(self):
+    def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
         upper, lower = create_rough_surfaces()
         curve_of_all_directions = self.press_in_all_directions(upper, lower)
         assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in ANGLES]
@@ -456,7 +456,7 @@ class TestValidityIndicators:
         assert_close(table.axes[0], np.sqrt(area[2] / np.pi), SPLINE_TOLERANCE)
 
     @pytest.mark.parametrize("law", ["hertz-sphere", JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)])
-    def test_load_and_area_increase_with_approach(self, law):
+    def test_areal_load_and_contact_area_increase_with_approach(self, law):
         for seed in (3, 4, 5):
             upper, lower = create_rough_surfaces(seed)
             curve = press(upper, lower, np.linspace(0.02, 0.5, 60), law=law)
@@ -467,7 +467,7 @@ class TestValidityIndicators:
 
 
 class TestApproachAtLoad:
-    def test_load_at_the_computed_approach_equals_the_requested_load(self):
+    def test_areal_load_at_the_computed_approach_equals_the_requested_load(self):
         upper, lower = create_rough_surfaces()
         loads = np.array([0.01, 0.1, 0.3])
         for choices in ({"direction": 40.0}, {"direction": 40.0, "sliding": "all"}):
@@ -503,7 +503,7 @@ class TestApproachAtLoad:
 class TestSlidingRulesOnProfiles:
     """Tests of the sliding rules on profiles."""
 
-    def test_loads_of_profiles_equal_sums_over_contacts_if_friction_acts_at_all_contacts(self):
+    def test_profile_loads_equal_sums_over_contacts_if_friction_acts_at_all_contacts(self):
         upper, lower = (
             self_affine(5, hurst_exponent=0.8, rms=0.05, points=4000, spacing=0.01, shortest_wavelength=0.2, side=side)
             for side in ("upper", "lower")
@@ -565,7 +565,7 @@ class TestInvalidArguments:
         with pytest.raises(ValueError, match="direction must be a single angle"):
             approach_at_load(upper, lower, 0.1, mu0=0.3, direction=[0, 90])
 
-    def test_unset_fields_of_a_contact_model_are_none(self):
+    def test_contact_model_fields_that_are_not_given_are_none(self):
         model = ContactModel()
         assert (model.detection, model.curvature) == (None, None)
         assert ContactModel(direction=[0, 90]) == ContactModel(direction=(0, 90))
@@ -710,7 +710,7 @@ COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", FLAT_VALLEY_SURFACE_KINDS)
-def test_load_curve_of_flat_valleys_is_invariant_under_rotation_and_mirroring_and_exchange_of_bodies(kind):
+def test_load_curve_of_flat_valleys_is_unchanged_by_rotation_mirroring_and_exchange_of_bodies(kind):
     generator = np.random.default_rng(FLAT_VALLEY_SURFACE_KINDS.index(kind))
     num_pressed = 0
     for _ in range(12):
@@ -763,7 +763,7 @@ def test_load_curve_of_flat_valleys_is_invariant_under_rotation_and_mirroring_an
     assert num_pressed > 2
 
 
-def test_points_of_flat_valleys_are_classified_as_unresolved():
+def test_grid_minima_on_the_level_floor_of_a_valley_are_counted_as_unresolved():
     # The map has a trench with a level floor next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
@@ -798,7 +798,7 @@ def test_areal_contact_candidates_include_every_minimum_of_the_gap():
     assert max_offsets.min(axis=0).max() < 1e-6
 
 
-def test_loads_along_and_across_the_motion_equal_sums_over_reference_contacts():
+def test_loads_along_and_across_the_motion_equal_sums_over_contacts_of_the_reference():
     upper, lower = create_rough_surfaces()
     result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)

@@ -42,7 +42,7 @@ def pair():
 
 class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_loads_from_pressed_candidates_equal_loads_from_pressed_surfaces(self, pair, curvature):
+    def test_pressing_candidates_gives_the_loads_of_pressing_the_surfaces(self, pair, curvature):
         contact_candidates = candidates(*pair, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         curve_of_candidates = press(contact_candidates, steps, shear="-x")
@@ -74,7 +74,7 @@ class TestContactCandidates:
         assert (contact_candidates.radii[:, 0] == contact_candidates.radii[:, 1]).all()
         assert not contact_candidates.gap.flags.writeable
 
-    def test_press_function_rejects_options_that_contradict_the_search_for_candidates(self, pair):
+    def test_press_function_rejects_options_that_differ_from_those_of_the_candidates(self, pair):
         contact_candidates = candidates(*pair, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
@@ -93,7 +93,7 @@ class TestContactCandidates:
 
 
 class TestContactModel:
-    def test_keyword_arguments_of_the_press_function_override_fields_of_the_contact_model(self, pair):
+    def test_press_arguments_override_fields_of_the_contact_model(self, pair):
         assert set(ContactModelArguments.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }
@@ -103,7 +103,7 @@ class TestContactModel:
         assert curve_of_model.effective_modulus == 20.0
         assert np.array_equal(curve_of_model.tangential_elastic, curve_of_keywords.tangential_elastic)
 
-    def test_pickled_contact_model_gives_equal_results(self, pair):
+    def test_pickled_contact_model_gives_the_results_of_the_original(self, pair):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
         curve = press(*pair, [0.01], model=model)
         unpickled_model = pickle.loads(pickle.dumps(model))
@@ -128,7 +128,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_names_of_contact_sums_match_the_core_and_names_of_contact_laws_are_unique():
+def test_contact_sums_have_the_names_of_the_core_and_contact_laws_have_unique_names():
     assert tuple(field.name for field in dataclasses.fields(ContactSums)) == SUM_QUANTITIES
     assert {*SUM_QUANTITIES} <= {*QUANTITIES}
     assert tuple(CONTACT_LAWS_BY_NAME) == LawName.__args__
@@ -138,7 +138,7 @@ def test_names_of_contact_sums_match_the_core_and_names_of_contact_laws_are_uniq
             stiction._core.force_and_area(law.name, {}, overlap=0.1, radius=1.0)
 
 
-def test_status_of_a_coefficient_states_the_first_condition_that_fails():
+def test_status_of_a_coefficient_names_the_first_condition_that_is_not_met():
     arguments = [
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
@@ -173,7 +173,7 @@ def create_noise_bodies(body, shape):
     ],
     ids=["press", "press areas", "profile", "surface"],
 )
-def test_long_computation_stops_on_ctrl_c(call):
+def test_press_function_stops_on_ctrl_c_during_a_long_computation(call):
     previous_handler, start = signal.signal(signal.SIGPROF, signal.default_int_handler), time.process_time()
     try:
         with pytest.raises(KeyboardInterrupt):  # noqa: PT012, the signal arrives after an unknown time

@@ -34,7 +34,7 @@ modulus_strategy = st.floats(1e-2, 1e3)
 
 
 @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
-def test_contact_laws_of_the_core_equal_closed_forms(overlap, radius, modulus):
+def test_force_and_area_of_core_contact_laws_equal_closed_forms(overlap, radius, modulus):
     arguments = {"overlap": overlap, "radius": radius, "effective_modulus": modulus}
     for law, expected in (
         (HertzSphere(), hertz_sphere(**arguments)),
@@ -73,9 +73,7 @@ def reference_modules():
 class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
     @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
-    def test_hertz_solution_of_a_sphere_agrees_with_the_package_contactmechanics(
-        self, reference_modules, overlap, radius, modulus
-    ):
+    def test_hertz_solution_of_a_sphere_agrees_with_contactmechanics(self, reference_modules, overlap, radius, modulus):
         force, area = hertz_sphere(overlap, radius, modulus)
         assert reference_modules[0].normal_load(overlap, radius, modulus) == pytest.approx(
             float(force), rel=REORDERING_TOLERANCE
@@ -83,7 +81,7 @@ class TestAgainstContactMechanicsPackage:
         contact_radius, _ = reference_modules[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_contact_fraction_agrees_with_the_package_contactmechanics(self, reference_modules):
+    def test_westergaard_contact_fraction_agrees_with_contactmechanics(self, reference_modules):
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)
@@ -116,7 +114,7 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
 
 
 class TestWeierstrassMandelbrotMoments:
-    def test_exact_spectral_moments_equal_means_over_many_profiles(self):
+    def test_exact_spectral_moments_equal_mean_moments_of_many_profiles(self):
         # The grid resolves all frequencies of the profiles, and each frequency has many periods.
         shape = {"directions": 10, "frequencies": 6}
         exact_moments = weierstrass_mandelbrot_moments(1.4, **shape)
@@ -134,7 +132,7 @@ class TestWeierstrassMandelbrotMoments:
             moment_sums / count, [exact_moments.height, exact_moments.slope, exact_moments.curvature], rtol=0.05
         )
 
-    def test_exact_spectral_moments_depend_on_the_convention_for_the_fractal_dimension_and_on_the_band_limit(self):
+    def test_exact_spectral_moments_depend_on_dimension_convention_and_band_limit(self):
         paper_moments = weierstrass_mandelbrot_moments(1.6)
         classical_moments = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical_moments.height == pytest.approx(paper_moments.height, rel=REORDERING_TOLERANCE)
@@ -149,7 +147,7 @@ class TestWeierstrassMandelbrotMoments:
                 weierstrass_mandelbrot_moments(1.5, **invalid_arguments)
 
 
-def test_effective_modulus_of_equal_materials_is_half_of_plane_strain_modulus():
+def test_effective_modulus_of_equal_materials_is_half_of_their_plane_strain_modulus():
     assert effective_modulus(210.0, 0.3, 210.0, 0.3) == pytest.approx(210 / (1 - 0.09) / 2, rel=REORDERING_TOLERANCE)
     assert effective_modulus(210.0, 0.3, 1e12, 0.3) == pytest.approx(210 / (1 - 0.09), rel=1e-9)
     with pytest.raises(ValueError, match="poisson_lower"):
@@ -234,6 +232,6 @@ def test_closed_form_error_names_the_argument_that_is_not_positive():
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_small_slope_friction_rejects_an_array_given_as_the_order():
+def test_small_slope_friction_rejects_an_array_as_order():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

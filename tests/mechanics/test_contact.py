@@ -187,7 +187,9 @@ class TestProfilesAgainstExactSolutions:
         assert np.allclose(table.normal[0], np.array([-slope, 0, 1]) / math.hypot(1, slope), atol=1e-12)
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    def test_nearly_flat_surface_carries_the_same_loads_as_a_flat_surface(self, create_circular_arc, detection):
+    def test_ball_on_a_slightly_curved_profile_carries_the_load_of_a_ball_on_a_flat(
+        self, create_circular_arc, detection
+    ):
         # The radius is 5e7 to 5e13 µm. A difference of such lengths would lose an overlap of 10 pm.
         ball = create_circular_arc(10.003, 12.0, 0.01, 2001, "lower")
         approaches = [1e-5, 1e-4, 1e-3]
@@ -303,7 +305,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_curve_scales_with_size(self, law, pair, approach, choices):
+    def test_load_curve_of_profiles_scales_with_their_size(self, law, pair, approach, choices):
         """Forces and areas of spheres scale with the square of the size; for cylinders they scale with the size."""
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         size = 3.7
@@ -317,7 +319,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_curve_scales_with_modulus(self, law, pair, approach, choices):
+    def test_load_curve_of_profiles_scales_with_the_modulus(self, law, pair, approach, choices):
         """If all strengths scale with the modulus, so do forces, and friction depends only on tau0/E*."""
         soft_law, stiff_law = law, law
         if isinstance(law, JacksonGreen):
@@ -336,7 +338,7 @@ class TestProfileScalingAndSymmetry:
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
-    def test_load_curve_equals_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
+    def test_load_curve_of_profiles_equals_sums_over_the_table_of_contacts(self, law, pair, approach, choices):
         table = contacts(*pair, approach, law=law, **choices)
         curve = press(*pair, [approach / 2, approach], law=law, **choices)
         assert curve.contact_count[1] == len(table)
@@ -401,7 +403,7 @@ class TestGapMinimumDetection:
         convergence_order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
         assert 1.7 < convergence_order < 2.3
 
-    def test_loads_of_contacts_detected_in_cells_and_at_gap_minima_become_equal_on_fine_grids(self):
+    def test_both_contact_detections_give_equal_contact_areas_on_fine_grids(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             areas = []
@@ -426,14 +428,14 @@ class TestGapMinimumDetection:
 
 
 class TestProfileContactArguments:
-    def test_array_axes_of_friction_parameters_precede_the_array_axis_of_approaches(self, create_rough_profiles):
+    def test_array_axes_of_mu0_and_tau0_precede_the_array_axis_of_approaches(self, create_rough_profiles):
         curve = press(*create_rough_profiles(1.2), [0.005, 0.01, 0.02])
         assert curve.normal_load(mu0=0.1).shape == (3,)
         assert curve.normal_load(mu0=[0.1, 0.2], tau0=0.1).shape == (2, 3)
         assert curve.friction_coefficient(mu0=np.ones((2, 1)) * 0.1, tau0=[0, 0.1, 0.2, 0.3]).shape == (2, 4, 3)
         assert curve.status(mu0=[0.1, 0.2]).shape == (2, 3)
 
-    def test_normal_load_warns_if_tau0_seems_to_be_in_mpa(self, create_rough_profiles):
+    def test_normal_load_method_warns_if_tau0_seems_to_be_in_mpa(self, create_rough_profiles):
         curve = press(*create_rough_profiles(1.2), [0.01])
         with pytest.warns(UserWarning, match="meant in MPa"):
             curve.normal_load(mu0=0.4, tau0=200)

@@ -122,7 +122,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
-def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary, flat, part):
+def test_pressures_limited_by_bounds_agree_with_a_dense_matrix_calculation(shape, boundary, flat, part):
     """Use bounds that vary between points, like a hardness on a rough gap or limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
@@ -145,7 +145,7 @@ def test_bounded_pressures_agree_with_a_dense_matrix_calculation(shape, boundary
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound(boundary):
+def test_half_space_solver_converges_for_flats_up_to_the_largest_load_with_pressure_bounds(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -165,7 +165,7 @@ def test_half_space_solver_converges_for_flats_at_loads_up_to_the_pressure_bound
 
 
 @pytest.mark.parametrize("ratio", [0.3, 0.6, 0.9, 0.99])
-def test_traction_under_a_sphere_equals_mindlin_solution(ratio):
+def test_tangential_traction_under_a_sphere_equals_mindlin_solution(ratio):
     """Compare with Mindlin's solution; the bound is Hertz's pressure times mu0 (Johnson, section 7.2).
 
     The stick radius relative to the contact radius is (1 - T/T_s)^(1/3).
@@ -284,7 +284,7 @@ def test_pressure_under_a_flat_punch_equals_closed_form():
 
 
 @pytest.mark.parametrize("shape", [(128,), (48, 40)])
-def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_heights(shape):
+def test_pressure_in_full_contact_equals_the_exact_fourier_series(shape):
     lower = periodic_body(shape)
     waves = np.meshgrid(
         *[2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape[:-1]],
@@ -299,7 +299,7 @@ def test_pressure_in_full_contact_equals_the_sum_of_fourier_components_of_the_he
     assert np.isinf(curve.stiffness[0])
 
 
-def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
+def test_half_space_results_scale_with_the_modulus_and_ignore_height_offsets():
     lower = periodic_body((64, 64))
     original_curve = half_space(flat_like(lower), lower, [0.01, 0.1], boundary="periodic", tolerance=TIGHT_TOLERANCE)
     raised_body = Surface(lower.heights + 3.0, spacing=lower.spacing)
@@ -320,7 +320,7 @@ def test_half_space_results_scale_with_modulus_and_ignore_height_offsets():
     np.testing.assert_allclose(stiffer_curve.stiffness, 7 * original_curve.stiffness, rtol=1e-5)
 
 
-def test_results_with_free_and_periodic_boundaries_agree_for_small_contact_patches():
+def test_free_and_periodic_boundaries_give_equal_results_for_small_contact_patches():
     differences = []
     force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # the contact radius is then 0.2 µm
     for extent in (0.5, 1.0, 2.0):
@@ -398,7 +398,7 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     assert np.abs(result - exact).max() < 1e-7 * exact.max()
 
 
-def test_nondimensional_area_per_load_is_near_2_at_light_load():
+def test_nondimensional_contact_area_per_load_is_near_2_at_light_load():
     lower = periodic_body((256, 256), shortest=32)
     curve = half_space(flat_like(lower), lower, [0.02 * EFFECTIVE_MODULUS * 0.1], boundary="periodic")
     assert 1.8 < curve.contact_area[0] * EFFECTIVE_MODULUS * 0.1 / curve.load[0] < 2.5
@@ -487,7 +487,7 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
 
 
-def test_half_space_friction_agrees_with_small_slope_formula():
+def test_half_space_friction_agrees_with_the_small_slope_formula():
     slope, mu0, tau0 = 0.1, 0.4, 0.2
     load = 0.005 * EFFECTIVE_MODULUS * slope
     angles = np.arange(0, 360, 45)
@@ -555,7 +555,7 @@ def test_small_slope_friction_of_second_order_equals_a_sum_over_random_slopes(ru
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_small_slope_friction_of_first_and_second_order_agrees_for_tiny_slopes_and_grooves():
+def test_small_slope_friction_of_both_orders_agrees_for_tiny_slopes_and_for_grooves():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first_order, second_order = (
@@ -584,7 +584,7 @@ def pair_with_gradient(ratio, seeds, slope):
     )
 
 
-def test_friction_at_steep_slopes_agrees_with_second_order_formula():
+def test_half_space_friction_at_steep_slopes_agrees_with_the_second_order_formula():
     slope = 0.9
     values = []
     for seeds in ((1, 2), (3, 4)):
@@ -598,7 +598,7 @@ def test_friction_at_steep_slopes_agrees_with_second_order_formula():
     assert np.mean(values) == pytest.approx(expected, rel=FRICTION_SCATTER_TOLERANCE)
 
 
-def test_mean_slope_of_contacts_is_independent_of_compliance_fraction():
+def test_mean_slope_of_contacts_is_independent_of_the_compliance_fraction_of_the_bodies():
     slope, ratio = 0.9, 3.0
     mean_slopes = []
     for compliance_fraction in (0.0, 0.5, 1.0):
@@ -632,7 +632,7 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
             np.testing.assert_allclose(getattr(transformed_curve, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
-def test_half_space_solution_of_an_extruded_profile_equals_the_solution_of_the_profile():
+def test_half_space_solution_of_a_map_of_equal_rows_is_that_of_the_profile_in_each_row():
     lines = [periodic_body((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide_surfaces = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     line_curve = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
@@ -736,7 +736,7 @@ def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
 
 
 @pytest.mark.parametrize(("num_dims", "directions"), [(1, ["+x", "-x"]), (2, [0.0, 30.0, 180.0]), (2, [90.0])])
-def test_directed_sums_equal_those_of_curves_for_each_sliding_rule_and_direction(num_dims, directions):
+def test_directed_sums_equal_sums_of_load_curves_for_each_sliding_rule_and_direction(num_dims, directions):
     rng = np.random.default_rng(5)
     body_class = Profile if num_dims == 1 else Surface
     upper, lower = (body_class(rng.normal(0, 0.01, (48,) * num_dims), spacing=0.1) for _ in range(2))
@@ -752,7 +752,7 @@ def test_directed_sums_equal_those_of_curves_for_each_sliding_rule_and_direction
     assert (sums["normal_frictional"][0] != sums["normal_frictional"][1]).any()
 
 
-def test_gap_vanishes_at_all_contact_points_if_pressures_reach_the_hardness():
+def test_gap_is_zero_at_all_contact_points_even_if_pressures_reach_the_hardness():
     x = (np.arange(33) - 16) * 0.05
     ball = Surface(-(x**2 + x[:, np.newaxis] ** 2) / 20, spacing=0.05)
     curve = half_space(Surface(np.zeros((33, 33)), spacing=0.05), ball, [1e-4], hardness=1e-3)
@@ -814,7 +814,7 @@ def test_solution_at_an_approach_equals_solution_at_the_load_of_that_approach(sh
 
 @pytest.mark.parametrize("shape", [(64,), (24, 20)])
 @pytest.mark.parametrize("remaining_fraction", [1e-2, 1e-6, 1e-14])
-def test_requested_approaches_are_reached_up_to_full_contact(shape, remaining_fraction):
+def test_half_space_solution_reaches_requested_approaches_up_to_full_contact(shape, remaining_fraction):
     body = periodic_body(shape, longest=1, shortest=5)
     full_approach = (body.heights.max() - body.heights).mean()
     curve = half_space(
@@ -894,7 +894,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
     assert time.process_time() - signal_times[0] < MAX_SECONDS_AFTER_INTERRUPT
 
 
-def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
+def test_half_space_solver_converges_although_its_extrapolated_steps_are_very_long():
     """Solve a half-plane problem in which extrapolated steps are about thirty times as long as trial steps."""
     study = Study.named("figure6-half-plane")
     dimension = float(study.surfaces.fractal_dimensions()[7])
@@ -903,14 +903,14 @@ def test_half_space_solver_converges_if_extrapolated_steps_are_very_long():
 
 
 @pytest.mark.parametrize("height", [1e157, 1e100])
-def test_half_space_rejects_extreme_gaps(height):
+def test_half_space_rejects_gaps_far_larger_than_the_length_of_the_bodies(height):
     body = periodic_body((32, 32), shortest=8)
     high_body = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
     with pytest.raises(ValueError, match=r"gap of at most .* µm \(1e\+06 times their length\), got .* µm"):
         half_space(flat_like(body), high_body, [0.01])
 
 
-def test_onset_method_rejects_an_interface_without_strength():
+def test_onset_method_rejects_zero_mu0_and_tau0():
     body = periodic_body((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)
@@ -925,7 +925,7 @@ def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, har
     assert np.array_equal(single_thread_curve.contact(0).pressure, three_thread_curve.contact(0).pressure)
 
 
-def test_closure_of_a_masked_surface_differs_from_closure_of_the_complete_surface():
+def test_closure_of_a_masked_surface_does_not_reuse_closure_of_the_complete_surface():
     body = periodic_body((32, 32))
     missing = np.zeros((32, 32), bool)
     missing[:8] = True
@@ -977,7 +977,7 @@ print(curve.contact_area.tobytes() == expected.contact_area.tobytes())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space applies to threads on Linux only")
-def test_half_space_uses_the_threads_that_the_system_can_create():
+def test_half_space_continues_with_the_threads_that_the_system_can_create():
     import resource
 
     stack_size = 2**30

@@ -10,7 +10,7 @@ EXPONENTS = (0.5, 1.0, 1.25, 2.0, 10.0)
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
-def test_yielded_area_is_elastic_and_continuous_up_to_half_of_the_hardness(exponent: float) -> None:
+def test_yielded_area_equals_the_elastic_area_up_to_half_of_the_hardness_and_is_continuous(exponent: float) -> None:
     assert yielded_area(3.0, [1e-6, 0.7, 1.5], 1.0, exponent).tolist() == [3.0, 3.0, 3.0]
     assert yielded_area(3.0, 1.5 * (1 + 1e-9), 1.0, exponent) == pytest.approx(3.0, rel=1e-8)
     assert yielded_area(3.0, 5.0, np.inf, exponent) == 3.0
@@ -25,7 +25,7 @@ def test_yielded_area_satisfies_its_equation_and_grows_with_the_load(exponent: f
     assert (np.diff(area) > 0).all()
 
 
-def test_yielded_area_of_plastic_contacts_equals_load_divided_by_hardness() -> None:
+def test_yielded_area_of_fully_plastic_contacts_equals_load_divided_by_hardness() -> None:
     assert yielded_area(1e-9, 4.0, 2.0, 1.25) == pytest.approx(2.0, rel=1e-9)
 
 

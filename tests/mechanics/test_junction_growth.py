@@ -118,7 +118,7 @@ def random_slip_line_parameters(count=300):
         yield hardness, random.uniform(0, 0.35), random.uniform(0, 0.15) * hardness, ratio
 
 
-def test_hardness_under_shear_by_slip_lines_agrees_with_a_bracketed_root():
+def test_hardness_under_shear_by_slip_lines_equals_the_root_of_the_slip_line_equation():
     num_stronger = 0
     for hardness, mu0, tau0, ratio in random_slip_line_parameters():
         expected = solve_slip_lines(hardness, mu0, tau0, ratio)
@@ -133,7 +133,9 @@ def test_hardness_under_shear_by_slip_lines_agrees_with_a_bracketed_root():
     (0.625, 0.1, 0.02, (0.138, 1.19), (0.139, 1.22)), (0.625, 0.0, 0.1, (0.220, 1.37), (0.241, 1.51)),
     (1.27, 0.1, 0.05, (0.148, 1.21), (0.149, 1.25)), (0.625, 0.2, 0.1, None, None),
 ])  # fmt: skip
-def test_slip_lines_give_friction_and_growth_of_plastic_contacts(hardness, mu0, tau0, plane_strain, circle):
+def test_slip_line_theory_gives_friction_and_growth_of_fully_plastic_contacts(
+    hardness, mu0, tau0, plane_strain, circle
+):
     for ratio, expected in ((2 + np.pi, plane_strain), (5.69, circle)):
         law = FrictionLaw(mu0, tau0, ratio, uses_slip_lines=True)
         friction, growth = law.plastic_coefficient(hardness), hardness / law.yield_pressure(hardness)
@@ -144,7 +146,7 @@ def test_slip_lines_give_friction_and_growth_of_plastic_contacts(hardness, mu0, 
 
 
 @pytest.mark.parametrize("ratio", [5.14, CENTRAL_RATIO, 6.05])
-def test_ratio_of_hardness_to_shear_strength_has_its_limits_at_zero_and_full_traction(ratio):
+def test_yield_pressure_by_slip_lines_has_exact_limits_at_zero_and_full_traction(ratio):
     without_shear = FrictionLaw(0.0, 0.0, ratio, uses_slip_lines=True)
     assert float(without_shear.yield_pressure(1.27)) == pytest.approx(1.27, rel=1e-15)
     strength = 1.27 / ratio
@@ -159,9 +161,7 @@ def test_ratio_of_hardness_to_shear_strength_has_its_limits_at_zero_and_full_tra
 @pytest.mark.parametrize(("hardness", "mu0", "tau0_over_hardness"), [
     (0.6, 0.6, 0.0), (1.2, 0.4, 0.1), (2.5, 0.2, 0.15), (5.0, 0.6, 0.0), (10.0, 0.6, 0.0),
 ])  # fmt: skip
-def test_lower_limit_in_bulk_shear_agrees_with_the_sum_over_the_points_of_the_contact(
-    hardness, mu0, tau0_over_hardness
-):
+def test_lower_limit_of_friction_in_bulk_shear_agrees_with_a_sum_over_contact_points(hardness, mu0, tau0_over_hardness):
     roughness_options = {"hurst_exponent": 0.8, "rms": 0.03, "shape": (128, 128), "shortest_wavelength": 0.6}
     bodies = (self_affine_surface(3, side=side, spacing=0.1, **roughness_options) for side in ("upper", "lower"))
     curve = half_space(
@@ -189,7 +189,7 @@ def excess_of_mean(log_scale, unlimited, mean):
     return limit_pressures(log_scale, unlimited).mean() - mean
 
 
-def test_fraction_in_bulk_shear_agrees_with_the_quantiles_of_the_distribution_of_pressures():
+def test_friction_in_bulk_shear_agrees_with_quantiles_of_the_pressure_distribution():
     """The pressures, as fractions of the largest, follow a Weibull distribution that is limited at 1."""
     random = np.random.default_rng(5)
     probabilities = (np.arange(200_000) + 0.5) / 200_000

@@ -31,7 +31,9 @@ def test_approaches_at_several_loads_have_the_array_shape_of_the_loads(create_ro
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
 @pytest.mark.parametrize("dimension", [1.1, 1.4, 1.6])
 @pytest.mark.parametrize("shear", ["+x", "-x"])
-def test_approach_at_a_load_is_the_smallest_approach_with_that_load(create_rough_profiles, dimension, detection, shear):
+def test_approach_at_a_load_is_the_smallest_approach_that_carries_this_load(
+    create_rough_profiles, dimension, detection, shear
+):
     upper, lower = create_rough_profiles(dimension)
     choices = {"detection": detection, "shear": shear, "effective_modulus": 20.0}
     friction = {"mu0": 0.4, "tau0": 0.2}

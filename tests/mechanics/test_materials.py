@@ -54,7 +54,7 @@ def test_material_values_are_physically_possible_and_have_sources(listed_materia
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],
 )  # fmt: skip
-def test_ranges_of_material_properties_contain_reference_values(name, young, hardness):
+def test_ranges_of_modulus_and_hardness_contain_reference_values(name, young, hardness):
     result = material(name)
     assert 0.9 * result.young_modulus.low <= young <= 1.1 * result.young_modulus.high
     assert 0.9 * result.hardness.low <= hardness <= 1.1 * result.hardness.high
@@ -98,7 +98,7 @@ def test_material_lookup_rejects_formulas_that_only_resemble_a_known_name(name, 
         material(name)
 
 
-def test_material_lookup_accepts_formulas_and_words_in_their_usual_case():
+def test_material_lookup_requires_the_case_of_formulas_but_not_of_words():
     for name in ("Si", "SiC", "Si3N4", "WC", "Al2O3", "ZrO2", "DLC", "a-C:H", "ta-C", "100Cr6", "Ti-6Al-4V"):
         assert material(name)
     assert material("Tin") is material("tin") is material("TIN")

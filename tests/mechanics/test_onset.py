@@ -133,7 +133,7 @@ def test_onset_of_sliding_of_a_cylinder_equals_cattaneo_solution():
         onset.iwan()
 
 
-def test_stick_area_has_the_shape_of_the_elliptical_contact():
+def test_stick_area_of_an_elliptical_contact_is_a_similar_ellipse():
     radii = (0.5, 1.5)
     lower = create_paraboloid(128, 1.0, radii)
     load, _, axes = hertz_ellipse(0.04, *radii, EFFECTIVE_MODULUS)
@@ -268,7 +268,7 @@ def test_sliding_load_equals_sum_of_friction_at_all_contacts(half_space_curve):
 
 
 @pytest.mark.parametrize("slopes", [(0.2,), (0.3, 0.4)])
-def test_traction_at_sliding_contains_adhesive_strength_times_inclined_area(slopes):
+def test_traction_at_sliding_contains_tau0_times_the_inclined_area(slopes):
     """Press two inclined planes, equal within 1e-9 µm, whose interface has one slope and is completely in contact."""
     grid = np.indices((24,) * len(slopes)) * 0.1
     heights = sum(slope * coordinate for slope, coordinate in zip(slopes, grid, strict=True))
@@ -282,7 +282,7 @@ def test_traction_at_sliding_contains_adhesive_strength_times_inclined_area(slop
     assert (onset.traction(0) <= onset.traction(-1)).all()
 
 
-def test_onset_quantities_increase_with_tangential_load(half_space_curve):
+def test_onset_displacement_and_slipped_area_increase_with_tangential_load(half_space_curve):
     onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
@@ -381,9 +381,7 @@ def test_onset_of_sliding_is_computed_at_requested_displacements(half_space_curv
 
 # With 0.01 E* h' and free boundaries, the displacements of the few contact points are computed with a dense matrix.
 @pytest.mark.parametrize(("boundary", "relative_pressure"), [("periodic", 0.1), ("free", 0.1), ("free", 0.01)])
-def test_energy_loss_and_stiffnesses_reuse_displacements_and_response_of_the_onset(
-    monkeypatch, boundary, relative_pressure
-):
+def test_energy_loss_and_stiffnesses_reuse_the_solution_of_the_onset(monkeypatch, boundary, relative_pressure):
     calls = []
     for name in ("linear_response", "displacement"):
         compute = getattr(_core.HalfSpaceGrids, name)
@@ -406,7 +404,7 @@ def test_energy_loss_and_stiffnesses_reuse_displacements_and_response_of_the_ons
     assert calls == calls_until_onset
 
 
-def test_tangential_stiffness_at_the_onset_of_sliding_is_finite_if_contact_pressures_reach_the_hardness():
+def test_tangential_stiffness_is_finite_even_if_contact_pressures_reach_the_hardness():
     lower = create_rough_body((64, 64))
     load = compute_load_at_relative_pressure(lower, 0.1)
     curve = half_space(flat_like(lower), lower, [load], hardness=1.0)
@@ -446,7 +444,7 @@ def test_surfaces_in_full_contact_have_infinite_initial_tangential_stiffness():
 
 
 @pytest.mark.parametrize("shape", [(31,), (32,), (12, 21), (16, 16)])
-def test_surfaces_in_full_contact_do_not_move_before_a_point_slips(shape):
+def test_surfaces_in_full_contact_have_no_displacement_before_a_point_slips(shape):
     heights = np.random.default_rng(3).normal(0, 1e-4, shape)
     lower = Profile(heights, spacing=0.1) if heights.ndim == 1 else Surface(heights, spacing=0.1)
     curve = half_space(flat_like(lower), lower, [0.5], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
@@ -462,7 +460,7 @@ def test_surfaces_in_full_contact_do_not_move_before_a_point_slips(shape):
     np.testing.assert_allclose(at_displacement.tangential_load, onset.tangential_load[8:], rtol=1e-5)
 
 
-def test_flat_punch_slips_everywhere_at_the_same_load():
+def test_flat_punch_slips_at_all_points_at_the_sliding_load():
     """Check flats with free boundaries, on which the pressure is proportional to the traction of a rigid shift."""
     for flat in (Profile(np.zeros(64), spacing=0.1), Surface(np.zeros((33, 40)), spacing=0.1)):
         curve = half_space(flat, flat, [1.0])
@@ -600,7 +598,7 @@ def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles()
     assert yielding_onset.sliding_load < onset.sliding_load
 
 
-def test_pickled_load_curve_gives_the_same_onset_of_sliding(bodies_and_curve):
+def test_pickled_load_curve_gives_the_onset_of_sliding_of_the_original(bodies_and_curve):
     bodies, curve = bodies_and_curve
     restored_curve = pickle.loads(pickle.dumps(curve))
     assert restored_curve.onset(1, mu0=0.3).displacement_at_sliding == curve.onset(1, mu0=0.3).displacement_at_sliding
@@ -710,7 +708,7 @@ def test_onset_method_rejects_invalid_indices_and_steps_and_amplitudes(ball_curv
     assert onset.energy_lost([[0.0, onset.sliding_load]]).shape == (1, 2)
 
 
-def test_onset_rejects_loads_and_displacements_that_round_off_dominates(ball_curve_and_radius):
+def test_onset_method_rejects_loads_and_displacements_below_the_round_off_error(ball_curve_and_radius):
     for curve in (ball_curve_and_radius[0], press_single_ball()):
         onset = curve.onset(0, mu0=0.3, steps=2)
         for amplitude in (1e-300, 0.9e-12 * onset.sliding_load):

@@ -217,7 +217,7 @@ def test_csv_columns_are_in_the_order_of_the_table_of_quantities(results_at_load
     assert places == sorted(places)
 
 
-def test_modules_do_not_infer_properties_of_quantities_from_their_names():
+def test_modules_do_not_derive_properties_of_quantities_from_quantity_names():
     name_pattern = "share|fraction|count|load|area|pull_off|slipped|stiffness|unloaded|friction|pressure"
     tests = "startswith|endswith|replace|removeprefix|removesuffix"
     pattern = re.compile(

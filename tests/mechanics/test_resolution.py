@@ -74,7 +74,7 @@ def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(
     assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
 
 
-def test_results_at_a_shorter_cutoff_lie_between_the_plastic_limit_and_results_at_longer_cutoffs(
+def test_results_at_a_shorter_cutoff_lie_between_plastic_limit_and_results_at_longer_cutoffs(
     pair_and_resolution_result,
 ):
     *_, load, result = pair_and_resolution_result
@@ -97,7 +97,7 @@ def test_results_at_a_shorter_cutoff_lie_between_the_plastic_limit_and_results_a
         assert (mu[finer_index] <= mu[finer_index:] * (1 + 0.02)).all()
 
 
-def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pair_and_resolution_result):
+def test_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoffs(pair_and_resolution_result):
     result = pair_and_resolution_result[3]
     second_order_factor = 1 + np.square(result.rms_gradient.values) / 8
     for name, variable in (
@@ -120,7 +120,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_of_finer_scans(pa
     assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
-def test_maximum_friction_for_finer_scans_is_the_upper_limit_of_the_range_for_finer_scans():
+def test_max_friction_for_finer_scans_equals_the_upper_limit_of_its_range():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),
@@ -190,7 +190,7 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
     assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / kappa_factor, rel=1e-6)
 
 
-def test_extrapolation_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
+def test_extrapolated_slope_of_a_filtered_scan_agrees_with_the_unfiltered_scan():
     """Compare the extrapolation of a filtered scan with the unfiltered scan."""
     upper, lower = create_rough_surfaces(points=256, spacing=0.02)
     coarse_surfaces = [Surface(cut_off(body, 0.16, periodic=True).heights, spacing=0.02) for body in (upper, lower)]
@@ -281,7 +281,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
         xr.testing.assert_equal(stored_dataset.load(), result)
 
 
-def test_resolution_at_an_unsolved_load_is_nan_and_progress_is_reported_to_the_end(monkeypatch):
+def test_resolution_results_at_an_unsolved_load_are_nan_and_progress_reaches_the_end(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)

@@ -69,7 +69,7 @@ def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
     assert smooth.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
 
 
-def test_sawtooth_slides_by_itself_after_its_tips_have_passed():
+def test_sawtooth_slides_by_itself_after_its_tips_have_passed_each_other():
     result = run_shear_test(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
     assert result.status.values[-1] == "downhill"
     assert np.isnan(result.friction_coefficient[-1])
@@ -91,7 +91,7 @@ def test_sawtooth_faces_with_steep_teeth_lock():
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
+def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
     result = run_shear_test(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
     work, dilation_work, energy = integrate_work(result)
     assert work > 0
@@ -99,7 +99,7 @@ def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(
 
 
 @pytest.mark.parametrize("angle", [0, 90, 225])
-def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
+def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
     result = run_shear_test(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
     work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(
@@ -107,7 +107,7 @@ def test_work_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angl
     )
 
 
-def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
+def test_work_of_shear_without_friction_is_balanced_if_an_edge_rides_up_the_other_face():
     x = np.linspace(-1, 1, 401)
     bowl = Profile(4 * x**2, spacing=0.25)  # the ends of the upper face touch first
     result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
@@ -119,7 +119,7 @@ def test_work_balance_includes_an_edge_that_rides_up_the_other_face():
 # ---- Perfect fit and symmetry ----------------------------------------------------------------------------------------
 
 
-def test_faces_that_fit_perfectly_start_in_complete_contact():
+def test_shear_test_of_faces_that_fit_perfectly_starts_in_complete_contact():
     result = run_shear_test(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
     assert result.contact_area_fraction[0] == pytest.approx(1.0)
     # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
@@ -171,7 +171,7 @@ def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation()
     assert result.normal_load[-1] > 1.2 * result.normal_load[0]
 
 
-def test_normal_load_vanishes_if_the_stiffness_unloads_contracting_faces():
+def test_shear_test_loses_contact_if_the_normal_stiffness_unloads_contracting_faces():
     x = 2 * np.pi * np.arange(256) / 256
     wave = Profile(5 * np.cos(x), spacing=1.0)
     opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # crests stand on crests at the start
@@ -195,7 +195,7 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
     assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
 
 
-def test_faces_that_fit_perfectly_start_without_force_if_friction_is_zero():
+def test_shear_test_of_faces_that_fit_perfectly_starts_without_force_at_zero_friction():
     result = run_shear_test(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert result.friction_coefficient[0] == 0
     assert result.status[0] == "ok"
@@ -240,7 +240,7 @@ def test_shear_interval_lies_between_curves_at_the_limits_of_mu0_and_tau0():
     assert result.attrs["end_lower"] < result.attrs["end"] < result.attrs["end_upper"]
 
 
-def test_shear_interval_has_no_upper_limit_if_more_than_a_fortieth_of_the_samples_lock():
+def test_shear_interval_has_no_upper_limit_if_more_than_2_5_percent_of_the_samples_lock():
     # Teeth of 45 degrees lock for mu0 of 1 or more, a quarter of the range.
     x = np.arange(400) / 200
     teeth = Profile(100 * (0.5 - np.abs(x % 1 - 0.5)), spacing=0.5)
@@ -278,7 +278,7 @@ def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_li
     assert low < lower < float(result.friction_coefficient[1]) < upper < high
 
 
-def test_intervals_of_a_shear_test_do_not_depend_on_the_number_of_displacements():
+def test_shear_intervals_from_few_and_many_displacements_are_equal():
     """Compare intervals with fewer samples, which limit the memory, with those of the usual number."""
     wavy = create_wavy_profile()
     face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
@@ -329,7 +329,7 @@ def test_shear_test_accepts_materials_and_interfaces_like_pair():
     assert central_mu0 == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
 
 
-def test_interval_of_the_peak_displacement_includes_neighbouring_displacements():
+def test_interval_of_the_peak_displacement_includes_the_neighbouring_steps():
     result = run_shear_test(create_rough_map(), path="200 um", steps=8, mu0="0.5..0.7", hardness="200 MPa")
     peak = int(np.argmax(result.friction_coefficient.values))
     lower, upper = (result.attrs[f"peak_displacement_um_{end}"] for end in ("lower", "upper"))
@@ -392,7 +392,7 @@ def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a
     assert np.isnan(only_one["friction_coefficient_interval"][:, -1]).all()
 
 
-def test_strips_of_a_shear_test_lie_along_the_motion():
+def test_strips_of_a_shear_test_are_parallel_to_the_motion():
     x = 2 * np.pi * np.arange(128) / 128
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
@@ -417,7 +417,7 @@ def test_strips_without_measured_points_are_omitted_from_a_shear_test():
     assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
 
 
-def test_shear_test_rejects_strips_if_only_one_has_measured_points():
+def test_shear_test_rejects_strips_if_only_one_strip_has_measured_points():
     face = create_rough_map(32)
     missing = np.zeros(face.heights.shape, bool)
     missing[:17] = True
@@ -540,7 +540,7 @@ def test_bandis_law_is_undefined_if_closures_do_not_approach_a_maximum():
     assert np.isnan(fit_bandis_law(pressure, 0 * pressure).misfit)
 
 
-def test_closure_at_the_start_follows_from_the_gap_and_vanishes_for_a_perfect_fit():
+def test_closure_at_the_start_follows_from_the_gap_and_is_zero_for_a_perfect_fit():
     face = create_rough_map()
     noise = np.random.default_rng(1).normal(0, 0.5, face.heights.shape)
     rough = create_mate(face).changed(create_mate(face).heights + noise, "noise")

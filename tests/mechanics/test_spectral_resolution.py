@@ -44,7 +44,7 @@ def test_elastic_pressure_in_the_spectral_estimate_is_limited_to_the_hardness():
     assert math.isnan(elastic_result.plastic_wavelength)
 
 
-def test_spectral_estimate_of_the_effect_of_resolution_agrees_with_the_half_space_model():
+def test_spectral_estimate_of_the_effect_of_scan_resolution_agrees_with_half_space_model():
     bodies = create_rough_surfaces()
     upper, lower = roughness_of_bodies(bodies)
     load = 0.05 * (256 * 0.02) ** 2

@@ -26,7 +26,7 @@ def resultant_offset(curve, index, missing=None):
 
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("has_holes", [False, True])
-def test_free_tilt_centres_the_resultant_force_and_stiffness_equals_the_load_derivative(hardness, has_holes):
+def test_free_tilt_centres_the_force_and_its_stiffness_is_the_derivative_of_the_load(hardness, has_holes):
     upper, lower = create_rough_surfaces(3)
     missing = np.zeros(lower.heights.shape, bool)
     if has_holes:
@@ -126,7 +126,7 @@ def find_rigid_contact(gap):
 
 @pytest.mark.parametrize("is_areal", [True, False])
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
-def test_free_tilt_at_vanishing_load_touches_at_the_facet_of_the_convex_hull_under_the_centre(seed, is_areal):
+def test_free_tilt_at_vanishing_load_touches_at_the_convex_hull_facet_below_the_centre(seed, is_areal):
     rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
     upper, lower = (upper, lower) if is_areal else (upper.row(0), lower.row(0))
@@ -139,7 +139,7 @@ def test_free_tilt_at_vanishing_load_touches_at_the_facet_of_the_convex_hull_und
 
 @pytest.mark.parametrize("hardness", [None, 0.05])
 @pytest.mark.parametrize("relative_pressure", [1e-6, 1e-5, 1e-4])
-def test_free_tilt_centres_the_resultant_force_at_low_loads(relative_pressure, hardness):
+def test_free_tilt_centres_the_resultant_force_even_at_low_loads(relative_pressure, hardness):
     rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     for seed in range(6):
         upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
