@@ -317,7 +317,7 @@ def test_resolution_results_at_an_unsolved_load_are_nan_and_progress_reaches_the
         ({"mu0": -0.1}, "mu0 must not be negative"),
         ({"mu0": 0.1, "tau0": "1 MPa"}, "tau0 must be a finite number"),
         ({"loads": [2.0, 1.0]}, "loads must be above 0 mN and strictly increasing"),
-        ({"loads": [1e9]}, "loads must be below hardness times area"),
+        ({"loads": [1e9]}, "loads must be below hardness times nominal area"),
         ({"upper": Profile(np.zeros(9), spacing=1.0)}, "must both be profiles or both surfaces"),
         ({"boundary": "open"}, "boundary must be one of"),
         ({"direction": 1j}, "direction must be"),

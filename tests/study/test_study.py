@@ -466,7 +466,7 @@ class TestRequestedLoads:
             {"contact.hardness": "60 MPa", "contact.load": ["4 mN"]}
         )
         assert 4.0 < study_with_hardness.contact.loading_steps()[-1] < 0.06 * 100
-        with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times area"):
+        with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times nominal area"):
             self.LISTED_LOADS_STUDY.with_changes({"contact.hardness": "10 MPa"})
 
     def test_changing_load_or_mechanics_of_a_study_replaces_its_requested_loads(self):

@@ -304,7 +304,7 @@ def test_surfer_grid_is_read_with_the_spacings_of_its_header(tmp_path, suffix, p
 @pytest.mark.parametrize(
     ("header", "message"),
     [("30 23\n0 1\n0 1\n0 1", "declares 23 rows of 30 heights, but has 720 heights"),
-     ("30 24\n1 1\n0 1\n0 1", "range of x or y that does not increase"),
+     ("30 24\n1 1\n0 1\n0 1", "range of x or y whose end is not above its start"),
      ("30\n0 1\n0 1\n0 1", "lacks the counts and ranges")],
 )  # fmt: skip
 def test_surfer_grid_with_an_impossible_header_is_rejected(tmp_path, header, message):

@@ -299,9 +299,9 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
+        """Return the residuals of the tests that slid, divided by their errors, and the coefficients of the equations.
 
-        The residuals have the shape (points, tests with sliding, ...), and are infinite at seizure. The coefficients
+        The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
         """
         columns = self._compute_equation_coefficients(scores, mu0, tau0)

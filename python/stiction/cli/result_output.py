@@ -67,7 +67,7 @@ def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None
 
 
 def print_sentences(result: Result) -> None:
-    """Print the sentence to quote for each load, in one line without wrapping."""
+    """Print the quotable sentence of a result at each load. Each sentence is one line, which is not wrapped."""
     summary = _summarize(result)
     print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
 

@@ -54,8 +54,8 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 return function(*args, **kwargs)
         except ArithmeticError:  # NumPy raises FloatingPointError, which is an ArithmeticError
             raise ValueError(
-                f"arguments of {function.__name__} must be less extreme, because a computed value exceeds the range of "
-                "double precision"
+                f"arguments of {function.__name__} must not be so large or so small that a computed value exceeds the "
+                "range of double precision"
             ) from None
 
     return call_with_overflow_check

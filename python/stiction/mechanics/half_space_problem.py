@@ -445,7 +445,9 @@ def parse_loads_or_approaches(
     if step_kind == "loads":
         max_load = np.inf if hardness is None else hardness * problem.area
         if not steps.max() < max_load:
-            raise ValueError(f"loads must be below hardness times area, {max_load:g} mN, got {steps.max():g} mN")
+            raise ValueError(
+                f"loads must be below hardness times nominal area, {max_load:g} mN, got {steps.max():g} mN"
+            )
         return step_kind, steps
     if hardness is not None:
         raise ValueError(
@@ -655,7 +657,7 @@ _SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
-    """Restore the contacts at several loads from the concatenated arrays of a step; see `to_step_result`."""
+    """Restore the contacts that `to_step_result` stored in concatenated arrays, one contact for each load."""
     if problem.turns:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)

@@ -671,7 +671,8 @@ def parse_contact_settings(
         and not contact.loading_steps()[-1] < (max_load := float(contact.hardness) * surfaces.nominal_area)
     ):
         raise make_key_error(
-            "load", f"must be below hardness times area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN"
+            "load",
+            f"must be below hardness times nominal area ({max_load:g} mN), got {contact.loading_steps()[-1]:g} mN",
         )
     return contact
 

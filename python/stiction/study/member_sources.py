@@ -203,7 +203,7 @@ def build_map_pairs(
 
 @dataclass(frozen=True, eq=False)
 class MapMemberSource:
-    """Source of members that are pairs of height maps: pieces of two scans, or surrogates of the scans."""
+    """Source of ensemble members, each a pair of height maps: pieces of two scans, or surrogates of both scans."""
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]

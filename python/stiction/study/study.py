@@ -720,7 +720,7 @@ def find_section_differences(
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the keys in which two studies differ, as far as the difference affects the members.
+    """List the keys in which two studies differ and whose difference affects the members.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies

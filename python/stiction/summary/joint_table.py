@@ -161,7 +161,7 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
 
 
 def build_joint_study(study: Study, nominal_area: float | None) -> Study:
-    """Return the study of a measured pair at all loads of its joint table."""
+    """Return a copy of the study of a measured pair, with the loads of the pair's joint table."""
     loads = choose_joint_loads(study, nominal_area).tolist()
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
 

@@ -176,7 +176,7 @@ class ScaleDependentRoughness(TextReprMixin):
 
 
 def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstimate, HurstEstimate, HurstEstimate]:
-    """Return the fitted power law, and the power laws with the smallest and the largest exponent of its interval.
+    """Return the fitted power law, and the power laws at both limits of the 95 % interval of the Hurst exponent.
 
     All three power laws agree at the centre of the band.
     """

@@ -40,7 +40,7 @@ _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy per area, at least 0"),
 )
-"""Text for the range of a key's quantity, by the type of the quantity."""
+"""Allowed range in words, for each type of quantity that a key of a study file can have."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DIRECTION_DEGREES} to {values.MAX_DIRECTION_DEGREES}"
 _ALLOWED_VALUE_TEXTS = {

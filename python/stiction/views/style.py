@@ -117,7 +117,7 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Return the text of a file or user for a figure, such that "$" and a leading "_" are drawn literally."""
+    """Escape a text from a file or from the user, so that a figure draws "$" and a leading "_" literally."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
     # a legend omits labels that start with "_"
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text

@@ -299,7 +299,7 @@ _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "se
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of the columns of a table, and the unit of the heights if a header line is only about heights."""
+    """Names and units of the columns of a table, and the unit of the heights from a line that mentions only heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -408,7 +408,7 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """Return each unit that a header line declares without naming a quantity, with this line."""
+    """Return pairs (unit, header line) for the lines that declare a unit without naming a quantity."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 

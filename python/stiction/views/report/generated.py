@@ -127,7 +127,7 @@ def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return an array of each number that the text of a caveat contains, with NaN where the caveat does not apply."""
+    """Return one array for each number in the text of a caveat, with NaN where the caveat does not apply."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -211,7 +211,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
 
 
 def _changed_settings_markup(changed_settings: Sequence[tuple[str, str]]) -> str:
-    """Return the settings of a study that differ from the defaults as HTML."""
+    """Return, as HTML, the settings of a study that differ from the defaults."""
     if not changed_settings:
         return "<p>All values are the defaults.</p>"
     lines = "".join(f"<li><code>{escape_html(f'{key} = {value}')}</code></li>" for key, value in changed_settings)

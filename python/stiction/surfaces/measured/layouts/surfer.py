@@ -38,7 +38,7 @@ def _read(text: DecodedText) -> RawHeights:
     if not all(count.is_integer() and 2 <= count <= MAX_DECLARED_COUNT for count in (columns, rows)):
         raise FormatError(f"declares {rows:g} rows of {columns:g} heights; both numbers must be whole and above 1")
     if not (x1 > x0 and y1 > y0):
-        raise FormatError("declares a range of x or y that does not increase")
+        raise FormatError("declares a range of x or y whose end is not above its start")
     first, last = lines[-1] + 1, len(text) - 1
     heights = numbers_in_lines(text, first, last)
     if heights.size != rows * columns:
