@@ -86,7 +86,7 @@ def test_command_that_is_interrupted_during_imports_exits_with_status_130(monkey
 
 
 @pytest.mark.parametrize("error_type", [ImportError, RuntimeError])
-def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeypatch, capsys, error_type):
+def test_import_error_caused_by_an_interrupt_is_reported_as_an_interrupt(monkeypatch, capsys, error_type):
     """An extension module that is interrupted while it is imported raises ImportError."""
 
     def raise_error(**_):
@@ -98,7 +98,7 @@ def test_import_error_caused_by_an_interrupt_is_reported_as_interruption(monkeyp
     assert capsys.readouterr().err == "stiction: interrupted\n"
 
 
-def test_deleting_a_partly_constructed_object_prints_no_error(monkeypatch, capfd):
+def test_deletion_of_a_partly_constructed_object_prints_no_error(monkeypatch, capfd):
     class PartlyConstructedObject:
         def __del__(self):
             self.file.close()
@@ -201,7 +201,7 @@ def test_error_about_a_misspelt_command_or_choice_suggests_a_correction(argument
 
 
 @pytest.mark.parametrize("redirections", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
-def test_result_is_written_even_if_standard_streams_are_closed(tmp_path, redirections):
+def test_command_writes_its_result_even_if_standard_streams_are_closed(tmp_path, redirections):
     completed = run_shell_script(f'"$@" {redirections}', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert (completed.returncode, completed.stderr) == (0, "" if "2" in redirections else completed.stderr)
     assert "Traceback" not in completed.stderr
@@ -232,7 +232,9 @@ with cli.exit_on_interrupt():
     ("can_start_thread", "status", "message"),
     [(True, 130, "stiction: interrupted\n"), (False, 2, "stiction: no thread can be started; the number of ")],
 )
-def test_interrupt_is_reported_as_a_limit_on_threads_if_no_thread_can_be_started(can_start_thread, status, message):
+def test_interrupt_raised_because_no_thread_can_start_is_reported_as_a_limit_on_threads(
+    can_start_thread, status, message
+):
     """OpenBLAS raises this signal if it cannot start its threads."""
     script = INTERRUPT_SCRIPT.format(can_start_thread=can_start_thread)
     completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)

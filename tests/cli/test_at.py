@@ -64,7 +64,7 @@ LOAD_AND_PARAMETER_CASES = {
 
 
 @pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
-def test_stiction_at_prints_the_values_of_the_library_for_any_mu0_and_tau0(results_directory, name):
+def test_stiction_at_prints_the_values_of_the_library_for_given_mu0_and_tau0(results_directory, name):
     options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
     output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_directory))
     stored_result = open_stored_result(results_directory / name)
@@ -109,7 +109,7 @@ def test_stiction_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_s
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_loads(
+def test_stiction_at_rejects_a_list_of_loads_of_which_none_is_within_the_computed_loads(
     results_directory, name, options, json_options
 ):
     completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)
@@ -118,7 +118,7 @@ def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_loads(
 
 
 @pytest.mark.parametrize("more_options", [(), ("--scale-heights", "1")])
-def test_stiction_at_omits_loads_outside_the_computed_loads_with_a_warning(results_directory, more_options):
+def test_stiction_at_warns_about_loads_outside_the_computed_loads_and_omits_them(results_directory, more_options):
     arguments = ("at", "maps", *more_options, "--tau0", "0 MPa")
     completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_directory, without_figures=True)
     assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_directory)
@@ -141,7 +141,7 @@ def test_stiction_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_stud
     assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
 
 
-def test_stiction_at_prints_friction_in_the_direction_given_by_an_option(results_directory):
+def test_stiction_at_prints_friction_in_the_direction_of_the_direction_option(results_directory):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_directory))
     assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_directory)
@@ -227,7 +227,7 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(results_directory, tmp_path):
+def test_missing_height_factors_require_the_compute_option_and_results_are_a_table_or_json(results_directory, tmp_path):
     shutil.copytree(results_directory / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
@@ -274,7 +274,7 @@ def test_height_scaling_requires_the_compute_option_and_prints_a_table_or_json(r
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_height_scaling_rejects_invalid_options(results_directory, name, arguments, expected_message):
+def test_stiction_at_rejects_invalid_options_for_height_factors(results_directory, name, arguments, expected_message):
     assert_rejected(call_stiction("at", name, *arguments, cwd=results_directory), expected_message)
 
 

@@ -78,7 +78,7 @@ def two_finishes_directory(tmp_path_factory):
     return directory
 
 
-def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_path):
+def test_calibrate_command_recovers_mu0_and_tau0_of_ball_tests_and_stores_them(tmp_path):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "-o", "film", cwd=tmp_path)
     first_line, *other_lines = completed.stdout.splitlines()
@@ -115,7 +115,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     assert "may exceed the yield limit" in completed.stderr
 
 
-def test_caveat_about_a_yielding_ball_contains_load_yield_limit_and_elastic_loads(tmp_path):
+def test_caveat_about_a_yielding_ball_states_its_load_the_yield_load_and_elastic_loads(tmp_path):
     materials = {"upper_material": "PMMA", "lower_material": "glass"}
     ball = Ball("1 mm", **materials)
     yield_limit = 0.39 * ball.elasticity.hardness
@@ -222,7 +222,7 @@ def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, ex
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_command_accepts_columns_separated_by_semicolons_and_a_test_without_sliding(tmp_path):
+def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
     )
@@ -231,7 +231,7 @@ def test_calibrate_command_accepts_columns_separated_by_semicolons_and_a_test_wi
     assert np.isclose(json.loads(completed.stdout)["fits"][0]["degrees_of_freedom"], 3)
 
 
-def test_record_of_a_calibration_has_no_chi_squared_if_no_errors_are_given(tmp_path):
+def test_calibration_record_has_no_chi_squared_if_tests_have_no_errors(tmp_path):
     for header, rows in (
         ("load (mN),coefficient,uncertainty", ball_test_rows()),
         ("load (mN),coefficient", [row[:2] for row in ball_test_rows()]),
@@ -244,7 +244,7 @@ def test_record_of_a_calibration_has_no_chi_squared_if_no_errors_are_given(tmp_p
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-16-le"])
-def test_friction_tests_are_read_from_files_with_semicolons_and_decimal_commas_in_any_encoding(tmp_path, encoding):
+def test_friction_tests_with_semicolons_and_decimal_commas_are_read_in_any_encoding(tmp_path, encoding):
     rows = [
         f"{1e3 * load:g};{load * coefficient:.6g};{0.03 * load * coefficient:.6g}"
         for load, coefficient, _ in ball_test_rows()
@@ -268,7 +268,7 @@ def test_friction_tests_are_read_from_files_with_semicolons_and_decimal_commas_i
         )
 
 
-def test_line_numbers_in_error_messages_include_line_breaks_inside_quotation_marks(tmp_path):
+def test_error_line_number_counts_line_breaks_inside_quotation_marks(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text('load (mN),coefficient,run\n1,0.2,"first\nrun"\n# a comment\n2,0.3,second\n3,much,third\n')
     with pytest.raises(ValueError, match="line 6: coefficient must be a number"):
@@ -288,7 +288,7 @@ def test_row_of_a_pair_whose_name_starts_with_a_number_sign_is_not_a_comment(tmp
     assert [test.coefficient for test in tests] == [0.2, 0.4]
 
 
-def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
+def test_units_in_column_names_of_friction_tests_are_converted(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -297,7 +297,7 @@ def test_units_in_a_file_of_friction_tests_are_converted(tmp_path):
 
 
 @pytest.mark.parametrize("title", ["load (N)", "normal force (N)"])
-def test_table_of_friction_tests_may_have_forces_on_a_ball_and_pressures_on_a_pair(two_finishes_directory, title):
+def test_one_table_of_friction_tests_may_give_forces_on_a_ball_and_pressures_on_a_pair(two_finishes_directory, title):
     path = two_finishes_directory / "ball_and_pair.csv"
     path.write_text(f"pair;{title};load (MPa);coefficient\nball;0,5;;0,2\nground;;80;0,3\nground;0,000002;;0,25\n")
     pair = Result(open_stored_result(two_finishes_directory / "ground"))
@@ -325,7 +325,7 @@ def test_friction_test_at_a_pressure_rejects_an_uncertainty_of_the_force(two_fin
         ("--upper", "PMMA", "--lower", "glass"),
     ],
 )
-def test_calibrated_interval_of_tau0_contains_the_values_fitted_at_both_limits_of_the_modulus(tmp_path, ranges):
+def test_calibrated_interval_of_tau0_contains_values_fitted_at_both_limits_of_the_modulus(tmp_path, ranges):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)

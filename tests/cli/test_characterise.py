@@ -130,7 +130,7 @@ def test_characterise_command_applies_options_for_units_levelling_band_and_outpu
     assert not any("levelled" in step for step in history)
 
 
-def test_characterise_command_fills_or_masks_missing_points_and_selects_columns(scans_directory, profile):
+def test_characterise_command_fills_or_masks_missing_points_and_selects_the_given_columns(scans_directory, profile):
     lines = (scans_directory / "scan.csv").read_text(encoding="utf-8").splitlines()
     lines[100] = lines[100].split(",")[0] + ",nan"
     (scans_directory / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
@@ -373,7 +373,7 @@ def test_characterise_command_writes_mean_and_noise_of_repeated_scans(tmp_path):
     assert (record["limit_um"], record["noise_slope_fraction"]) == (comparison.limit, comparison.slope_fraction)
 
 
-def test_characterise_command_ignores_spikes_in_several_scans_and_names_the_scan_that_has_them(tmp_path):
+def test_characterise_command_names_the_scan_with_spikes_and_ignores_the_spikes(tmp_path):
     surface = self_affine_surface(
         2, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.02, shortest_wavelength=0.2
     )
@@ -404,7 +404,7 @@ def test_characterise_command_ignores_spikes_in_several_scans_and_names_the_scan
     assert f"{caveat['text']}; {caveat['remedy']}" in " ".join(output.split())
 
 
-def test_dry_run_option_prints_the_layout_and_unit_and_point_count_of_each_file(scans_directory):
+def test_dry_run_option_prints_layout_unit_and_number_of_points_of_each_file(scans_directory):
     completed = check_stiction(
         "characterise",
         "scan.csv",

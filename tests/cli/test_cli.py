@@ -54,7 +54,7 @@ def test_stiction_run_recomputes_nothing_if_the_result_is_complete(directory_and
     assert (directory / "quick" / "area.png").exists()
 
 
-def test_stiction_run_with_another_mu0_does_not_delete_figures_for_earlier_mu0(directory_and_output, tmp_path):
+def test_stiction_run_with_another_mu0_keeps_the_figures_of_the_earlier_mu0(directory_and_output, tmp_path):
     shutil.copytree(directory_and_output[0] / "quick", tmp_path / "quick")
     changes = "--set", "friction.mu0=[0.3]"
     completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, *changes, cwd=tmp_path, without_figures=True)
@@ -90,7 +90,7 @@ def test_stiction_run_adds_repetitions_and_reports_missing_repetitions(directory
     assert "of 5 repetitions are finished" in completed.stderr
 
 
-def test_result_of_a_run_in_two_parts_equals_that_of_a_single_run(directory_and_output, tmp_path):
+def test_result_of_a_run_in_two_parts_equals_the_result_of_a_single_run(directory_and_output, tmp_path):
     for part in ("1/2", "2/2"):
         completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
         assert f"part {part} is finished" in completed.stdout
@@ -119,7 +119,7 @@ def test_studies_command_lists_the_names_of_studies_and_prints_a_study_file(tmp_
     assert Study.from_toml(tmp_path / "figure5.toml") == Study.named("figure5")
 
 
-def test_version_option_prints_the_build_and_help_option_lists_the_commands(tmp_path):
+def test_version_option_prints_details_of_the_build_and_help_option_lists_the_commands(tmp_path):
     version, build_line = call_stiction("--version", cwd=tmp_path).stdout.splitlines()
     assert version == f"stiction {stiction.__version__}"
     assert all(value in build_line for value in stiction._core.build().values())
@@ -136,7 +136,7 @@ COMMAND_NAMES = [name for group in COMMANDS_BY_GROUP.values() for name in group]
 
 
 @pytest.mark.parametrize("name", COMMAND_NAMES)
-def test_help_text_contains_valid_examples_and_lists_exit_statuses(name, monkeypatch):
+def test_help_texts_contain_valid_examples_and_list_exit_statuses(name, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     command = typer.main.get_command(app).get_command(None, name)
     text = command.get_help(command.context_class(command, info_name=f"stiction {name}"))

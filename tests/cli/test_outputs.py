@@ -67,7 +67,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, a
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_csv_table_and_report_of_a_pair_are_written_with_values_from_an_edited_study_file(scans_directory):
+def test_table_and_report_of_a_pair_use_mu0_of_an_edited_study_file(scans_directory):
     check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True)
     directory = scans_directory / "pair"
     result, report = open_result(directory), (directory / "report.html").read_bytes()
@@ -111,7 +111,7 @@ def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(s
     assert (scans_directory / "upper.csv").read_bytes() == content
 
 
-def test_export_command_leaves_no_file_on_a_full_disk(scans_directory, monkeypatch):
+def test_export_command_leaves_no_partial_file_on_a_full_disk(scans_directory, monkeypatch):
     check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True, without_report=True)
 
     def write_half_and_fail(path, text, **_):
@@ -125,7 +125,7 @@ def test_export_command_leaves_no_file_on_a_full_disk(scans_directory, monkeypat
 
 
 @pytest.mark.parametrize("first_character", ["=", "+", "-", "@"])
-def test_csv_table_escapes_file_names_that_start_like_formulas(scans_directory, first_character):
+def test_csv_table_escapes_file_names_that_spreadsheets_would_read_as_formulas(scans_directory, first_character):
     name = f"{first_character}cmd.csv"
     (scans_directory / "upper.csv").rename(scans_directory / name)
     check_stiction("characterise", "--output", "t.csv", "--", name, "lower.csv", cwd=scans_directory)
@@ -147,7 +147,7 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
     assert all(task in long_output for task in tasks)
 
 
-def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_time(tmp_path, monkeypatch):
+def test_table_command_replaces_a_table_written_meanwhile_by_an_equal_command(tmp_path, monkeypatch):
     def write_and_export(dataset, path, **options):
         export(dataset, path)  # this table is written by the other command
         export(dataset, path, **options)
@@ -159,7 +159,7 @@ def test_table_command_replaces_a_table_that_an_equal_command_wrote_at_the_same_
     assert (tmp_path / "table" / "laws.csv").exists()
 
 
-def test_info_command_prints_a_sentence_for_each_load_even_if_it_must_not_be_quoted(scans_directory):
+def test_info_command_prints_a_sentence_for_each_load_even_if_the_load_must_not_be_quoted(scans_directory):
     loads = ["--load", "1 uN,2 mN,8 mN"]
     command = [word for word in PAIR_COMMAND if word not in ("--load", "2 mN")]
     call_stiction(*command, *loads, cwd=scans_directory, without_figures=True, without_report=True)

@@ -173,7 +173,7 @@ def test_option_of_the_pair_command_sets_the_corresponding_key_of_the_study(scan
         assert read_study_value(study, key) == value
 
 
-def test_gap_map_is_levelled_as_requested_and_pressed_on_a_flat(scans_directory):
+def test_map_given_as_a_gap_is_levelled_as_requested_and_pressed_on_a_flat(scans_directory):
     study = parse_study(
         scans_directory, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--tilt", "fixed"
     )
@@ -218,7 +218,7 @@ def test_study_rejects_free_tilt_with_periodic_boundary(scans_directory):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_study_of_profiles_contains_checksums_of_its_files_and_offsets_up_to_the_travel(scans_directory):
+def test_study_of_profiles_contains_file_checksums_and_positions_up_to_the_travel(scans_directory):
     study = parse_study(
         scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
     )
@@ -241,7 +241,7 @@ def test_options_for_young_modulus_and_poisson_ratio_set_effective_modulus_and_c
     assert contact.compliance_share == pytest.approx(modulus * (1 - 0.2**2) / 30)
 
 
-def test_hardness_by_jackson_and_green_is_2_point_84_times_the_yield_strength(scans_directory):
+def test_hardness_by_jackson_and_green_equals_2_84_times_the_yield_strength(scans_directory):
     arguments = [*PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--law", "jackson-green", "--poisson", "0.3"]
     options = (("--hardness", "568 MPa"), ("--yield-strength", "200 MPa"))
     law_by_hardness, law_by_yield_strength = (
@@ -251,7 +251,7 @@ def test_hardness_by_jackson_and_green_is_2_point_84_times_the_yield_strength(sc
     assert law_by_hardness.poisson_ratio == 0.3
 
 
-def test_load_steps_extend_beyond_requested_loads_unless_hardness_limits_the_load(scans_directory):
+def test_load_steps_extend_beyond_the_requested_loads_unless_the_hardness_limits_them(scans_directory):
     steps = parse_study(scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.loading_steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps
@@ -400,7 +400,7 @@ def test_pair_command_rejects_invalid_input(scans_directory, arguments, expected
     assert not (scans_directory / "bad" / "blocks").exists()
 
 
-def test_preview_and_model_check_ignore_dwell_time(scans_directory):
+def test_preview_and_model_check_of_a_pair_are_computed_without_dwell_times(scans_directory):
     dwell_time_options = ["--hardness", "1 GPa", "--wait", "1 h,1 min,1 h", "--creep", "0.03", "--check"]
     parsed_pair = parse_pair_arguments(
         scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, *dwell_time_options
@@ -411,7 +411,7 @@ def test_preview_and_model_check_ignore_dwell_time(scans_directory):
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_pair_command_evaluates_stored_sums_only_once_at_each_load(scans_directory, tmp_path, monkeypatch):
+def test_pair_command_evaluates_the_stored_sums_of_each_load_only_once(scans_directory, tmp_path, monkeypatch):
     requests = []
     evaluate_piece = member_values._evaluate_piece
 
@@ -434,7 +434,7 @@ def test_pair_command_evaluates_stored_sums_only_once_at_each_load(scans_directo
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_pair_command_writes_its_table_and_figure_if_the_report_is_too_large(scans_directory, tmp_path, monkeypatch):
+def test_pair_command_writes_table_and_figure_even_if_the_report_is_too_large(scans_directory, tmp_path, monkeypatch):
     monkeypatch.setattr("stiction.views.report.result.MAX_REPORT_VALUES", {True: 10, False: 10})
     options = [*MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--shifts", 2, "--onset", 0]
     result = call_stiction("pair", *options, "-o", tmp_path / "out", cwd=scans_directory, without_figures=True)
@@ -452,7 +452,7 @@ def test_pair_command_writes_its_table_and_figure_if_the_report_is_too_large(sca
         ("cli.result_output.print_resolution_and_onset", "2 of 2 positions are finished and stored"),
     ],
 )
-def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
+def test_pair_command_interrupted_while_it_writes_files_has_already_printed_its_result(
     function, message, scans_directory, tmp_path, monkeypatch
 ):
     def interrupt(*_, **__):
@@ -475,7 +475,7 @@ def test_pair_command_interrupted_after_its_result_keeps_the_printed_result(
 
 
 @pytest.mark.usefixtures("omit_companion_files")
-def test_csv_table_and_json_output_contain_equal_intervals(scans_directory, tmp_path):
+def test_csv_table_and_json_output_of_a_pair_contain_equal_intervals(scans_directory, tmp_path):
     options = ["--hardness", "0.5..1.5 GPa", "--junction-growth", 0, "--load", "7 MPa", "--shifts", 4]
     options += ["--direction", "0,90", "--onset", 0]
     call_stiction(
@@ -696,7 +696,7 @@ def test_friction_value_and_assessment_are_bold_only_on_terminals(capsys, monkey
     assert "\x1b[1mQuote with care\x1b[0m; measure" in terminal_output
 
 
-def test_slow_import_of_a_reader_package_is_announced_once(scans_directory, monkeypatch):
+def test_slow_import_of_a_scan_reader_package_is_announced_only_once(scans_directory, monkeypatch):
     monkeypatch.setattr("stiction.cli.application.is_stderr_terminal", lambda: True)
     (scans_directory / "scan.di").write_text("nothing")
     monkeypatch.delitem(sys.modules, "SurfaceTopography", raising=False)
@@ -855,7 +855,7 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_directory, monk
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_two_parts_of_a_run_by_the_pair_command_form_a_complete_result(scans_directory):
+def test_pair_commands_for_two_parts_of_a_run_give_a_complete_result(scans_directory):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
     for part in ("1/2", "2/2"):
         check_stiction(*arguments, "--part", part, cwd=scans_directory)
@@ -889,7 +889,7 @@ def test_stiction_run_rejects_a_changed_scan_file(scans_directory):
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-def test_stylus_profile_paired_with_itself_is_shifted_by_the_travel(find_measured_file, tmp_path):
+def test_stylus_profile_paired_with_itself_at_one_position_is_shifted_by_the_travel(find_measured_file, tmp_path):
     file = find_measured_file("dektak-1.csv")
     shift_options = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shift_options, cwd=tmp_path)
@@ -960,7 +960,7 @@ def iterate_json_objects(content):
         yield from iterate_json_objects(item)
 
 
-def test_json_output_of_every_command_stores_each_value_as_an_estimate(directory_options_and_record):
+def test_json_output_of_every_command_gives_each_value_with_its_interval_and_unit(directory_options_and_record):
     directory, _, record = directory_options_and_record
     commands = [
         ["info", "pair"], ["at", "pair", "--load", "12 MPa"], ["materials", "steel"], ["interfaces"],
@@ -1004,7 +1004,7 @@ def test_pair_command_reports_onset_of_sliding(directory_options_and_record):
     )
 
 
-def test_pair_with_a_noisy_scan_is_solved_without_filter_and_with_filter(tmp_path):
+def test_pair_command_solves_a_noisy_scan_both_unfiltered_and_filtered(tmp_path):
     clean_profile = self_affine(4, hurst_exponent=0.7, rms=0.003, points=1500, spacing=0.0167, shortest_wavelength=0.2)
     frequency = np.fft.rfftfreq(1500, 0.0167)
     phases = np.exp(2j * np.pi * np.random.default_rng(3).uniform(size=frequency.size))
@@ -1034,7 +1034,7 @@ def create_noisy_and_clean_profiles():
     return stiction.Profile(clean_profile.heights + 5e-5 * noise, spacing=0.0167), clean_profile
 
 
-def test_noise_floor_is_filtered_from_the_noisy_scan_only():
+def test_pair_command_filters_a_noise_floor_only_from_the_noisy_scan():
     noisy_profile, clean_profile = create_noisy_and_clean_profiles()
     limit = stiction.instrument_limit(noisy_profile)
     assert (limit.origin, limit.matters) == ("instrument", True)
@@ -1057,7 +1057,7 @@ def test_noise_floor_is_filtered_from_the_noisy_scan_only():
     assert result.to_dataframe()["cutoff (um)"].iloc[0] == pytest.approx(limit.cut_off)
 
 
-def test_declared_texture_prevents_filtering_and_unknown_texture_is_rejected():
+def test_declared_texture_of_a_scan_prevents_filtering_and_unknown_textures_are_rejected():
     _, clean_profile = create_noisy_and_clean_profiles()
     profile_with_line = stiction.Profile(
         clean_profile.heights + 2e-4 * np.sin(2 * np.pi * np.arange(1500) / 8), spacing=0.0167
@@ -1098,7 +1098,7 @@ def test_half_space_model_is_the_default_for_profiles_of_metals(scans_directory)
         )
 
 
-def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans_directory):
+def test_width_option_converts_the_force_on_the_specimen_to_the_force_on_1_um_of_its_width(scans_directory):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     study = parse_study(scans_directory, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]
@@ -1112,7 +1112,7 @@ def test_width_option_converts_the_force_to_the_force_on_a_strip_1_um_wide(scans
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_result_for_profiles_lists_the_assumptions_of_the_model(scans_directory, tmp_path):
+def test_pair_command_lists_the_model_assumptions_for_profiles(scans_directory, tmp_path):
     arguments = ["pair", *PROFILE_FILES, "--upper", "steel", "--lower", "brass", "--mu0", "0.2", "--load", "40 MPa"]
     record = json.loads(
         check_stiction(*arguments, "--offsets", 8, "-o", tmp_path / "out", "--json", cwd=scans_directory).stdout

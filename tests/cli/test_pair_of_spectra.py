@@ -85,7 +85,7 @@ def spectra_directory(tmp_path_factory, surfaces, spectra):
 # ---- Computed pairs ------------------------------------------------------------------------------------------------
 
 
-def test_surrogates_have_the_given_spectra_and_equal_phases_at_all_cutoffs(spectra):
+def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cutoffs(spectra):
     pairs = SpectralSurfacePairs(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side_length / pairs.spacing[0], abs=4)
@@ -220,7 +220,7 @@ def test_spectrum_file_preserves_all_digits(spectra, tmp_path):
     "name", ["a#1.csv", "#1", "a,b", '"a"', 'a"b', "a\r\n#b", " a  b ", "", "\udcff", "\u2028z", "=1+1", "a\0b",
              "a, from 1 to 2 um, ended by b", "C2D (um4)"]
 )  # fmt: skip
-def test_spectrum_file_preserves_any_name_of_a_scan(spectra, tmp_path, name):
+def test_spectrum_file_preserves_scan_names_with_special_characters(spectra, tmp_path, name):
     names = (name, *spectra[0].names[1:])
     write_spectrum(replace(spectra[0], names=names), tmp_path / "joined.csv")
     spectrum_read = read_spectrum(tmp_path / "joined.csv")
@@ -229,7 +229,7 @@ def test_spectrum_file_preserves_any_name_of_a_scan(spectra, tmp_path, name):
     assert is_spectrum_file(tmp_path / "joined.csv")
 
 
-def test_spectrum_of_files_with_number_signs_in_their_names_is_read(tmp_path):
+def test_spectrum_file_of_scans_with_number_signs_in_their_names_is_read(tmp_path):
     for side in ("upper", "lower"):
         scan = self_affine_surface(1, hurst_exponent=0.8, rms=0.1, shape=(64, 64), spacing=0.01, side=side)
         write_surface(scan, tmp_path / f"{side}#1, new.csv")
@@ -238,7 +238,7 @@ def test_spectrum_of_files_with_number_signs_in_their_names_is_read(tmp_path):
     assert read_spectrum(tmp_path / "j.csv").names == files
 
 
-def test_checksum_of_a_spectrum_in_memory_depends_on_all_digits_of_its_wave_numbers(spectra):
+def test_checksum_of_a_spectrum_depends_on_all_digits_of_its_wave_numbers(spectra):
     other_spectrum = replace(spectra[0], wave_number=spectra[0].wave_number * (1 + 1e-12))
     assert other_spectrum.history == spectra[0].history
     checksums = {MeasuredBodySettings.from_body(each, "first").sha256 for each in (spectra[0], other_spectrum)}

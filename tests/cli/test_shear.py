@@ -122,7 +122,7 @@ def count_solved_contacts(monkeypatch):
     return calls
 
 
-def test_interrupted_shear_test_resumes_with_identical_results(tmp_path, monkeypatch):
+def test_shear_test_interrupted_while_solving_resumes_with_identical_results(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.5 mm", "steps": 10, "mu0": 0.6, "hardness": "200 MPa"} | CONDITIONS
     whole = shear_test(*create_faces(), **options)
@@ -174,7 +174,7 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
         {"mu0": None, "interface": "MoS2 on bearing steel, dry air"},
     ],
 )
-def test_directory_with_another_shear_test_is_rejected_unless_the_test_is_replaced(tmp_path, changed):
+def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request(tmp_path, changed):
     options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | CONDITIONS
     shear_test(*create_faces(), **options)
     with pytest.raises(ValueError, match="contains another shear test; choose another directory"):
@@ -202,7 +202,7 @@ def test_directory_with_another_shear_test_is_rejected_unless_the_test_is_replac
         (("--path", "0.5 mm", "--output", "lower.npy"), "lower.npy must be a directory"),
     ],
 )  # fmt: skip
-def test_shear_command_rejects_bad_options_with_one_line(directory, options, message):
+def test_shear_command_rejects_invalid_options_with_a_one_line_error(directory, options, message):
     options = options if "--mu0" in options else (*options, "--mu0", 0.6)
     assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=directory), message)
 
@@ -275,7 +275,7 @@ def test_shear_stress_that_rises_because_the_overlap_shrinks_has_a_caveat():
     )
 
 
-def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat():
+def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat_about_the_fit():
     upper, lower = create_faces()
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
     fitting, other = (
@@ -307,7 +307,7 @@ def test_shear_test_with_an_interface_fitted_at_opposing_contacts_has_a_caveat(r
         (300.0, 0.0, "agree poorly even where"),
     ],
 )
-def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_their_noise(waviness, noise, caveat):
+def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_the_faces(waviness, noise, caveat):
     upper, lower = create_faces()
     other = self_affine_surface(9, hurst_exponent=0.8, rms=1.0, shape=upper.heights.shape, spacing=50.0)
     change = 0.7 * waviness * other.heights + np.random.default_rng(1).normal(0, noise, upper.heights.shape)
@@ -320,7 +320,7 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_their_noise(wav
         assert caveat in caveats[0]
 
 
-def test_shear_peak_before_identical_faces_move_has_a_caveat(directory):
+def test_shear_peak_of_faces_that_fit_perfectly_has_a_caveat_because_nothing_has_moved(directory):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))

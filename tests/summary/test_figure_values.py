@@ -38,7 +38,7 @@ def test_contact_forces_in_a_figure_equal_the_forces_of_the_contacts_function(cr
     assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
 
 
-def test_contacts_oppose_motion_along_their_mean_slope():
+def test_contact_opposes_motion_up_its_mean_slope():
     slopes = {"contact_slope_x": [0.2, -0.2, -0.1], "contact_slope_y": [0.1, 0.1, -0.3]}
     picture = xarray.Dataset({name: ("contact", values) for name, values in slopes.items()})
     expected_masks = {0.0: [1, 0, 0], 90.0: [1, 1, 0], 180.0: [0, 1, 1], 225.0: [0, 1, 1], 270.0: [0, 0, 1]}
@@ -73,7 +73,7 @@ def test_contact_forces_are_none_for_maps(tmp_path):
     assert Result.of(run_pair_of_maps(tmp_path)).contact_forces is None
 
 
-def test_mean_of_friction_values_in_the_positions_figure_equals_the_reported_mean(result_of_profiles):
+def test_mean_of_values_in_the_positions_figure_equals_the_reported_coefficient(result_of_profiles):
     point = result_of_profiles.at().isel(cut_off=0, load=0, mu0=0, tau0=0)
     positions = evaluate_positions(result_of_profiles, point)
     mean = positions["member_friction"].mean("repetition").transpose("direction", "sliding")
@@ -95,7 +95,7 @@ def test_figures_and_reports_of_stored_results_do_not_load_the_sums_of_all_pairs
     assert collect_report_data(result).num_solved == 3
 
 
-def test_figure_names_contain_the_direction_if_there_are_several_directions(small_result):
+def test_figure_names_contain_the_direction_of_motion_if_there_are_several(small_result):
     result = Result.of(small_result)
     assert list(iterate_motions(result)) == [("", result)]
     directions = xarray.DataArray([0.0, 90.0], dims="direction", name="direction")
@@ -105,14 +105,14 @@ def test_figure_names_contain_the_direction_if_there_are_several_directions(smal
     assert [float(each.dataset["direction"]) for each in results.values()] == [0.0, 90.0]
 
 
-def test_figure_of_profiles_shows_evenly_spaced_fractal_dimensions_of_the_study():
+def test_profiles_figure_shows_evenly_spaced_fractal_dimensions_of_the_study():
     assert list(generate_profiles(SMALL_STUDY)) == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
     study = SMALL_STUDY.with_changes({"surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 20}})
     dimensions = study.surfaces.fractal_dimensions()
     assert list(generate_profiles(study)) == dimensions[[0, 5, 10, 14, 19]].tolist()
 
 
-def test_surfaces_in_the_length_scale_figure_have_the_extent_of_the_study():
+def test_length_scale_figure_shows_surfaces_with_the_extent_of_the_study():
     bodies = generate_bodies_by_length_scale(SMALL_STUDY)
     assert list(bodies) == [factor * float(SMALL_STUDY.surfaces.length_scale) for factor in (0.5, 1.0, 2.0)]
     for profile, surface in bodies.values():

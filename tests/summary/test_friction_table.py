@@ -62,7 +62,7 @@ def test_friction_table_equals_means_over_directly_solved_pairs(dataset, table):
     assert ((ratio > 0.8) & (ratio < 1.3)).all()
 
 
-def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
+def test_fitted_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
     # If one approach is negated, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
@@ -72,7 +72,7 @@ def test_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increa
         assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
-def test_tabulated_area_decreases_with_slope_and_friction_increases_with_tau0(table):
+def test_area_in_a_friction_table_decreases_with_slope_and_friction_increases_with_tau0(table):
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name
@@ -134,7 +134,7 @@ def test_friction_table_of_an_earlier_version_is_written_without_assessments(tab
     assert friction_table_csv(table.drop_vars("assessment")).splitlines()[0] == columns.removesuffix(",assessment")
 
 
-def test_half_width_of_intervals_in_the_friction_table_is_2_to_14_times_the_standard_error(dataset, table):
+def test_friction_table_interval_is_consistent_with_the_standard_error_over_pairs(dataset, table):
     """Compare the upper half-width with the standard error of the coefficients of the pairs."""
     friction = table["friction_coefficient"].isel(hurst_exponent=0, rms=0, mu0=0, tau0=0, pressure=3).sel(sliding="all")
     mean, lower, upper = friction.values
@@ -147,7 +147,7 @@ def test_half_width_of_intervals_in_the_friction_table_is_2_to_14_times_the_stan
     assert 2 * error < upper - mean < 14 * error
 
 
-def test_friction_table_rejects_a_study_of_profiles(small_result):
+def test_friction_table_rejects_a_study_of_generated_profiles(small_result):
     with pytest.raises(ValueError, match="must be from a study of generated height maps"):
         friction_table(small_result)
 
@@ -190,7 +190,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 
 
-def test_stiction_at_accepts_pressures_for_a_table_and_prints_the_assessments_of_the_computed_loads(tmp_path):
+def test_stiction_at_accepts_pressures_for_a_table_and_prints_assessments(tmp_path):
     check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.2", cwd=tmp_path)
     by_pressure, by_force = (
         check_stiction("at", "table", "--load", load, cwd=tmp_path).stdout for load in ("5 MPa", "0.5 mN")
@@ -207,7 +207,7 @@ def test_stiction_at_accepts_pressures_for_a_table_and_prints_the_assessments_of
     assert "Interpolated" not in check_stiction("at", "table", "--load", "10 MPa", cwd=tmp_path).stdout
 
 
-def test_table_command_takes_materials_hardness_and_interface(tmp_path):
+def test_table_command_accepts_materials_hardness_and_interface(tmp_path):
     materials = ["--upper", "steel", "--lower", "brass"]
     check_stiction("table", *materials, *COMMAND_OPTIONS[2:], "--output", "soft", cwd=tmp_path)
     interface = ["--hardness", "5 GPa", "--interface", "rock on rock, below 200 MPa", "--output", "hard"]
@@ -286,13 +286,13 @@ def test_table_command_rejects_invalid_options(tmp_path, changes, message):
         ({"shortest_wavelength": 100}, "must be below the longest wavelength"),
     ],
 )  # fmt: skip
-def test_study_of_a_friction_table_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
+def test_friction_table_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
     with pytest.raises(ValueError, match=message) as error:
         table_study(**arguments)
     assert "pydantic" not in str(error.value)
 
 
-def test_study_of_a_friction_table_accepts_single_numbers_instead_of_lists():
+def test_friction_table_accepts_single_numbers_instead_of_lists():
     assert table_study(rms=0.03, mu0=0.3, hurst_exponents=0.8) == table_study(
         rms=[0.03], mu0=[0.3], hurst_exponents=[0.8]
     )

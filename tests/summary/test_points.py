@@ -18,26 +18,26 @@ def caveats_with(point, text):
     return [(caveat.severity, caveat.text) for caveat in point.caveats if text in caveat.text]
 
 
-def test_friction_contributions_add_up_to_the_coefficient():
+def test_contributions_to_friction_add_up_to_the_coefficient():
     point = summarize_point(measured_result(all_contacts=0.24, contact_area=6.0))
     assert point.contributions == pytest.approx((0.2, 0.05 * 6.0 / 10.0, 0.24 - 0.2 - 0.03))
     assert sum(point.contributions) == pytest.approx(point.value)
 
 
-def test_contact_size_is_the_diameter_of_a_circle_of_the_median_area():
+def test_median_contact_size_is_the_diameter_of_a_circle_of_the_median_contact_area():
     point = summarize_point(measured_result())
     area = point.distributions["patch_area"][0.5]
     assert math.pi / 4 * point.contact_size.value**2 == pytest.approx(area.value)
     assert math.pi / 4 * point.contact_size.upper**2 == pytest.approx(area.upper)
 
 
-def test_kappa_equals_true_area_times_modulus_times_gradient_divided_by_load():
+def test_area_coefficient_kappa_equals_area_times_modulus_times_gradient_divided_by_load():
     point = summarize_point(measured_result(rms_gradient=0.25, mean_pressure=5.0))
     assert point.kappa == pytest.approx(100.0 * 0.25 / 5.0)
 
 
 @pytest.mark.parametrize(("fraction", "is_dominant"), [(0.95, False), (0.85, True)])
-def test_input_is_called_dominant_if_its_exact_value_would_narrow_the_interval_by_a_tenth(fraction, is_dominant):
+def test_input_is_dominant_only_if_its_exact_value_would_narrow_the_interval_by_a_tenth(fraction, is_dominant):
     dataset = measured_result(half_width_ratio=0.05)
     dataset["friction_at_cutoff"] = dataset["mean_friction"]
     dataset["remaining_interval"] = dataset["mean_friction"].expand_dims(input=["hardness"])
@@ -51,7 +51,7 @@ def test_input_is_called_dominant_if_its_exact_value_would_narrow_the_interval_b
 @pytest.mark.parametrize(
     ("fraction", "severity"), [(0.009, None), (0.011, "caution"), (0.024, "caution"), (0.026, "fault")]
 )
-def test_samples_of_unlimited_friction_are_a_fault_if_the_interval_has_no_upper_limit(fraction, severity):
+def test_samples_with_unlimited_friction_are_a_fault_if_the_interval_has_no_upper_limit(fraction, severity):
     study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": "slip-line"})
     dataset = measured_result(load_share_at_hardness=0.5)
     dataset["fraction_unlimited"] = xarray.full_like(dataset["spread_low"], fraction)
@@ -72,7 +72,7 @@ def test_tau0_near_the_shear_strength_of_the_body_has_a_caveat(tau0, has_caveat)
 
 
 @pytest.mark.parametrize(("pressure", "has_caveat"), [(0.85, False), (0.95, True)])
-def test_area_with_limited_pressure_has_a_caveat_near_half_the_hardness(pressure, has_caveat):
+def test_area_of_pressures_limited_to_the_hardness_has_a_caveat_near_half_the_hardness(pressure, has_caveat):
     study = measured_study(hardness=2.0).with_changes({"contact.yield_exponent": None})
     point = summarize_point(measured_result(mean_pressure=pressure), study)
     assert bool(caveats_with(point, "yielding below the surface is neglected")) == has_caveat
@@ -110,7 +110,7 @@ def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_has_a
     assert caveats_with(point, "without outliers")[0][0] == "fault"
 
 
-def test_range_for_finer_scans_starts_at_the_friction_of_plastic_contacts_that_grow():
+def test_range_for_finer_scans_starts_at_the_plastic_limit_with_junction_growth():
     study = measured_study(hardness=1.0).with_changes({"contact.junction_growth": 27})
     point = summarize_point(measured_result(all_contacts=0.3, half_width_ratio=0.01), study)
     # The pressure p of plastic contacts satisfies p² + α (mu0 p + tau0)² = H².

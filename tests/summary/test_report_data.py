@@ -54,7 +54,7 @@ def test_description_of_a_study_contains_no_directories_of_scans_or_interfaces(m
     assert 'interface = { file = "steel.csv", mu0' in description.file_text
 
 
-def test_measured_report_data_equal_the_result(maps_dataset):
+def test_report_data_of_measured_surfaces_equal_the_values_of_the_result(maps_dataset):
     result = Result.of(maps_dataset)
     data = collect_report_data(result)
     assert data.num_members == data.num_solved == 4

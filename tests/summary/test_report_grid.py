@@ -16,7 +16,7 @@ from support.studies_of_files import create_study_from_files, write_maps
 from support.synthetic_results import measured_study
 
 
-def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
+def test_sliders_of_a_report_include_mu0_and_tau0_of_the_study():
     mu0, tau0 = build_parameter_axes(
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
@@ -27,7 +27,7 @@ def test_parameter_axes_of_a_report_contain_mu0_and_tau0_of_the_study():
 
 
 @pytest.mark.parametrize("modulus", ["3 MPa", "79 GPa", "1 TPa"])
-def test_tau0_of_a_report_has_at_most_six_round_steps_up_to_a_fraction_of_the_modulus(tmp_path, modulus):
+def test_tau0_slider_has_three_to_six_round_steps_up_to_a_fraction_of_the_modulus(tmp_path, modulus):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     changes = {"contact.effective_modulus": modulus, "friction.tau0": ["0 MPa"]}
     _, tau0 = build_parameter_axes(study.with_changes(changes))
@@ -41,13 +41,13 @@ def test_tau0_of_a_report_has_at_most_six_round_steps_up_to_a_fraction_of_the_mo
     assert mantissa in (1, 2, 5)
 
 
-def test_tau0_of_a_report_is_below_the_shear_strength_of_the_softer_body():
+def test_tau0_slider_ends_below_the_shear_strength_of_the_softer_body():
     changes = {"contact.effective_modulus": "1 TPa", "friction.tau0": ["0 MPa"]}
     _, tau0 = build_parameter_axes(measured_study(hardness=1.0).with_changes(changes))
     assert 0.5 / CENTRAL_SHEAR_RATIO < tau0.values[-1] < 0.71 / CENTRAL_SHEAR_RATIO
 
 
-def test_slider_of_a_report_has_an_uncertainty_range_only_at_the_value_of_the_study(tmp_path):
+def test_mu0_slider_has_an_uncertainty_range_only_at_the_value_of_the_study(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert [axis.has_range.any() for axis in build_parameter_axes(study)] == [False, False]
     changes = {"friction.tau0": ["40 MPa"], "friction.mu0": "0.25001..0.35"}
@@ -91,7 +91,7 @@ def test_report_values_of_measured_surfaces_equal_the_summary_at_the_inputs_of_t
             assert values.num_solved[index] == point.members
 
 
-def test_interval_of_each_coefficient_is_computed_once_for_summary_budget_and_report(monkeypatch):
+def test_coefficient_interval_is_computed_only_once_for_summary_budget_and_report(monkeypatch):
     counts = Counter()
     compute_samples = CombinedIntervals._sample_all_strengths
 
@@ -114,7 +114,7 @@ def test_interval_of_each_coefficient_is_computed_once_for_summary_budget_and_re
     assert set(counts.values()) == {1}
 
 
-def test_report_values_of_generated_surfaces_contain_an_assessment_of_each_point():
+def test_report_of_generated_surfaces_contains_an_assessment_at_each_point():
     result = run(SMALL_STUDY)
     grid = ReportGrid(result)
     values = evaluate_generated_report(grid, result.num_solved)

@@ -65,11 +65,11 @@ def call_counts(surface_directory):
     return counts
 
 
-def test_pair_function_computes_the_summary_and_the_uncertainty_and_input_caveats_only_once(call_counts):
+def test_pair_function_computes_summary_uncertainty_and_input_caveats_only_once(call_counts):
     assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
-def test_result_caches_its_summary_including_onset_and_resolution(surface_directory, call_counts):
+def test_result_computes_its_summary_onset_and_resolution_only_once(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     first_summary, second_summary = result.summary(), result.summary()
     assert first_summary.points is second_summary.points
@@ -136,7 +136,7 @@ def test_changing_a_returned_dataset_does_not_change_later_results(surface_direc
     assert repr(other) == summary_text
 
 
-def test_changing_the_returned_loads_does_not_change_later_results(surface_directory, call_counts):
+def test_changing_the_returned_array_of_loads_does_not_change_later_results(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     expected = result.default_loads.tolist()
     for loads in (result.default_loads, result.reached_loads(3), result.members):
@@ -188,7 +188,7 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
     )
 
 
-def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surface_directory, call_counts):
+def test_summary_at_another_mu0_has_the_combined_interval_and_caveats_of_the_inputs(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     point = result.summary("20 MPa", mu0=0.3).first
     combined = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
@@ -197,7 +197,7 @@ def test_summary_at_another_mu0_has_a_combined_interval_and_input_caveats(surfac
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_means_of_values_of_single_pairs_equal_the_mean_values_of_the_result(surface_directory, call_counts):
+def test_means_of_values_per_pair_equal_the_mean_values_of_the_result(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")
