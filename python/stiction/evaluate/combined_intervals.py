@@ -588,11 +588,14 @@ def compute_quantiles(
 
     # Do not interpolate quantiles between infinite samples.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
-    quantiles = np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
-    if upper_values is None or not np.isinf(upper_values).any():
-        return quantiles
-    upper_quantiles = np.quantile(upper_values, probabilities, axis=axis, method="inverted_cdf")
-    return np.where(probabilities > 0.5, upper_quantiles, quantiles)
+    if upper_values is None or upper_values is values or not np.isinf(upper_values).any():
+        return np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
+    is_upper = probabilities > 0.5
+    lower_quantiles = np.quantile(values, probabilities[~is_upper], axis=axis, method=method)
+    upper_quantiles = np.quantile(upper_values, probabilities[is_upper], axis=axis, method="inverted_cdf")
+    quantiles = np.empty((probabilities.size, *np.shape(lower_quantiles)[1:]))
+    quantiles[~is_upper], quantiles[is_upper] = lower_quantiles, upper_quantiles
+    return quantiles
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
