@@ -26,6 +26,8 @@ def main() -> None:
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
     # Let OpenBLAS use one thread: all matrices are small, and waiting threads would occupy the processor for 0.1 s.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # No plugins are used. To find them, pydantic would read the metadata of all installed packages.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
