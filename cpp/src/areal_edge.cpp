@@ -22,7 +22,8 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // Cosine of the angle between the normals of neighbouring sides of the parallelogram. Its sign alternates.
+    // Cosine of the angle between the normals of neighbouring sides of the parallelogram.
+    // The sign of the cosine alternates from side to side.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;

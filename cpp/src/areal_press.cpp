@@ -138,7 +138,8 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The reported axes belong to an ellipse with the shape of the contact and with the contact area inside the map.
+      // The axes of the contact are the axes of an ellipse with the shape of the elastic contact ellipse and with the
+      // contact area inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -179,7 +180,8 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by the approach at which they begin, so that contacts of a block begin at similar approaches.
+  // Contacts are sorted by the first approach at which they exist, so that the contacts of a block start at similar
+  // approaches.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

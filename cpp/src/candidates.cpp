@@ -71,7 +71,7 @@ struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
   double lower_height;  // height of the lower profile [µm]
-  double gap;           // gap of grid points at first contact [µm]
+  double gap;           // gap at first contact of the grid points [µm]
 };
 
 std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile& lower, std::size_t i, double spacing,

@@ -30,7 +30,9 @@ std::vector<double> sample_quantiles(Values values, Values probabilities) {
   return quantiles;
 }
 
-// Return quantiles of weighted values, which are interpolated between the centres of the weights.
+// Return quantiles of weighted values.
+// Each value lies at the centre of its interval of the cumulative weight, and quantiles are interpolated between these
+// centres.
 std::vector<double> weighted_quantiles(Values values, Values weights, Values probabilities) {
   std::vector<std::pair<double, double>> sorted(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

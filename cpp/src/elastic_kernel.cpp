@@ -28,7 +28,7 @@ constexpr std::size_t rows_ahead = 16;
 // Areas with fewer values are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The sum of the weights multiplies long wavelengths, so it must be small if contact patches are many points wide.
+// The stencil multiplies long wavelengths by this sum, so it must be small if contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
 // Zero padding truncates the influence of a load, so that some Fourier components could be zero or negative.
@@ -141,8 +141,8 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Start to load the columns of a row into the cache, because their values are copied soon.
-// Successive rows are so far apart in memory that the processor does not load columns in advance.
+// Load the columns of a row into the cache in advance, because their values are copied soon.
+// The processor does not load the columns in advance, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
   for (std::size_t column = 0; column < columns_per_block; column += alignment / sizeof(std::complex<Real>)) {
@@ -185,7 +185,8 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  std::size_t factors_along_x() const { return padded_columns / 2 + 1; }  // number of distinct even factors along x
+  // number of different factors along x, because factors are even functions of the wavenumber
+  std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
 
@@ -313,7 +314,8 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows that contain only zeros need no transform along x. Such rows are many if the contact area is small.
+    // Rows that contain only zeros need no transform along x.
+    // If the contact area is small, many rows contain only zeros.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;

@@ -42,7 +42,8 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // The limit for e -> 0 has an error of about e², too small to change the number of iterations noticeably.
+    // For e -> 0, the derivative tends to 1.5.
+    // The error of this limit is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

@@ -33,7 +33,8 @@ constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Relative tolerance of solutions on coarser grids.
 // On coarser grids, a large tolerance is enough, because the discretisation error is even larger.
 constexpr double coarse_tolerance = 3e-3;
-// Maximum ratio of two loads on an area. Up to this ratio, the solution at one load is a good start for the other load.
+// Maximum ratio of two loads on an area for which the solution at one load is used as a starting point at the other
+// load.
 constexpr double max_load_ratio = 1.3;
 // Maximum number of iterations on the finest grid, and maximum number of iterations on each coarser grid.
 // The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
@@ -61,8 +62,8 @@ constexpr std::size_t max_selected_points = 2048;
 constexpr double selection_approach_ratio = 1.1;
 // Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Deviation of displacements that counts as round-off.
-// The deviation is a fraction of the displacement of a single loaded cell under the same pressure.
+// Displacements that differ from their mean count as equal, except for round-off, if the deviation is at most this
+// fraction of the displacement of a single loaded cell under the same pressure.
 constexpr double round_off = 1e-9;
 // Three numbers limit the search for the load at which a given approach is reached:
 // - the largest number of trial loads, although more than six trial loads are rarely needed
@@ -80,7 +81,8 @@ std::size_t coarsened(std::size_t points, bool periodic) {
   return points % 2 == 0 || !periodic ? half : fast_length(half);
 }
 
-// Return the ratio of the spacings of two successive grids. On free grids, the coarser grid has every second point.
+// Return the ratio of the spacings of two successive grids.
+// On free grids, the coarser grid consists of every second point of the finer grid.
 double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   if (points == coarser) {
     return 1.0;
@@ -302,7 +304,8 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the grid points that meet a condition. Stops if there are too many such points for a dense matrix.
+  // Return the grid points that meet a condition.
+  // The search stops when there are too many such points for a dense matrix.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -530,7 +533,8 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
 }
 
 // Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure.
-// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to it.
+// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to the
+// bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -721,8 +725,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // The pressures of the contact vanish at the edges of contact patches, where the solution is largest.
-  // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
+  // The contact pressures under load vanish at the edges of contact patches, where the pressures of the response are
+  // largest. The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

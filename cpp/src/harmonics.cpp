@@ -29,7 +29,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 }
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
-// If phases made more turns, fewer than 20 binary digits (1e-6) would remain for the fraction of a turn.
+// With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
@@ -109,7 +109,7 @@ struct Group {
 
 // Directions m and M - m have opposite wavenumbers.
 // Since cos(-k x + φ') = cos(k x - φ'), directions m and M - m form one harmonic of amplitude e^(i φ) + e^(-i φ').
-// In direction m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner.
+// In direction m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner direction.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
   const Index directions = phases.rows();
@@ -146,7 +146,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
-// So few SIMD lanes are processed together that the arrays z and d of a harmonic stay in registers.
+// The number of SIMD lanes that are processed together is so small that their values of z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;

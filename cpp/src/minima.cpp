@@ -473,7 +473,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // A minimum may have been found twice, in two cells or in two parts of a cell. Remove its second copy.
+  // A minimum may have been found twice, in two cells or in two parts of a cell.
+  // The second copy of the minimum is removed.
   // Both copies of a minimum belong to the same cell, because `move_to_owner` has been applied.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());

@@ -1,7 +1,8 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
-// STICTION_KERNEL is for loops that use SIMD registers explicitly, because speed depends on what registers contain.
+// STICTION_KERNEL is for loops that use SIMD registers explicitly, because their speed depends on the values that stay
+// in registers.
 #pragma once
 
 #include <cstddef>

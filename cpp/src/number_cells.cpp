@@ -14,7 +14,7 @@
 #include <system_error>
 
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 200000
-#define STICTION_USE_STRTOD 1  // the C++ library of LLVM converts floating-point numbers since version 20 only
+#define STICTION_USE_STRTOD 1  // LLVM's C++ library can convert floating-point numbers only since version 20
 #include <locale.h>
 #include <cerrno>
 #include <cstdlib>

@@ -16,7 +16,8 @@ namespace stiction {
 namespace {
 
 // Limits of the ratio of the optimal step length to the trial step length.
-// Below the lower limit, a step is shortened. Both limits are also the largest factors between trial step lengths.
+// If the ratio is below the lower limit, the step is shortened.
+// Both limits also restrict the ratio of successive trial step lengths.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
@@ -308,7 +309,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       }
     });
   }
-  // Every point whose pressure is strictly between its bounds took part in the last step.
+  // The list `stepped_points_` contains every point whose pressure is strictly between its bounds.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
   const ClippedSum between =
       sum_chunks<ClippedSum>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
@@ -398,7 +399,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if no pressure lies strictly between the bounds.
 // At the approach, points at their pressure bound must not have a gap, and points without pressure must not overlap.
-// If no potential under pressure exceeds one without pressure, the approach is the largest potential under pressure.
+// If no point under pressure has a higher potential than a point without pressure, the approach is the largest
+// potential under pressure.
 // Otherwise, the approach is chosen so that some points at their bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();

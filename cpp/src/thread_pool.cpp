@@ -80,7 +80,8 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Start one thread. Return false if the system cannot create it, for example at a limit on the number of threads.
+  // Start one thread.
+  // Return false if the system cannot create the thread, for example at a limit on the number of threads.
   // No exception is thrown if a thread cannot start, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {

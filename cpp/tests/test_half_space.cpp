@@ -122,7 +122,7 @@ TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid i
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
   const std::vector<double> gap = rough_surface(grid);
   std::vector<double> uneven(grid.size());
-  std::vector<double> misplaced(grid.size(), 0.0);  // pressures on every 97th point, whatever its gap
+  std::vector<double> misplaced(grid.size(), 0.0);  // pressures on every 97th point, regardless of the gap at the point
   for (std::size_t i = 0; i < gap.size(); ++i) {
     uneven[i] = i % 5 == 0 ? 0.0 : 0.4 + 0.1 * static_cast<double>(i % 3);
     misplaced[i] = i % 97 == 0 ? 0.01 : 0.0;
@@ -167,7 +167,7 @@ TEST_CASE("HalfSpaceSolver: finds points that come into contact only at a larger
   REQUIRE(solution.error <= tolerance);
   check_contact_conditions(*grids, gap, bound, mean, solver.scale(mean), solution);
   CHECK(std::count_if(solution.pressure.begin(), solution.pressure.end(), [](double p) { return p > 0.0; }) == 40);
-  CHECK(solution.iterations < 10);  // more if the potential or the response is not reset
+  CHECK(solution.iterations < 10);  // more iterations would be needed if the potential or the response were not reset
 }
 
 TEST_CASE("HalfSpaceSolver: solutions are bit-identical for any number of threads") {

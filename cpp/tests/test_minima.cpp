@@ -107,7 +107,7 @@ TEST_CASE("minima: finds one minimum per period for any grid offset, and none on
       return -std::cos(2 * pi * (x - shift - 8) / 16) - std::cos(2 * pi * (y + shift - 8) / 16);
     });
     const auto result = minima(coefficients, no_limit);
-    // There is one minimum every 16 points. The first minimum is at point 8 + shift from the left.
+    // Along each axis, there is one minimum every 16 points. The first minimum is at point 8 + shift from the left.
     REQUIRE(result.size() == 4 * 6);
     for (const Minimum& local_minimum : result) {
       CHECK(std::abs(std::remainder(static_cast<double>(local_minimum.column) + local_minimum.u - shift - 8, 16)) <

@@ -62,7 +62,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
       CHECK(solver.pressure()[i] == doctest::Approx(expected[i]).epsilon(round_off));
     }
     CHECK(solver.approach() == doctest::Approx(8.0 / 3.0).epsilon(round_off));
-    // The potential equals the approach at every point under pressure.
+    // At every point under pressure, the potential equals the approach 8/3, and the pressures add up to 10.
     CHECK(solver.pressure_dot_potential() == doctest::Approx(10.0 * 8.0 / 3.0).epsilon(round_off));
   }
 }
@@ -103,7 +103,8 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gaps move the load between two points of small compliance, so the optimal step length grows with each step.
+  // In each step, the gaps shift the load to the other of two points.
+  // The compliance of both points is small, so the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;
     solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});

@@ -17,7 +17,7 @@ using Marks = py::array_t<bool, py::array::c_style>;
 using Progress = py::typing::Optional<py::typing::Callable<py::object(std::int64_t, double)>>;
 using ProgressOfSteps = py::typing::Optional<py::typing::Callable<py::object(std::size_t, std::int64_t, double)>>;
 
-// Number of iterations of running calculations. A solver increases it without acquiring the GIL.
+// Number of iterations of running calculations. The solver increases this number without acquiring the GIL.
 struct IterationCounter {
   std::atomic<std::int64_t> count{0};
 };

@@ -7,7 +7,7 @@
 namespace stiction::python {
 namespace {
 
-// Array whose curves or steps may share memory.
+// Array in which several curves or several steps may share memory.
 using StridedArray = py::array_t<double, 0>;
 using IndexArray = py::array_t<Index, py::array::c_style>;
 

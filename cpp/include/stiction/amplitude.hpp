@@ -25,7 +25,7 @@ struct HeightStatistics {
 };
 
 /// Accumulator of the height statistics of a profile. The profile is added in chunks, from left to right.
-/// The heights that one SIMD lane processes have their own sum, minimum and maximum.
+/// Each SIMD lane has its own sum, minimum and maximum of the heights that the lane processes.
 /// The statistics do not depend on the chunk sizes if every chunk except the last has a multiple of `lanes` heights.
 class HeightAccumulator {
  public:
@@ -59,7 +59,8 @@ std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, 
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
 /// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.
-/// Returns false for a flat profile, which cannot be scaled. Throws std::invalid_argument if the lengths differ.
+/// Returns false for a flat profile, which cannot be scaled.
+/// Throws std::invalid_argument if `heights` and `scaled` differ in length.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

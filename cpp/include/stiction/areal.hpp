@@ -86,7 +86,7 @@ struct ArealCandidates {
 };
 
 /// Relative tolerance within which two heights count as equal.
-/// A height difference below 2^-46 of the largest height may be round-off of the heights or of the spline.
+/// A height difference below 2^-46 of the largest height may be due to round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
@@ -98,7 +98,7 @@ inline constexpr double level_fraction = 0x1p-26;
 /// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
 /// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
 /// The gap between the two maps must not be the same at all points.
-/// Throws std::invalid_argument.
+/// Throws std::invalid_argument if a requirement is not met.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 

@@ -5,13 +5,14 @@
 
 namespace stiction {
 
-/// Minimum number of rows, and minimum number of columns, of a map.
+/// Minimum number of rows of a map, and minimum number of columns.
 /// A natural cubic spline has zero curvature at its end points, so it requires at least two inner points.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
 /// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are outputs only.
-/// The round-off of the coefficients is about 1e-16 of the largest height. Throws std::invalid_argument.
+/// The round-off of the coefficients is about 1e-16 of the largest height.
+/// Throws std::invalid_argument for smaller arrays.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
 /// Compute slopes at every point of a map from natural cubic splines along the rows (x).

@@ -46,7 +46,7 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
 /// The bound on the dip of the spline is 3/8 of the largest second difference of the gap between successive points.
 /// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
-/// A cubic dips below its end points by at most Δx² / 8 times its largest |f''|.
+/// A cubic dips below its end points by at most Δx² / 8 times the largest |f''| of the cubic.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.

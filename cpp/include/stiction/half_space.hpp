@@ -94,7 +94,8 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// The iteration starts from the solution on the next coarser grid.
 /// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
-/// The error is the largest gap at a point under pressure, or the largest overlap if larger, divided by `scale`.
+/// The error is the larger of two lengths, divided by `scale`: the largest gap at a point under pressure, and the
+/// largest overlap.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.

@@ -35,8 +35,8 @@ std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, Step
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});
 
-/// Elastic response of fixed contact points to pressures that displace all of these points equally.
-/// The sum of the pressures is 1.
+/// Elastic response of a fixed set of contact points to the pressures that displace all points of the set equally.
+/// The sum of these pressures is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact
   double weighted_displacement = 0.0;  ///< Σ pressure · uniform-pressure displacement [µm/GPa]

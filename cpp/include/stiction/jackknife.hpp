@@ -1,6 +1,6 @@
 // Power sums of jackknife values, from which the interval of an ensemble mean at a given mean load is computed.
 //
-// When the mean normal load of R repetitions is F, one of the repetitions has the value v and the normal load n.
+// At a step at which the mean normal load of R repetitions is F, one repetition has the value v and the normal load n.
 // Without one repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
 // Without one repetition, the mean load changes by dn = (F - n) / (R - 1).
 // With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Values of several curves at successive steps. Values of successive repetitions are adjacent in memory.
+/// Values of several curves at successive steps. In memory, the values of all repetitions at a step are adjacent.
 struct CurveView {
   const double* values;
   Index curve_stride;  ///< number of values from one curve to the next; 0 if all curves share their values

@@ -52,7 +52,7 @@ struct HertzSphere {
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 /// The overlap a²/R is the overlap of the undeformed circles; 2a is the contact width.
-/// Source: Johnson, Contact Mechanics (1985), eq. 4.45. The force at a given half-width is exact for a << R.
+/// Source: Johnson, Contact Mechanics (1985), eq. 4.45. For a << R, the force at a given half-width a is exact.
 /// In a line contact, the approach of distant points is unbounded, so it cannot define the overlap.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0

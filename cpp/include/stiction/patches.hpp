@@ -22,7 +22,7 @@ struct Patches {
 };
 
 /// Find the connected patches formed by the points under pressure.
-/// On maps, a point is connected to its eight neighbours. On profiles, it is connected to its two neighbours.
+/// On maps, a point is connected to its eight neighbours. On profiles, a point is connected to its two neighbours.
 /// On a periodic grid, points are also connected across the edges.
 /// A side of a cell under pressure is open if the adjacent cell carries no pressure.
 /// Each open side of a cell reduces its contact fraction by 0.19 on profiles, and by (π - 1 + ln 2)/24 on maps.
@@ -40,7 +40,7 @@ struct ContactView {
   std::span<const std::int32_t> patch;
 };
 
-/// Sums over each patch of several contacts, for example at successive loads.
+/// Sums over each patch of several contacts. The contacts may be contacts of the same bodies at successive loads.
 /// The patches of a contact follow the patches of the contact before it.
 /// Sums that depend on the direction are matrices of shape (directions, patches).
 struct PatchSums {

@@ -14,7 +14,8 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel K. It returns pressures that approximately cause given displacements.
+/// Approximate inverse of the elastic kernel K.
+/// The preconditioner computes pressures that approximately cause given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.

@@ -60,7 +60,8 @@ class ProjectedCgSolver {
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
-  /// Return the residual [µm]. At free points, it is the mean potential of the free points minus the potential.
+  /// Return the residual [µm].
+  /// At free points, the residual is the mean potential of all free points minus the potential of the point.
   /// At points that are not free, the residual is extended by 0 on areas, and by linear interpolation on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
@@ -80,7 +81,7 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures that are below their bounds, so that all pressures add up to the total.
+  /// Scale the pressures that are below their bounds, so that the sum of all pressures equals the total load.
   /// After the pressures have been scaled, the potential must be recomputed.
   void rescale_to_total();
 
@@ -127,8 +128,8 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // 1 for each block of points with a pressure bound above 0. In other blocks (0), potentials are not updated.
-  // The array `can_touch_` is empty if all points have the same bound.
+  // Array with 1 for each block that has a point with a pressure bound above 0, and with 0 for each other block.
+  // Potentials are not updated in blocks with 0. The array is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
