@@ -257,7 +257,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_caveats_about_a_scan_disappear_after_options_are_set_in_the_form(empty_page, tmp_path):
+def test_scan_caveat_disappears_after_the_option_that_it_names_is_set_in_the_form(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
@@ -333,7 +333,7 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_page_shows_the_values_of_a_job_that_has_no_report_files(empty_page):
+def test_page_shows_the_values_of_a_job_without_a_report_file(empty_page):
     rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "coefficient": Estimate(0.31, 0.28, 0.34).to_record()}
     record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}
@@ -352,7 +352,7 @@ def test_page_shows_the_values_of_a_job_that_has_no_report_files(empty_page):
     ]
 
 
-def test_label_of_the_copy_button_is_restored_after_two_clicks(empty_page):
+def test_copy_button_has_its_original_label_again_after_two_clicks(empty_page):
     script = (
         "for (const text of ['x', 'x']) copy(byId('copy'), text);"
         "setTimeout(() => arguments[0](byId('copy').textContent), 2500)"
@@ -361,7 +361,7 @@ def test_label_of_the_copy_button_is_restored_after_two_clicks(empty_page):
     assert empty_page.execute_async_script(script) == label
 
 
-def test_form_has_separate_messages_for_missing_scans_and_for_scans_that_are_still_being_read(empty_page):
+def test_form_distinguishes_missing_scans_from_scans_that_are_still_being_read(empty_page):
     empty_page.execute_script("arriving.lower = 1")
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     message = empty_page.find_element("id", "pair-wrong").text
@@ -482,7 +482,7 @@ def is_shear_test_offered(driver):
     return driver.find_element("id", "shear").is_displayed()
 
 
-def test_app_offers_a_shear_test_if_the_two_faces_fit(empty_page, map_files, tmp_path):
+def test_app_offers_a_shear_test_if_the_two_scanned_faces_fit(empty_page, map_files, tmp_path):
     paths = write_fitting_faces(tmp_path)
     for side, path in zip(("upper", "lower"), paths, strict=True):
         assert not is_shear_test_offered(empty_page)
@@ -524,7 +524,7 @@ def test_app_shows_why_a_shear_test_cannot_be_computed(empty_page, tmp_path):
     assert "must leave an overlap of at least 16 points" in wait_until_finished(empty_page)
 
 
-def test_stopped_job_is_stored_and_can_be_resumed(empty_page, tmp_path, app):
+def test_stopped_job_stores_its_partial_result_and_can_be_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 128), strict=True):
         choose_scan(empty_page, side, path)
     fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "280"})
@@ -577,9 +577,7 @@ def is_stopping_or_stopped(job):
     return "stopping" in job["words"] or job["state"] == "stopped"
 
 
-def test_error_message_of_the_command_is_shown_at_the_form_field_that_caused_the_error(
-    empty_page, map_files, tmp_path, monkeypatch
-):
+def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map_files, tmp_path, monkeypatch):
     broken_file, text_file = tmp_path / "broken.x3p", tmp_path / "plain.txt"
     broken_file.write_bytes(b"PK\3\4" + bytes(100))
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
@@ -707,7 +705,7 @@ def test_app_uses_the_asperity_model_by_default_for_profiles_without_hardness(
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_profile_preview_and_computed_fractal_dimension_follow_changes_of_form_values(empty_page):
+def test_profile_preview_and_fractal_dimension_follow_changes_of_the_form(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)

@@ -104,7 +104,7 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
 
 
 @pytest.mark.parametrize("choice", [value for value, _ in FORM_FIELDS_BY_FLAG["missing"].choices])
-def test_preview_accepts_every_choice_for_missing_points_in_the_form(choice, tmp_path):
+def test_preview_accepts_every_form_choice_for_missing_points(choice, tmp_path):
     heights = np.random.default_rng(1).standard_normal((16, 16))
     heights[5, 5:8] = np.nan
     np.save(tmp_path / "missing.npy", heights)

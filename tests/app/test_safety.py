@@ -221,7 +221,7 @@ def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(app, map_sc
 
 
 @pytest.mark.parametrize("content", [b"mu0,tau0\n0.1,0.2\n", b"\xff\x00", b""])
-def test_uploaded_file_that_is_no_interface_is_reported_next_to_its_field(app, map_scans, tmp_path, content):
+def test_uploaded_file_that_is_no_interface_file_is_reported_next_to_its_form_field(app, map_scans, tmp_path, content):
     path = tmp_path / "other.csv"
     path.write_bytes(content)
     options = {"upper": "steel", "lower": "brass", "load": "10 MPa", "interface": app.upload(path)}
@@ -240,7 +240,7 @@ def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path
         assert server.process.stderr.read() == ""
 
 
-def test_waiting_job_states_for_which_job_it_waits(tmp_path):
+def test_queued_job_states_for_which_job_it_waits(tmp_path):
     queue = JobQueue(tmp_path)
     for number, state in enumerate(("done", "running", "waiting", "waiting"), 1):
         queue.jobs_by_number[number] = jobs.Job(number, f"pair {number}", ["pair"], tmp_path, state=state)
@@ -405,7 +405,7 @@ def test_stopped_jobs_with_blocked_previews_do_not_block_requests(app, tmp_path)
 
 
 @pytest.mark.parametrize("is_ending", [False, True])
-def test_job_is_marked_as_stopped_before_its_partial_result_is_read(tmp_path, monkeypatch, is_ending):
+def test_job_is_marked_as_stopped_before_the_server_reads_its_partial_result(tmp_path, monkeypatch, is_ending):
     async def check():
         has_started, has_begun_reading, may_continue = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
@@ -558,7 +558,7 @@ def test_job_with_an_unexpected_error_fails_with_a_message_and_is_logged(tmp_pat
     assert record.exc_info[0] is KeyError
 
 
-def test_command_and_its_preview_share_the_memory_of_the_machine(tmp_path, monkeypatch):
+def test_command_and_its_preview_together_use_at_most_the_memory_of_the_machine(tmp_path, monkeypatch):
     memory_fractions = {}
 
     async def run_module(arguments, memory, **_):

@@ -57,7 +57,7 @@ def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray
     return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
 
 
-def test_calibration_far_from_parameter_bounds_equals_a_least_squares_fit() -> None:
+def test_calibration_with_mu0_and_tau0_far_above_zero_equals_a_least_squares_fit() -> None:
     tests = simulate_ball_tests(seed=4)
     interface = calibrate(tests, common=0.0, sliding="all")
     best, covariance = fit_least_squares(tests)
@@ -86,7 +86,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_common_error_of_all_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0() -> None:
+def test_error_common_to_all_tests_widens_the_interval_of_the_determined_combination() -> None:
     tests = simulate_ball_tests()
     narrow_interval, wide_interval = (
         calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
@@ -109,7 +109,7 @@ def test_friction_tests_on_a_single_pair_determine_only_a_combination_of_mu0_and
     assert interface.excluded == ()
 
 
-def test_calibration_advice_predicts_the_errors_that_remain_after_ball_tests_with_a_hundredfold_range_of_load() -> None:
+def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decades_of_load() -> None:
     curve = compute_rough_load_curve(0.02, 1)
     tests = [FrictionTest(curve, load, coefficient=0.3, uncertainty=0.009) for load in curve.load]
     interface = calibrate(tests)
@@ -178,7 +178,7 @@ PAIR_OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "tau0": "50 MPa", "eff
            "direction": [0.0, 180.0], "onset": 0}  # fmt: skip
 
 
-def test_uncertainty_of_a_shared_hardness_cancels_in_the_prediction(tmp_path) -> None:
+def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction(tmp_path) -> None:
     hardness = "0.5..1.5 GPa"
     tested_pair, predicted_pair = (
         pair(*rough_surface_pair(rms), hardness=hardness, **PAIR_OPTIONS) for rms in (0.03, 0.02)
@@ -272,7 +272,9 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
 @pytest.mark.parametrize(
     "contact_options", [{}, {"hardness": "0.5..1.5 GPa"}, {"hardness": "1..2 GPa", "junction_growth": 9}]
 )
-def test_prediction_for_a_pair_equals_its_combined_interval_with_the_interface(tmp_path, contact_options) -> None:
+def test_prediction_for_a_pair_equals_the_combined_interval_computed_with_the_interface(
+    tmp_path, contact_options
+) -> None:
     strength = calibrate(simulate_ball_tests(), common=0.0, sliding="all")
     write_interface(strength, tmp_path / "film.csv")
     options = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")} | contact_options
@@ -285,7 +287,7 @@ def test_prediction_for_a_pair_equals_its_combined_interval_with_the_interface(t
     assert value == pytest.approx(result.value, abs=0.1 * width)
 
 
-def test_prediction_from_tests_of_yielding_pairs_has_a_narrower_interval_than_the_pair(tmp_path) -> None:
+def test_prediction_from_tests_of_yielding_pairs_is_narrower_than_the_interval_of_the_pair(tmp_path) -> None:
     options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
     tested_pair = pair(*rough_surface_pair(0.05), **options)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.004)] * 3
@@ -301,7 +303,7 @@ def test_prediction_from_tests_of_yielding_pairs_has_a_narrower_interval_than_th
     assert ends == pytest.approx(result.interval, abs=1e-6 * np.ptp(result.interval))
 
 
-def test_prediction_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
+def test_prediction_interval_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
     tested_pair = pair(*rough_surface_pair(0.03), hardness="0.8 GPa", **PAIR_OPTIONS)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.0025)] * 4
     strength = calibrate(tests, common=0.0, sliding="all")
@@ -356,7 +358,7 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
     assert 0.5 < ratio < 2.5
 
 
-def test_friction_tests_without_sliding_are_treated_as_lower_bounds() -> None:
+def test_friction_tests_that_did_not_slide_are_lower_bounds_of_the_coefficient() -> None:
     sliding_tests = simulate_ball_tests()
     identified_values = calibrate(sliding_tests[:2], sliding="all").identified
     static_coefficient = sliding_tests[0].coefficient * 1.05
@@ -535,7 +537,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     assert any("calibrated with junction growth 0..27" in caveat.text for caveat in contradicting_result.caveats)
 
 
-def test_outlier_does_not_shift_a_robust_fit() -> None:
+def test_outlier_among_friction_tests_does_not_shift_a_robust_fit() -> None:
     tests = simulate_ball_tests()
     tests_with_outlier = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
     expected = calibrate(tests, sliding="all").identified
@@ -543,7 +545,7 @@ def test_outlier_does_not_shift_a_robust_fit() -> None:
     assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
 
 
-def test_common_error_within_each_test_run_widens_the_interval() -> None:
+def test_error_common_to_all_tests_of_a_run_widens_the_interval() -> None:
     random = np.random.default_rng(8)
     offsets = {run: 0.1 * random.standard_normal() for run in "abcd"}
     tests = [
@@ -564,7 +566,7 @@ def test_common_error_within_each_test_run_widens_the_interval() -> None:
     assert interval_with_runs[2] - interval_with_runs[1] > interval_without_runs[2] - interval_without_runs[1]
 
 
-def test_calibration_uses_given_values_of_mu0_or_tau0_unchanged() -> None:
+def test_calibration_with_a_given_mu0_or_tau0_leaves_it_unchanged() -> None:
     tests = simulate_ball_tests()
     interface_with_fixed_tau0 = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert interface_with_fixed_tau0.separated
@@ -682,7 +684,7 @@ def test_predictions_contain_the_true_friction_for_every_kind_of_test_series(kin
     assert coverage.min() > 0.9
 
 
-def test_calibration_intervals_agree_with_intervals_by_the_minos_algorithm() -> None:
+def test_calibration_intervals_agree_with_minos_intervals() -> None:
     iminuit = pytest.importorskip("iminuit")
     tests = simulate_ball_tests(seed=5)
 
@@ -734,7 +736,7 @@ def simulate_soft_ball_tests(ball: Ball, loss: float) -> list[Any]:
     return tests
 
 
-def test_soft_ball_has_a_range_of_the_area_loss_by_default() -> None:
+def test_soft_ball_has_an_uncertain_area_loss_by_default() -> None:
     assert SOFT_BALL.lost_fraction.text == "0..0.3"
     assert float(BALL.lost_fraction) == 0
     assert float(Ball("5 mm", "2 MPa", area_loss=0.1).lost_fraction) == 0.1
@@ -757,7 +759,7 @@ def test_copy_of_a_ball_with_another_radius_keeps_the_ranges_of_its_inputs(argum
     assert ball.moduli.inputs
 
 
-def test_copy_of_a_ball_with_another_modulus_has_the_area_loss_of_that_modulus() -> None:
+def test_copy_of_a_ball_with_another_modulus_has_the_area_loss_for_the_new_modulus() -> None:
     assert replace(SOFT_BALL, effective_modulus="3 GPa") == BALL
     assert replace(SOFT_BALL, effective_modulus="3 GPa", area_loss=0.1).lost_fraction == 0.1
 
@@ -777,7 +779,7 @@ def test_calibration_with_a_known_area_loss_recovers_tau0() -> None:
     assert interface.tau0[0] == pytest.approx(3e-4, rel=0.01)
 
 
-def test_prediction_interval_excludes_the_area_loss_only_for_tested_surfaces() -> None:
+def test_prediction_interval_excludes_the_error_of_the_area_loss_only_for_the_tested_ball() -> None:
     interface = calibrate(simulate_soft_ball_tests(SOFT_BALL, 0.15), common=0.0, sliding="all")
     _, low, high = interface.tau0
     assert low < 3e-4 * 0.9

@@ -73,7 +73,7 @@ def result(bodies):
 # ---- Laws ------------------------------------------------------------------------------------------------------------
 
 
-def test_result_at_height_scale_1_equals_the_unscaled_result(result):
+def test_result_at_a_height_factor_of_1_equals_the_unscaled_result(result):
     scaled_table = evaluate_at_height_factors(result.source, 1, requested_loads(result)).isel(height_scale=0)
     expected = add_uncertainty(at_load(result.source, requested_loads(result)), result.source).isel(cut_off=0)
     for name in ("mean_friction", "friction_combined", "contact_area_fraction", "normal_stiffness", "rms_gradient"):
@@ -108,7 +108,7 @@ def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
 
 
 @pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
-def test_result_at_stored_height_factor_equals_result_of_scaled_surfaces(bodies, result, scaled, factors):
+def test_result_at_a_stored_height_factor_equals_the_result_of_scaled_surfaces(bodies, result, scaled, factors):
     table = evaluate_at_height_factors(result.source, [2], requested_loads(result), scaled=scaled).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
     expected = add_uncertainty(
@@ -147,7 +147,7 @@ def test_height_factor_scales_every_scan_of_each_face(bodies):
     )
 
 
-def test_spectrum_is_scaled_by_the_square_of_the_height_factor():
+def test_power_spectrum_is_scaled_by_the_square_of_the_height_factor():
     surface = rough_maps(3, points=64, rms=0.02, shortest_wavelength=0.6)[0]
     spectrum = joined_spectrum([surface])
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION | {"shifts": None, "direction": [0.0, 180.0]}
@@ -179,7 +179,7 @@ def test_heights_of_profiles_can_be_scaled_in_both_contact_models(mechanics):
         np.testing.assert_allclose(table[name].isel(height_scale=0), reference, rtol=SCALING_TOLERANCE, err_msg=name)
 
 
-def test_pull_off_force_decreases_with_height_scale():
+def test_pull_off_force_decreases_with_the_height_factor():
     smooth_surfaces = rough_maps(
         3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04
     )
@@ -195,7 +195,7 @@ def test_pull_off_force_decreases_with_height_scale():
 
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
-def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardness):
+def test_interpolation_between_height_factors_has_at_most_the_documented_error(hardness):
     computed = pair(*create_smooth_maps(rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
     compute_results_at_height_factors(computed.source, "0.5..2")
     factors = np.array([0.6, 1.7])
@@ -212,7 +212,7 @@ def test_interpolation_between_height_factors_has_at_most_the_stated_error(hardn
     assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
 
 
-def test_interval_at_an_interpolated_height_factor_contains_the_solution_for_few_contacts():
+def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution():
     bodies = [
         self_affine_surface(
             30, side=side, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.4
@@ -240,7 +240,7 @@ def test_interval_at_an_interpolated_height_factor_contains_the_solution_for_few
     assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
-def test_solver_computes_the_fewest_height_factors_that_allow_interpolation():
+def test_only_height_factors_that_interpolation_requires_are_computed():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
@@ -374,7 +374,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     )
 
 
-def test_interval_at_a_height_factor_with_uncertain_hardness_equals_that_of_scaled_heights(bodies):
+def test_interval_at_a_height_factor_for_uncertain_hardness_is_that_of_scaled_heights(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
@@ -386,7 +386,7 @@ def test_interval_at_a_height_factor_with_uncertain_hardness_equals_that_of_scal
     )
 
 
-def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
+def test_stored_study_without_the_key_of_the_height_factor_can_be_opened(bodies, tmp_path):
     computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
@@ -401,7 +401,7 @@ def test_stored_study_without_height_factor_can_be_opened(bodies, tmp_path):
 @pytest.mark.parametrize(
     ("mechanics", "quantity"), [("asperities", "contact_area"), ("half-space", "contact_area_fraction")]
 )
-def test_figures_show_area_fractions_only_if_the_nominal_area_is_meaningful(mechanics, quantity):
+def test_height_factor_figures_show_area_fractions_only_if_the_nominal_area_is_meaningful(mechanics, quantity):
     upper, lower = (
         self_affine(2, hurst_exponent=0.8, rms=0.05, points=600, spacing=0.05, side=side) for side in ("upper", "lower")
     )

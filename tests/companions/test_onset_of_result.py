@@ -76,7 +76,7 @@ def test_onset_of_a_result_is_the_mean_over_its_pairs_of_surfaces(study, onset):
     assert onset.attrs["members"] == 3
 
 
-def test_slipped_area_increases_to_the_complete_contact_at_the_sliding_load(onset):
+def test_slipped_area_increases_up_to_the_whole_contact_area_at_the_sliding_load(onset):
     mean = onset.sel(statistic="mean")
     assert float(mean["slipped_area"][-1]) == 1
     assert float(mean["tangential_load"][-1]) == float(mean["sliding_load"])
@@ -120,7 +120,7 @@ def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cuto
     assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
 
 
-def test_onset_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
+def test_onset_of_a_result_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
     assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert compute_study_onset(Study.named("quick")) is None
 
@@ -192,13 +192,13 @@ def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
     assert load_stored_onset(stored_result) is None
 
 
-def test_csv_table_of_the_onset_of_sliding_starts_at_zero_load_and_displacement(onset):
+def test_onset_csv_table_starts_at_zero_tangential_load_and_displacement(onset):
     table = pandas.read_csv(io.StringIO(format_backbone_csv(onset)))
     assert (table.iloc[0] == 0).all()
     np.testing.assert_allclose(table["displacement (um)"][1:], onset["displacement"].sel(statistic="mean"), rtol=1e-8)
 
 
-def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
+def test_onset_table_and_json_record_have_equal_displacements(onset):
     values = find_onset_values(onset)
     record = onset_record(values)
     assert "Pre-sliding displacement " in onset_text(values)
@@ -212,7 +212,7 @@ def test_table_rows_and_json_record_of_onset_have_equal_displacements(onset):
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
 
 
-def test_text_about_the_onset_states_its_sliding_rule_if_the_interface_has_another_rule(study, onset):
+def test_onset_text_states_its_sliding_rule_if_the_interface_has_another_rule(study, onset):
     values = find_onset_values(onset)
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "0 MPa", "sliding": "opposing"}
     texts = [
@@ -250,7 +250,7 @@ def test_sliding_load_of_the_onset_is_the_friction_coefficient_times_the_normal_
     assert record["curve"][-1]["tangential_load"]["value"] == record["sliding_load"]["value"]
 
 
-def test_second_call_of_the_pair_function_replaces_an_old_onset_table(tmp_path):
+def test_pair_function_replaces_an_onset_table_of_an_earlier_call(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=48, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "1.2 GPa", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,

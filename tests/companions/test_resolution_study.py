@@ -103,7 +103,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     assert evaluate_at_cutoffs(open_stored_result(softer_directory)) is None
 
 
-def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study):
+def test_resolved_wavelengths_of_a_study_equal_wavelengths_computed_from_the_gap(study):
     wavelengths = find_resolved_roughness(study)
     upper, lower = load_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
@@ -117,7 +117,7 @@ def test_resolved_wavelengths_of_a_study_equal_those_computed_from_the_gap(study
     assert find_resolved_roughness(Study.named("quick")) is None
 
 
-def test_shortest_resolved_wavelength_is_the_cutoff(study):
+def test_shortest_resolved_wavelength_of_filtered_scans_is_the_cutoff(study):
     assert find_resolved_roughness(study.with_changes({"surfaces.cut_off": ["0.5 um"]})).shortest == pytest.approx(0.5)
 
 

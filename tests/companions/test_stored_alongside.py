@@ -46,7 +46,7 @@ def complete_result(result_and_datasets):
 
 
 @pytest.mark.parametrize("name", COMPANION_LOADERS)
-def test_loading_a_file_stored_alongside_a_result_returns_none_if_it_is_absent(
+def test_loading_companion_data_of_a_result_returns_none_if_the_file_is_absent(
     result_and_datasets, complete_result, name
 ):
     xarray.testing.assert_identical(COMPANION_LOADERS[name](complete_result), result_and_datasets[1][name])
@@ -55,7 +55,7 @@ def test_loading_a_file_stored_alongside_a_result_returns_none_if_it_is_absent(
 
 
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
-def test_flipped_bit_in_stored_data_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
+def test_flipped_bit_in_a_stored_file_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
     path = complete_result.path / name
     if name == "result.nc":
         export(complete_result.dataset(), path)
@@ -98,9 +98,7 @@ IMPOSSIBLE_CHANGES = [
 
 
 @pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_CHANGES)
-def test_error_about_an_impossible_stored_value_states_the_name_of_its_variable(
-    complete_result, file_name, name, value
-):
+def test_error_about_an_impossible_stored_value_names_the_variable(complete_result, file_name, name, value):
     with h5py.File(complete_result.path / file_name, "r+") as file:
         if name.startswith("@"):
             file.attrs[name[1:]] = value

@@ -109,7 +109,7 @@ def spiked_result(spiked_scans, tmp_path_factory):
     return pair(*spiked_scans, cutoff="none", directory=tmp_path_factory.mktemp("spikes") / "result", **PAIR_OPTIONS)
 
 
-def test_interval_of_an_elastic_pair_includes_the_result_for_scans_corrected_for_the_tip(blunt_result, true_value):
+def test_interval_of_an_elastic_pair_includes_the_result_for_tip_corrected_scans(blunt_result, true_value):
     result_without_estimate = open_without_alternatives(blunt_result)
     assert blunt_result.value == result_without_estimate.value > true_value
     assert contains(blunt_result.interval, true_value)
@@ -121,7 +121,7 @@ def test_interval_of_an_elastic_pair_includes_the_result_for_scans_corrected_for
     assert blunt_result.assessment == result_without_estimate.assessment == "Do not quote"
 
 
-def test_interval_of_pair_with_spikes_includes_result_for_masked_outliers(spiked_result, spiked_scans, tmp_path):
+def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(spiked_result, spiked_scans, tmp_path):
     files = [tmp_path / f"{name}.npy" for name in ("upper", "lower")]
     for path, scan in zip(files, spiked_scans, strict=True):
         np.save(path, scan.heights)
@@ -240,7 +240,7 @@ def test_pair_without_spikes_and_tip_radius_has_no_alternative_preparations(true
     assert not (result.path / ALTERNATIVES_DIRECTORY).exists()
 
 
-def test_area_interval_of_a_yielding_pair_includes_the_result_for_scans_corrected_for_the_tip(true_surfaces, tmp_path):
+def test_area_interval_of_a_yielding_pair_includes_the_result_for_tip_corrected_scans(true_surfaces, tmp_path):
     options, tip_radius = PAIR_OPTIONS | {"hardness": "2 GPa"}, 4 * TIP_RADIUS
     scans = [scan_with_tip(surface, tip_radius) for surface in true_surfaces]
     result = pair(*scans, tip=tip_radius, directory=tmp_path / "result", **options)
@@ -257,7 +257,7 @@ def test_area_interval_of_a_yielding_pair_includes_the_result_for_scans_correcte
     assert tip_caveat.severity == "caution"
 
 
-def test_wide_interval_without_spikes_does_not_change_the_recommended_measurement(spiked_result):
+def test_recommended_measurement_is_unchanged_if_the_interval_without_spikes_is_wide(spiked_result):
     point = replace(spiked_result.summary().first, caveats=())
     expected_text = most_useful_measurement_text(point)
     assert expected_text.startswith("With a scan without spikes")
@@ -268,7 +268,7 @@ def test_wide_interval_without_spikes_does_not_change_the_recommended_measuremen
     assert most_useful_measurement_text(replace(point, caveats=tuple(faults.values()))) == ""
 
 
-def test_budget_at_a_load_of_the_study_does_not_depend_on_another_load(spiked_result):
+def test_budget_at_a_load_of_the_study_does_not_depend_on_another_requested_load(spiked_result):
     (load,) = (float(load) for load in spiked_result.study.friction.load)
     points = spiked_result.at([load, 3 * load], budget=True).sel(load=[load])
     expected_points = spiked_result.at(budget=True)
@@ -318,7 +318,7 @@ def test_study_file_contains_the_tip_correction(blunt_result, tmp_path):
 
 
 @pytest.mark.parametrize("mechanics", ["asperities", "half-space"])
-def test_interval_of_profiles_includes_the_result_without_spikes(mechanics):
+def test_interval_of_profiles_with_spikes_includes_the_result_without_spikes(mechanics):
     profiles = [rough_profile(seed, points=400) for seed in (3, 4)]
     heights = profiles[0].heights.copy()
     heights[[100, 250]] += 10 * heights.std()
@@ -331,7 +331,7 @@ def test_interval_of_profiles_includes_the_result_without_spikes(mechanics):
 
 
 @pytest.mark.parametrize("seed", [4, 6])
-def test_spikes_do_not_improve_the_assessment(seed):
+def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_the_pair_without_spikes(seed):
     surfaces = rough_maps(seed, points=40, rms=0.005)
     options = PAIR_OPTIONS | {"hardness": "1 GPa", "load": "10 MPa", "cutoff": "none", "junction_growth": 0}
     clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)
@@ -347,7 +347,7 @@ def test_spikes_do_not_improve_the_assessment(seed):
     assert same_point.caveats == point.caveats
 
 
-def test_scan_sharpened_by_one_tip_correction_equals_the_tip_reconstruction(blunt_scans):
+def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstruction(blunt_scans):
     scan = levelled(blunt_scans[0], "plane")
     reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
     np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)

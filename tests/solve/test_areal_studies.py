@@ -108,7 +108,7 @@ def test_figures_and_report_are_drawn_for_every_contact_model(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_results_of_an_areal_study_equal_load_curves_of_single_pairs(name):
+def test_results_of_a_study_of_maps_equal_load_curves_of_single_pairs(name):
     study = STUDIES[name]
     dataset = run(study).dataset
     step_quantity = study.contact.step_quantity
@@ -146,7 +146,7 @@ def test_surfaces_of_a_numbered_pair_of_a_study_equal_directly_generated_surface
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
+def test_stored_result_of_a_study_of_maps_can_be_read_and_continued(name, tmp_path):
     study = STUDIES[name]
     expected = run(study).dataset
     with ThreadPoolExecutor(2) as pool:
@@ -159,7 +159,7 @@ def test_stored_areal_study_can_be_read_and_continued(name, tmp_path):
         run(changed_study, store=tmp_path / "r")
 
 
-def test_friction_map_for_both_sliding_rules_equals_the_separate_maps_for_each_rule(result):
+def test_friction_map_for_both_sliding_rules_contains_the_maps_for_each_rule(result):
     mean_loads = result["normal_elastic"].mean("repetition")
     load = float(mean_loads.isel({mean_loads.dims[-1]: -2}).min())
     maps = friction_map(result, [load])

@@ -44,7 +44,7 @@ def test_dask_workers_and_threads_give_bit_identical_results(scheduler, tmp_path
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_tasks_of_a_killed_worker_are_repeated_by_another_worker(scheduler, tmp_path, monkeypatch):
+def test_tasks_of_a_killed_dask_worker_are_repeated_by_another_worker(scheduler, tmp_path, monkeypatch):
     study = STUDY.with_changes({"surfaces.fractal_dimension.count": 12})
     with (
         distributed.Client(scheduler, set_as_default=False) as client,
@@ -66,7 +66,7 @@ def test_tasks_of_a_killed_worker_are_repeated_by_another_worker(scheduler, tmp_
     assert_same_bits(store.read(tmp_path), result)
 
 
-def test_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypatch):
+def test_dask_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypatch):
     monkeypatch.setattr(runner, "__version__", "0.0.1")
     with (
         executors.connect_to_cluster(scheduler) as executor,
@@ -75,7 +75,7 @@ def test_worker_with_another_version_of_stiction_is_rejected(scheduler, monkeypa
         run(STUDY, executor=executor)
 
 
-def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
+def test_dask_scheduler_that_does_not_answer_is_reported_with_its_address(monkeypatch):
     monkeypatch.setattr(executors, "CONNECTION_TIMEOUT", "1s")
     for address in ("tcp://127.0.0.1:1", "", "host", "tcp://host", "tcp://host:port", "file:///etc"):
         with (
@@ -85,7 +85,7 @@ def test_absent_scheduler_is_reported_with_its_address(monkeypatch):
             pass
 
 
-def test_scheduler_without_workers_issues_a_warning():
+def test_dask_scheduler_without_workers_issues_a_warning():
     with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs="CRITICAL") as local_cluster:
         address = local_cluster.scheduler_address
         with (

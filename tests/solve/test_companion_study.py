@@ -32,7 +32,7 @@ def pool():
         yield executor
 
 
-def test_companion_study_announces_the_time_of_missing_pairs_only(studies, pool, tmp_path):
+def test_companion_study_prints_the_estimated_time_of_its_missing_pairs_only(studies, pool, tmp_path):
     study, _ = studies
     announced_times = []
     compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
@@ -42,7 +42,7 @@ def test_companion_study_announces_the_time_of_missing_pairs_only(studies, pool,
     assert len(announced_times) == 1
 
 
-def test_changed_companion_study_replaces_its_stored_pairs(studies, pool, tmp_path):
+def test_changed_companion_study_replaces_the_stored_pairs_of_the_former_study(studies, pool, tmp_path):
     study, study_of_doubled_heights = studies
     announced_times = []
     CompanionStudy(study, tmp_path).complete(pool)
@@ -64,7 +64,7 @@ def test_companion_study_is_opened_only_if_all_its_pairs_are_stored(studies, poo
     assert CompanionStudy(study_of_doubled_heights, tmp_path).open() is None
 
 
-def test_companion_study_has_the_mu0_and_tau0_of_its_main_study(studies, pool, tmp_path):
+def test_companion_study_has_mu0_and_tau0_of_its_main_study(studies, pool, tmp_path):
     study, _ = studies
     CompanionStudy(study, tmp_path).complete(pool)
     other_friction = study.with_changes({"friction.mu0": [0.7]})

@@ -49,7 +49,7 @@ def test_function_is_evaluated_in_a_forked_process():
     ],
     ids=["several threads", "one core"],
 )
-def test_function_is_evaluated_without_fork_if_forking_is_unsafe_or_useless(preparation):
+def test_function_is_evaluated_without_a_fork_if_forking_is_unsafe_or_useless(preparation):
     script = f"""
         {preparation}
         with evaluate_in_copy(os.getpid) as get_number:
@@ -136,7 +136,7 @@ def stored_result(tmp_path_factory):
     return run(Study.named("quick").with_changes(changes), store=tmp_path_factory.mktemp("stored") / "small")
 
 
-def test_report_evaluated_in_a_forked_process_equals_one_evaluated_in_one_process(stored_result, tmp_path):
+def test_report_evaluated_in_a_forked_process_equals_a_report_evaluated_without_fork(stored_result, tmp_path):
     script = f"""
         from stiction.cli import main
         sys.argv = ["stiction", "report", {str(stored_result.path)!r}, "-o", {str(tmp_path / "copy.html")!r}]
@@ -166,7 +166,7 @@ def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(s
     assert len(set(words[2::3])) == 2
 
 
-def test_figures_drawn_by_two_processes_equal_figures_drawn_by_one_process(stored_result, tmp_path, monkeypatch):
+def test_figures_drawn_by_two_processes_equal_those_drawn_by_one_process(stored_result, tmp_path, monkeypatch):
     (tmp_path / "two").mkdir()
     script = f"""
         from stiction import open_result

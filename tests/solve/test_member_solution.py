@@ -44,7 +44,7 @@ def test_stored_values_of_a_pair_of_maps_equal_values_of_its_half_space_solution
     assert (values["status"] == STATUSES.index("ok")).all()
 
 
-def test_unloading_stiffness_of_yielding_bodies_is_computed_for_the_first_pairs_only(tmp_path):
+def test_unloading_stiffness_of_yielding_bodies_is_computed_only_for_the_first_pairs(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), contact='hardness = "4 GPa"')
     study = study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um", "0.6 um"]})
     is_finite = [
@@ -161,7 +161,7 @@ def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_complian
     assert estimated_times[0] > 40 * estimated_times[2]
 
 
-def test_changed_scan_file_is_rejected_when_bodies_are_loaded(tmp_path):
+def test_changed_scan_file_is_rejected_when_a_study_loads_its_bodies(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     load_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
@@ -179,7 +179,7 @@ def create_half_space_study(directory, monkeypatch, num_points, **contact):
 
 
 @pytest.mark.parametrize(("num_points", "ratio"), [(512**2, 1.0), (2048**2, 2.0)])
-def test_estimated_solution_time_is_doubled_for_large_free_maps(tmp_path, monkeypatch, num_points, ratio):
+def test_estimated_solution_time_of_large_maps_is_doubled_by_a_free_boundary(tmp_path, monkeypatch, num_points, ratio):
     free_time, periodic_time = (
         estimate_member_time(create_half_space_study(tmp_path, monkeypatch, num_points, boundary=boundary))
         for boundary in ("free", "periodic")
@@ -187,7 +187,7 @@ def test_estimated_solution_time_is_doubled_for_large_free_maps(tmp_path, monkey
     assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
 
 
-def test_estimated_iterations_of_soft_adhesive_maps_are_independent_of_the_number_of_points(tmp_path, monkeypatch):
+def test_estimated_iterations_of_soft_adhesive_maps_do_not_depend_on_their_number_of_points(tmp_path, monkeypatch):
     soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
     iterations = [
         estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))

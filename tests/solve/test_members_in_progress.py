@@ -73,7 +73,7 @@ class InterruptedMethod:
     indirect=["study"],
     ids=["maps", "profiles", "hardness", "tilt", "adhesion", "adhesion of profiles"],
 )
-def test_interrupted_solution_continues_with_bit_identical_results(
+def test_interrupted_solution_of_a_pair_continues_with_bit_identical_results(
     study, owner, name, calls_per_attempt, tmp_path, monkeypatch
 ):
     calls = InterruptedMethod(monkeypatch, owner, name)
@@ -136,7 +136,7 @@ def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, 
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_next_run_removes_leftover_load_steps_of_a_pair_whose_block_is_stored(study, tmp_path, monkeypatch):
+def test_run_removes_stored_load_steps_of_a_pair_whose_block_is_complete(study, tmp_path, monkeypatch):
     directory = tmp_path / "result"
     monkeypatch.setattr(MembersInProgress, "remove", lambda *_: None)
     run(study, store=directory)
@@ -147,7 +147,7 @@ def test_next_run_removes_leftover_load_steps_of_a_pair_whose_block_is_stored(st
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_again(study, tmp_path, monkeypatch):
+def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_study(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
@@ -172,7 +172,7 @@ def test_stored_load_steps_that_are_damaged_or_of_another_study_are_computed_aga
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_loads_of_small_maps_are_solved_in_groups_and_equal_loads_solved_one_by_one(study, tmp_path, monkeypatch):
+def test_loads_of_small_maps_solved_in_groups_have_the_results_of_single_solutions(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     for loads_per_step, num_steps in ((3, 2), (4, 1)):
@@ -184,7 +184,7 @@ def test_loads_of_small_maps_are_solved_in_groups_and_equal_loads_solved_one_by_
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_solution_is_computed_even_if_its_load_steps_cannot_be_stored(study, tmp_path):
+def test_solution_of_a_pair_is_computed_even_if_its_load_steps_cannot_be_stored(study, tmp_path):
     record = MembersInProgress(study, tmp_path / "missing", estimate_iterations).add(0)
     arrays = compute_member_arrays(study, 0, record)
     assert np.isfinite(arrays["normal_elastic"]).all()

@@ -54,7 +54,7 @@ def test_stored_onset_of_a_pair_equals_the_onset_of_its_load_curve(study, result
     assert not any(result[name].values[has_no_contact].any() for name in ONSET_QUANTITIES)
 
 
-def test_computing_the_onset_of_sliding_leaves_other_study_results_unchanged(study, result):
+def test_computing_the_onset_of_sliding_leaves_other_results_of_a_study_unchanged(study, result):
     """With an onset, each pair is computed alone; otherwise pairs of several dimensions are computed together."""
     dataset_without_onset = run(study.with_changes({"contact.onset": None, "figures.draw": ["area"]})).dataset
     assert not set(ONSET_QUANTITIES) & set(dataset_without_onset.data_vars)
@@ -151,6 +151,6 @@ def test_study_rejects_invalid_onset_settings(changes, pattern):
     assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))
 
 
-def test_figure_of_the_onset_requires_a_study_with_onset_settings():
+def test_onset_figure_requires_a_study_with_onset_settings():
     with pytest.raises(StudyError, match=r"needs contact\.onset"):
         Study().with_changes({"figures.draw": ["onset"]})

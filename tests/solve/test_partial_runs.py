@@ -33,7 +33,7 @@ def test_run_divided_into_parts_gives_a_complete_result(tmp_path, uninterrupted_
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_runs_with_different_numbers_of_parts_together_give_a_complete_result(tmp_path, uninterrupted_dataset):
+def test_runs_divided_into_different_numbers_of_parts_together_give_a_complete_result(tmp_path, uninterrupted_dataset):
     compute_missing_blocks(with_repetitions(10), tmp_path, part=(1, 2))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(3, 5))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(1, 1))
@@ -64,7 +64,9 @@ class RemoteExecutor(Executor):
         return InlineExecutor().submit(function, *args)
 
 
-def test_workers_write_blocks_to_a_shared_directory_or_return_them(tmp_path, uninterrupted_dataset, monkeypatch):
+def test_workers_write_blocks_to_a_shared_directory_and_otherwise_return_them(
+    tmp_path, uninterrupted_dataset, monkeypatch
+):
     written_blocks, task_results = [], []
     monkeypatch.setattr(
         runner,

@@ -100,7 +100,7 @@ def test_results_are_bit_identical_for_all_batch_sizes(result, monkeypatch):
 
 
 @pytest.mark.parametrize("points", [500, 1000, 4000, 20_000])
-def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
+def test_peak_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
     """Check the memory limit of a task that the page on clusters (cluster.md) documents."""
     batch_bytes = 8 * 2500
     monkeypatch.setattr(member_solution, "MAX_BATCH_BYTES", batch_bytes)
@@ -116,7 +116,7 @@ def test_memory_of_a_task_is_within_the_documented_limit(monkeypatch, points):
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
-def test_result_of_a_run_contains_the_study_and_the_version_and_units(result):
+def test_result_of_a_run_contains_study_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
     assert parse_study_of_dataset(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
@@ -148,7 +148,7 @@ def test_run_of_a_study_with_impossible_gamma_raises_value_error():
         run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))
 
 
-def test_run_function_rejects_a_result_larger_than_memory(tmp_path, monkeypatch):
+def test_run_function_rejects_a_study_whose_result_would_exceed_the_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(runner, "compute_member_arrays", lambda *_: pytest.fail("computed"))
     study_of_many_members = RUNNER_STUDY.with_changes({"ensemble.repetitions": 10_000_000})
     with pytest.raises(
@@ -211,21 +211,21 @@ def test_unexpected_end_of_a_worker_process_is_reported(tmp_path):
 # ---- Progress -------------------------------------------------------------------------------------------------------
 
 
-def test_progress_is_printed_on_request(capfd, monkeypatch):
+def test_progress_of_a_run_is_printed_on_request(capfd, monkeypatch):
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     run(with_repetitions(2), progress=True)
     out, err = capfd.readouterr()
     assert "2/2" in out + err
 
 
-def test_progress_is_not_printed_without_a_terminal(capfd):
+def test_progress_of_a_run_is_not_printed_without_a_terminal(capfd):
     with executors.progress_bar("repetitions", 3, 0, True) as advance:
         for _ in range(3):
             advance()
     assert capfd.readouterr() == ("", "")
 
 
-def test_progress_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
+def test_progress_of_a_run_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
     """Without ipywidgets, rich would print a warning instead of a progress bar."""
     if importlib.util.find_spec("ipywidgets"):
         pytest.skip("ipywidgets is installed")
@@ -247,7 +247,7 @@ def test_computation_of_missing_pairs_prints_the_estimated_time_only_once(tmp_pa
     assert line.endswith(" of one core, 23 kB in 5 files")
 
 
-def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
+def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block():
     missing = SimpleNamespace(count=16)
     text = runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
@@ -258,7 +258,7 @@ def test_remaining_time_is_estimated_from_the_time_of_the_first_block():
     assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain
 
 
-def test_run_continues_with_the_threads_that_can_start(monkeypatch):
+def test_run_computes_with_fewer_threads_if_not_all_can_start(monkeypatch):
     start, started = threading.Thread.start, []
 
     def start_first(thread):
@@ -275,7 +275,7 @@ def test_run_continues_with_the_threads_that_can_start(monkeypatch):
     assert_same_bits(dataset, run(TINY_STUDY, executor=InlineExecutor()).dataset)
 
 
-def test_run_ends_with_any_error_except_that_of_a_missing_solution(tmp_path, monkeypatch):
+def test_run_stops_with_every_error_other_than_a_load_without_solution(tmp_path, monkeypatch):
     """Check that a member does not store NaN if, for example, a library cannot start a thread."""
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
 

@@ -86,7 +86,7 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_DIRECTORY).iterdir())
 
 
-def test_stored_result_that_lacks_a_quantity_of_newer_versions_can_be_read(tmp_path):
+def test_stored_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=2)
     expected = run(study, store=tmp_path / "r").dataset
     file = find_block_file(tmp_path / "r", 0)
@@ -101,7 +101,7 @@ def test_stored_result_that_lacks_a_quantity_of_newer_versions_can_be_read(tmp_p
         assert dataset[name].identical(expected[name]), name
 
 
-def test_two_runs_write_blocks_with_equal_checksums(tmp_path, directory_copy):
+def test_two_runs_of_a_study_write_blocks_with_equal_checksums(tmp_path, directory_copy):
     compute_missing_blocks(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
     assert block_states(directory_copy).keys() == block_states(tmp_path / "again").keys()
 
@@ -121,7 +121,7 @@ def test_single_block_can_be_read_as_a_result(directory_copy, uninterrupted_data
     assert_same_bits(store.read(find_block_file(directory_copy, 4)), uninterrupted_dataset.isel(repetition=slice(4, 8)))
 
 
-def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
+def test_storing_a_result_preserves_its_values_bit_for_bit(tmp_path, monkeypatch):
     """Store values with signed zeros, the smallest positive number and a large number."""
     values = itertools.cycle([-0.0, 0.0, 5e-324, 1e99])
     shape = run(with_repetitions(1), executor=InlineExecutor()).dataset["contact_area"].values[:, :, 0].shape
@@ -135,7 +135,7 @@ def test_stored_values_are_preserved_bit_for_bit(tmp_path, monkeypatch):
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_values_at_loads_where_the_solver_failed_are_preserved_bit_for_bit():
+def test_storing_a_result_preserves_values_at_loads_where_the_solver_failed_bit_for_bit():
     text = (Path(__file__).parents[1] / "study/stored_studies/half-space_of_generated_lines.toml").read_text("utf-8")
     study = parse_study(text, "half-space").with_changes({"ensemble.repetitions": 1})
     arrays = {}
@@ -147,7 +147,9 @@ def test_values_at_loads_where_the_solver_failed_are_preserved_bit_for_bit():
         assert stored_arrays[name].tobytes() == values.tobytes(), name
 
 
-def test_stored_result_read_in_pieces_equals_the_computed_dataset(directory_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_result_that_is_read_in_pieces_equals_the_computed_dataset(
+    directory_copy, uninterrupted_dataset, monkeypatch
+):
     monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     find_block_file(directory_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
@@ -192,7 +194,7 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
         list(stored_result.pieces(["normal_elastic"]))
 
 
-def test_result_that_fits_in_one_piece_is_read_once(directory_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_result_that_fits_in_one_piece_is_read_only_once(directory_copy, uninterrupted_dataset, monkeypatch):
     """Check also that a caller who changes the dataset does not change the cached result."""
     stored_result, decoded_contents = store.open_stored_result(directory_copy), []
     decode_members = store.decode_members
@@ -209,7 +211,7 @@ def test_result_that_fits_in_one_piece_is_read_once(directory_copy, uninterrupte
     assert len(decoded_contents) == len(stored_result.blocks)
 
 
-def test_result_larger_than_memory_is_rejected(directory_copy, monkeypatch):
+def test_reading_a_result_larger_than_memory_is_rejected(directory_copy, monkeypatch):
     monkeypatch.setattr(store, "MAX_RESULT_BYTES", 1000)
     with pytest.raises(StoreError, match="GiB of memory"):
         store.open_stored_result(directory_copy).dataset()
@@ -288,7 +290,7 @@ def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_c
     assert block_states(directory_copy) == states_before
 
 
-def test_edited_study_file_that_contradicts_its_blocks_is_rejected(directory_copy):
+def test_edited_study_file_that_contradicts_the_stored_blocks_is_rejected(directory_copy):
     text = (directory_copy / STUDY_FILE).read_text()
     (directory_copy / STUDY_FILE).write_text(text.replace("seed = 2_016", "seed = 2_017"))
     with pytest.raises(StoreError, match=r"does not match study\.toml: ensemble\.seed"):
@@ -309,7 +311,7 @@ def test_result_of_another_version_can_be_read_but_not_continued(directory_copy,
         run(with_repetitions(23), store=directory_copy)
 
 
-def test_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(directory_copy, monkeypatch):
+def test_stored_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(directory_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).loading_steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "loading_steps", lambda self: steps(self) * (1 + 2e-16))
     with pytest.raises(StoreError, match="so its steps differ slightly"):
@@ -324,7 +326,7 @@ def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_p
     assert (tmp_path / STUDY_FILE).read_text().startswith("# by hand")
 
 
-def test_study_file_written_by_stiction_is_replaced_if_there_are_no_blocks(tmp_path):
+def test_study_file_written_by_stiction_is_replaced_if_no_blocks_are_stored(tmp_path):
     store.create_or_open_result(tmp_path, TINY_STUDY)
     assert run(with_repetitions(1).with_changes({"ensemble.seed": 1}), store=tmp_path).dataset.sizes["repetition"] == 1
 
@@ -343,7 +345,7 @@ def edit_study_file(file, kind):
 
 
 @pytest.mark.parametrize("kind", ["number", "comment", "link", "first line only"])
-def test_edited_study_file_without_blocks_is_continued_but_never_replaced(tmp_path, kind):
+def test_edited_study_file_without_blocks_is_used_but_never_replaced(tmp_path, kind):
     store.create_or_open_result(tmp_path, TINY_STUDY)
     edit_study_file(tmp_path / STUDY_FILE, kind)
     text = (tmp_path / STUDY_FILE).read_text()
@@ -380,7 +382,7 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
     assert computed_repetitions == [4, 5, 6, 7]
 
 
-def test_blocks_that_are_swapped_or_belong_to_another_result_are_detected(directory_copy, tmp_path):
+def test_swapped_blocks_and_blocks_of_another_result_are_detected(directory_copy, tmp_path):
     content = find_block_file(directory_copy, 8).read_bytes()
     replace_block_content(find_block_file(directory_copy, 4), content)
     with pytest.raises(StoreError, match="does not contain the members that its file name states"):
@@ -490,7 +492,7 @@ BLOCK_FILE_CHANGES = {
 
 
 @pytest.mark.parametrize("change", BLOCK_FILE_CHANGES.values(), ids=BLOCK_FILE_CHANGES)
-def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(directory_copy, change):
+def test_block_file_that_contradicts_its_study_is_reported_with_a_one_line_error(directory_copy, change):
     file = find_block_file(directory_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         change(opened_file)
@@ -505,7 +507,7 @@ def test_block_that_contradicts_its_study_is_reported_with_a_one_line_error(dire
         store.read(directory_copy)
 
 
-def test_units_stored_in_block_files_are_ignored(directory_copy, uninterrupted_dataset):
+def test_units_of_variables_in_block_files_are_ignored(directory_copy, uninterrupted_dataset):
     file = find_block_file(directory_copy, 4)
     with h5py.File(file, "r+") as opened_file:
         opened_file["approach"].attrs["units"] = "seconds since 1970-01-01"
@@ -596,7 +598,7 @@ def test_complete_result_on_a_read_only_disk_can_be_read(directory_copy, compute
 # ---- Interrupts -----------------------------------------------------------------------------------------------------
 
 
-def test_partial_files_of_ended_processes_are_removed(directory_copy):
+def test_partial_files_of_ended_processes_are_removed_by_the_next_run(directory_copy):
     ended_process = subprocess.Popen([sys.executable, "-c", ""])
     ended_process.wait()
     machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
@@ -749,7 +751,7 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_pat
     assert_no_partial_files(tmp_path)
 
 
-def test_new_directory_is_given_to_only_one_of_two_simultaneous_studies(tmp_path):
+def test_new_directory_is_used_by_only_one_of_two_studies_started_together(tmp_path):
     for index in range(10):
         studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
         barrier = threading.Barrier(2)
@@ -779,7 +781,7 @@ run(Study.from_toml("s.toml"), store="r")
 """
 
 
-def test_killed_process_does_not_lock_its_directory(tmp_path, uninterrupted_dataset):
+def test_killed_run_does_not_leave_its_directory_locked(tmp_path, uninterrupted_dataset):
     (tmp_path / "s.toml").write_text(TINY_STUDY.with_changes({"ensemble.seed": 1}).to_toml())
     with subprocess.Popen(
         [sys.executable, "-c", SCRIPT_THAT_WAITS], cwd=tmp_path, stdout=subprocess.PIPE, text=True
@@ -820,7 +822,7 @@ def test_reading_a_netcdf_file_of_another_program_raises_store_error(tmp_path, u
             store.read(tmp_path / "x.nc")
 
 
-def test_files_written_at_different_times_are_byte_identical(uninterrupted_dataset):
+def test_dataset_files_written_at_different_times_are_byte_identical(uninterrupted_dataset):
     """File names contain a checksum of the bytes; old versions of h5py store the time of writing in the file."""
     first_file, second_file = io.BytesIO(), io.BytesIO()
     store.write_dataset(uninterrupted_dataset, first_file)
@@ -829,7 +831,7 @@ def test_files_written_at_different_times_are_byte_identical(uninterrupted_datas
     assert first_file.getvalue() == second_file.getvalue()
 
 
-def test_encoding_members_rejects_arrays_of_another_shape(uninterrupted_dataset):
+def test_encoding_a_block_rejects_arrays_of_another_shape(uninterrupted_dataset):
     arrays = {name: uninterrupted_dataset[name].values for name in TINY_STUDY.contact_sum_names()}
     with pytest.raises(ValueError, match=r"contact_count must have the shape \(.*\), got \(.*\)"):
         store.encode_members(TINY_STUDY, range(22), arrays | {"contact_count": arrays["contact_count"][..., :1]})

@@ -31,7 +31,9 @@ from stiction.study.input_distributions import (
     ],
 )
 @pytest.mark.usefixtures("all_input_samples")
-def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, kind, ends, distribution) -> None:
+def test_distribution_of_an_input_has_95_percent_of_its_samples_between_the_limits(
+    text, kind, ends, distribution
+) -> None:
     result = parse_uncertain_input("input", text, kind)
     assert result.distribution == distribution
     assert result.quantile([0.025, 0.975]) == pytest.approx(ends, rel=1e-3)
@@ -40,7 +42,7 @@ def test_input_distribution_has_95_percent_of_samples_between_its_limits(text, k
 
 
 @pytest.mark.parametrize("count", [1, 2, 4096])
-def test_sobol_points_equal_the_points_of_scipy(count) -> None:
+def test_sobol_points_equal_those_of_scipy(count) -> None:
     for dimensions in range(1, len(SOBOL_GENERATORS) + 2):
         expected_points = qmc.Sobol(dimensions, rng=np.random.default_rng(2016)).random(count)
         points = generate_sobol_points(dimensions, count, seed=2016)

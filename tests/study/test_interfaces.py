@@ -101,7 +101,7 @@ def test_repr_of_an_interface_without_known_area_contains_no_sum_of_mu0_and_tau0
     assert np.isnan(law.identified).all()
 
 
-def test_changing_the_returned_catalogue_does_not_change_published_interfaces():
+def test_changing_the_returned_list_does_not_change_the_published_interfaces():
     name, entry = next(iter(interfaces().items()))
     value = entry["mu0"]
     interfaces()[name]["mu0"] = "0.9"
@@ -129,7 +129,7 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     assert "interface film (measured)" in result.sentence
 
 
-def test_pair_reports_the_coefficient_for_the_sliding_rule_of_its_interface_first(result, opposing_result) -> None:
+def test_pair_lists_the_coefficient_for_the_sliding_rule_of_its_interface_first(result, opposing_result) -> None:
     point, other_point = opposing_result.summary().first, result.summary().first
     assert [rule.rule for rule in point.rules] == ["opposing", "all"]
     assert [rule.rule for rule in other_point.rules] == ["all", "opposing"]
@@ -158,7 +158,7 @@ def test_table_and_sentence_and_joint_table_start_with_the_sliding_rule_of_the_i
     assert joint_values["friction_combined"].value == pytest.approx(opposing_result.value)
 
 
-def test_coefficient_for_the_sliding_rule_of_a_removed_interface_file_is_still_reported_first(
+def test_sliding_rule_of_an_interface_is_still_listed_first_after_its_file_was_removed(
     opposing_film_file, tmp_path
 ) -> None:
     copy = shutil.copy(opposing_film_file, tmp_path)
@@ -184,7 +184,7 @@ def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
     assert find_interface(stored_study.with_changes({"friction.mu0": [0.3]})) is None
 
 
-def test_interval_at_another_mu0_includes_the_range_of_tau0_as_in_a_study_with_this_mu0(result) -> None:
+def test_interval_at_another_mu0_equals_the_interval_of_a_study_with_this_mu0(result) -> None:
     study = result.study.with_changes({"friction.mu0": [0.3]})
     changed = MemberSums.of(result).with_study(study)
     table = result.at(mu0=[0.3], budget=True)
@@ -307,7 +307,7 @@ def test_pair_with_another_interface_does_not_replace_the_stored_interface_file(
     assert first_result.interval == open_result(tmp_path / "r").interval
 
 
-def test_pair_rejects_more_positions_than_the_maps_have_before_it_creates_the_directory(tmp_path) -> None:
+def test_pair_rejects_more_positions_than_the_maps_have_without_creating_the_directory(tmp_path) -> None:
     with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
         pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
     assert not (tmp_path / "r").exists()
@@ -321,6 +321,6 @@ def test_interface_file_preserves_one_line_entries_and_escapes_control_character
 
 
 @pytest.mark.parametrize("key", ["sliding", "a: b", "a\nb", "", "\udcff"])
-def test_interface_entry_that_could_not_be_read_back_is_rejected(tmp_path, key):
+def test_interface_entry_that_a_file_cannot_represent_is_rejected_on_writing(tmp_path, key):
     with pytest.raises(ValueError, match="about must have names of other entries as keys"):
         write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})

@@ -40,7 +40,7 @@ def test_pairs_generated_together_equal_pairs_generated_one_at_a_time(monkeypatc
             assert body.spacing == expected.spacing
 
 
-def test_profiles_of_a_numbered_pair_of_a_study_equal_directly_generated_profiles():
+def test_profiles_of_the_nth_pair_of_a_study_equal_directly_generated_profiles():
     upper, lower = pair_of(STUDY, 7, fractal_dimension=1.25, amplitude=0.1)
     for body, side in ((upper, "upper"), (lower, "lower")):
         phases = random_phases(2016, repetition=7, side=side, directions=30, frequencies=20)
@@ -69,7 +69,7 @@ def test_pair_generation_rejects_invalid_arguments(repetition, dimension, amplit
         pair_of(STUDY, repetition, fractal_dimension=dimension, amplitude=amplitude)
 
 
-def test_measured_bodies_are_filtered_once_for_all_threads(tmp_path):
+def test_measured_bodies_are_filtered_only_once_for_all_threads(tmp_path):
     spacing = write_maps(tmp_path, shape=(256, 256))
     study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
     bodies, num_threads = members_module.load_bodies(study), 4
@@ -85,7 +85,7 @@ def test_measured_bodies_are_filtered_once_for_all_threads(tmp_path):
             assert all(each is first for each in others)
 
 
-def test_measured_pair_prepares_bodies_once_for_nominal_area_and_result(tmp_path, monkeypatch):
+def test_measured_pair_prepares_its_bodies_only_once_for_nominal_area_and_result(tmp_path, monkeypatch):
     spacing = write_maps(tmp_path)
     pressed_bodies = []
     monkeypatch.setattr(members_module, "estimate_roughness_drift", lambda body: pressed_bodies.append(body) or 0.0)

@@ -67,7 +67,7 @@ def test_hardness_in_a_study_file_of_the_old_format_has_its_original_range(conta
     assert parse_old(known, contact).contact.hardness.text == text
 
 
-def test_range_of_the_effective_modulus_of_an_old_study_is_kept():
+def test_effective_modulus_of_an_old_study_keeps_its_range():
     study = parse_old('effective_modulus = "80 GPa ± 5 %"', 'effective_modulus = "80 GPa"\ncompliance_share = 0.3')
     assert (study.contact.effective_modulus.text, study.contact.compliance_share) == ("80 GPa ± 5 %", 0.3)
 
@@ -123,7 +123,7 @@ def test_missing_interface_file_of_an_old_study_leaves_the_ranges_of_mu0_and_tau
     ('mu0 = "0.2 ± 0.02"', "", "mu0 = [0.2, 0.3]",
      "old: friction.mu0: must have one value, because known.mu0 is '0.2 ± 0.02', got [0.2, 0.3]"),
 ])  # fmt: skip
-def test_old_study_that_contradicts_itself_is_rejected_with_one_sentence(known, contact, friction, message):
+def test_old_study_with_contradictory_inputs_is_rejected_with_one_sentence(known, contact, friction, message):
     with pytest.raises(StudyError) as caught:
         parse_old(known, contact, friction)
     assert str(caught.value) == message
@@ -134,7 +134,7 @@ def test_old_study_with_an_invalid_range_is_rejected_with_the_name_of_the_new_en
         parse_old('tau0 = "20..80"', friction='mu0 = [0.2]\ntau0 = ["40 MPa"]')
 
 
-def test_section_of_uncertain_inputs_of_generated_surfaces_is_ignored():
+def test_uncertain_inputs_in_an_old_study_of_generated_surfaces_are_ignored():
     assert parse_study('[known]\nmu0 = "0.1..0.3"\n[ensemble]\nrepetitions = 7\n', "old").ensemble.repetitions == 7
 
 

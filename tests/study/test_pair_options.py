@@ -70,7 +70,7 @@ def test_pair_option_refers_to_an_existing_key_of_a_study(name):
         classes = [each for field in fields for each in find_section_classes(field.annotation)]
 
 
-def test_placeholders_in_option_texts_are_option_names():
+def test_placeholders_in_texts_of_pair_options_are_option_names():
     for option in PAIR_OPTIONS.values():
         for text in (option.help, *(apply.message for apply in option.applies)):
             assert text.format_map({name: name for name in PAIR_OPTIONS})
@@ -98,7 +98,7 @@ def test_uncertain_input_has_a_pair_option_of_the_same_name(name):
         ({"hardnes": 1}, "--hardnes is no option of a pair; is it hardness?"),
     ],
 )
-def test_error_about_a_wrong_value_names_the_command_line_option(values, message):
+def test_error_about_an_invalid_value_names_the_command_line_option(values, message):
     with pytest.raises(ArgumentError) as caught:
         validate_option_values({"load": "1 mN", **values})
     assert caught.value.translated_message(format_command_line_name).startswith(message)

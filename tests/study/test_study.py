@@ -55,11 +55,11 @@ class TestQuantityConversion:
         assert len(str(caught.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
-    def test_exact_text_of_a_quantity_is_parsed_back_to_the_same_number(self, value):
+    def test_exact_text_of_a_quantity_is_parsed_to_the_same_number(self, value):
         assert quantity(exact_quantity_text(value, "mN"), "force") == value
 
     @given(st.text(max_size=30))
-    def test_random_quantity_string_is_read_as_a_finite_value_or_rejected(self, text):
+    def test_random_quantity_string_is_parsed_to_a_finite_value_or_rejected(self, text):
         with contextlib.suppress(ValueError):
             assert np.isfinite(quantity(text, "length"))
 
@@ -159,7 +159,7 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_error_about_changes_to_a_study_names_the_invalid_key(self, key, value, message):
+    def test_error_about_changing_a_study_names_the_invalid_key(self, key, value, message):
         with pytest.raises(StudyError, match=message):
             Study().with_changes({key: value})
 
@@ -262,7 +262,7 @@ class TestStudyKinds:
             (MEASURED_LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_kind_of_a_study_determines_its_stored_sums_and_its_dimensions(self, study, sums, step, cells):
+    def test_kind_of_a_study_determines_its_contact_sums_step_quantity_and_dimensions(self, study, sums, step, cells):
         assert (study.contact_sum_names(), study.step_quantity, list(study.surfaces.cell_coordinates())) == (
             sums,
             step,
@@ -298,7 +298,7 @@ class TestStudyKinds:
             (MEASURED_AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
-    def test_error_after_changing_the_kind_of_a_study_names_the_invalid_key(self, study, key, value):
+    def test_error_about_changing_the_kind_of_a_study_names_the_changed_key(self, study, key, value):
         with pytest.raises(StudyError) as caught:
             study.with_changes({key: value})
         assert f"changes: {key}" in str(caught.value)
@@ -330,7 +330,7 @@ class TestMeasuredStudies:
         assert MEASURED_LINE_STUDY.motion_coordinates() == {"sliding": ["all", "opposing"], "direction": [0.0, 180.0]}
         assert MEASURED_AREA_STUDY.with_changes({"contact.direction": -330}).motion_coordinates()["direction"] == [30.0]
 
-    def test_solved_loads_extend_below_and_above_requested_loads(self):
+    def test_load_steps_of_a_measured_study_extend_below_and_above_the_requested_loads(self):
         assert MEASURED_AREA_STUDY.contact.loading_steps() == pytest.approx([10**-0.5, 1, 10**0.5, 10, 10**1.5])
         for study in (MEASURED_LINE_STUDY, MEASURED_LINE_STUDY.with_changes({"contact.mechanics": "half-space"})):
             steps = study.contact.loading_steps()
@@ -368,7 +368,7 @@ class TestMeasuredStudies:
         assert Study().with_checksums() == Study()
 
 
-def test_checksum_of_a_body_in_memory_depends_on_its_numbers_and_not_on_the_words_of_its_history(tmp_path):
+def test_checksum_of_a_body_in_memory_depends_on_its_numbers_but_not_on_its_history(tmp_path):
     heights = np.random.default_rng(1).normal(size=(6, 4))
     entries = [
         MeasuredBodySettings.from_body(Surface(heights, spacing=(0.5, 0.25), history=(step,)), "first")
@@ -450,7 +450,7 @@ class TestRequestedLoads:
         {"contact.mechanics": "half-space", "contact.load": ["0.04 mN", "4 mN"]}
     )
 
-    def test_solved_loads_extend_below_and_above_listed_loads(self):
+    def test_load_steps_of_a_generated_study_extend_below_and_above_the_requested_loads(self):
         assert [float(load) for load in self.LISTED_LOADS_STUDY.friction.load] == [0.04, 4.0]
         assert self.LISTED_LOADS_STUDY.contact.loading_steps() == pytest.approx(
             [0.04 / 10**0.5, 0.04, 4.0, 4.0 * 10**0.5], rel=1e-5
@@ -461,7 +461,7 @@ class TestRequestedLoads:
         )
         assert study.contact.loading_steps()[0] == 0.05, "given loads of the curve are unchanged"
 
-    def test_solved_loads_stay_below_the_product_of_hardness_and_area(self):
+    def test_load_steps_of_a_study_stay_below_hardness_times_nominal_area(self):
         study_with_hardness = self.LISTED_LOADS_STUDY.with_changes(
             {"contact.hardness": "60 MPa", "contact.load": ["4 mN"]}
         )
@@ -483,7 +483,7 @@ class TestRequestedLoads:
             == self.LISTED_LOADS_STUDY.with_changes({})
         )
 
-    def test_friction_map_has_results_at_all_requested_loads(self):
+    def test_friction_map_of_a_study_has_values_at_all_requested_loads(self):
         ensemble_changes = {
             "surfaces.shape": [32, 32],
             "ensemble.repetitions": 4,
@@ -514,14 +514,14 @@ class TestStudyKeys:
             assert documented_values[table, key] == f"{kind}, a range or a value with its uncertainty"
         assert "hurst_exponent" in study_keys_text()
 
-    def test_rows_of_documented_keys_give_allowed_values_and_default_in_one_cell(self):
+    def test_documented_study_keys_have_allowed_values_and_default_in_one_cell(self):
         rows = [line for line in study_keys_markdown().splitlines() if line.startswith("| `")]
         assert '| `missing` | `"error"`, `"interpolate"` or `"mask"`; default `"error"` |' in "\n".join(rows)
         assert "| `file` | a name; required |" in "\n".join(rows)
         assert "| `indent` | a length above 0 |" in "\n".join(rows)
         assert {row.count(" | ") for row in rows} == {2}
 
-    def test_self_affine_study_accepts_parameter_names_of_the_python_function(self):
+    def test_self_affine_study_accepts_the_parameter_names_of_the_self_affine_function(self):
         changes = {"surfaces.hurst_exponent": [0.5, 0.8], "surfaces.rms": ["20 nm"], "surfaces.spacing": "0.1 um"}
         surfaces = SELF_AFFINE_STUDY.with_changes(changes | {"surfaces.shape": [64, 32]}).surfaces
         assert surfaces.fractal_dimensions() == pytest.approx([1.2, 1.5])

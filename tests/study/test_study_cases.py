@@ -17,7 +17,7 @@ STORED_STUDIES = {
 
 
 @pytest.mark.parametrize("case_name", STORED_STUDIES)
-def test_study_of_any_kind_is_unchanged_by_reading_and_writing(case_name):
+def test_study_of_each_kind_is_unchanged_by_writing_and_reading(case_name):
     study = parse_study(STORED_STUDIES[case_name], "stored")
     assert study.contact.place.removeprefix("the ").replace(" ", "_") == case_name
     assert study.to_toml().strip() == STORED_STUDIES[case_name].strip()
@@ -82,7 +82,7 @@ def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, key
         ),
     ],
 )
-def test_contact_law_is_stored_as_a_table_in_a_study(law, entry):
+def test_contact_law_is_stored_as_a_toml_table_of_the_study(law, entry):
     study = Study().with_changes({"contact.law": entry if isinstance(entry, str) else entry.model_dump()})
     assert study.contact.law == entry
     assert type(study.contact.contact_model().law) in (str, type(law))
