@@ -158,7 +158,7 @@ def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_complian
         for modulus in ("1 kPa", "1 GPa", "1 TPa")
     ]  # fmt: skip
     assert estimated_times[0] > estimated_times[1] > estimated_times[2] > 0
-    assert estimated_times[0] > 40 * estimated_times[2]
+    assert estimated_times[0] > 15 * estimated_times[2]
 
 
 def test_changed_scan_file_is_rejected_when_a_study_loads_its_bodies(tmp_path):

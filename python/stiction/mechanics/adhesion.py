@@ -80,8 +80,6 @@ MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the
 MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
 
 MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimization
-# number of iterations of the contact solver that one step of the minimization counts as
-ITERATIONS_PER_MINIMIZATION_STEP = 2
 # The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
 MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 
@@ -570,7 +568,7 @@ class EnergyMinimizer:
                 return self._to_adhesion_state(state, load)
             if outcome == "stalled":
                 break
-            self.record.counter.add(ITERATIONS_PER_MINIMIZATION_STEP)
+            self.record.counter.add(1)
         force = self.solver.mean_pressure_to_force(load)
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 

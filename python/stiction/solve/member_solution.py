@@ -378,14 +378,17 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# maximum number of iterations for the pull-off force, for lines (False) and maps (True)
-# each step of an energy minimization counts as 2 iterations
-MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 8000}
+# maximum number of iterations for the pull-off force, on all grids, for lines (False) and maps (True)
+# each step of an energy minimization counts as an iteration
+MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 6500}
+# maximum time for the pull-off force, as a number of iterations on the full grid
+# iterations on coarser grids take less time
+MAX_PULL_OFF_FULL_GRID_ITERATIONS = {False: 10_700, True: 3000}
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Factor in the number of solver iterations with adhesion, for lines (False) and maps (True).
 
 The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to E* Sq Sdq / (4 w) of
-the gap, up to a maximum. Bodies near complete contact need the most iterations: 4800 with 256² points, and 8700 with
+the gap, up to a maximum. Bodies near complete contact need the most iterations: 4700 with 256² points, and 6500 with
 512² points.
 """
 
@@ -431,7 +434,7 @@ def estimate_member_time(study: Study) -> float:
     if study.uses_half_space and study.contact.adheres:
         return num_cells * (
             (num_loads + 1) * estimate_solution_time(study)
-            + _estimate_pull_off_iterations(study) * _estimate_iteration_time(study)
+            + _estimate_pull_off_iterations(study, MAX_PULL_OFF_FULL_GRID_ITERATIONS) * _estimate_iteration_time(study)
         )
     if study.uses_half_space:
         return num_cells * num_loads * estimate_solution_time(study)
@@ -455,12 +458,14 @@ def estimate_member_iterations(study: Study) -> float:
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
         return num_cells * num_loads * ITERATIONS_PER_LOAD
-    return num_cells * ((num_loads + 1) * ITERATIONS_PER_LOAD + _estimate_pull_off_iterations(study))
+    pull_off_iterations = _estimate_pull_off_iterations(study, MAX_PULL_OFF_ITERATIONS)
+    return num_cells * ((num_loads + 1) * ITERATIONS_PER_LOAD + pull_off_iterations)
 
 
-def _estimate_pull_off_iterations(study: Study) -> float:
-    factor, max_iterations = PULL_OFF_ITERATION_FACTORS[study.is_areal], MAX_PULL_OFF_ITERATIONS[study.is_areal]
-    return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / max_iterations)
+def _estimate_pull_off_iterations(study: Study, max_iterations: dict[bool, int]) -> float:
+    """Estimate the number of iterations for the pull-off force, up to a maximum for lines (False) or maps (True)."""
+    factor = PULL_OFF_ITERATION_FACTORS[study.is_areal]
+    return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / max_iterations[study.is_areal])
 
 
 def estimate_solution_time(study: Study) -> float:
