@@ -14,22 +14,22 @@ namespace {
 // A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
 constexpr double max_gap_change = 2.0;
 constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
-// Gap beyond which the line search neglects the attraction, as a multiple of its range.
+// Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
 constexpr double negligible_attraction_gap = 30.0;
 // The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
-// first minimum. It ends if the slope of the energy is below a fraction of the initial slope.
+// first minimum. The search ends if the slope of the energy is below this fraction of the initial slope.
 constexpr double initial_step_fraction = 0.125;
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
 constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
-// Number of steps after which the net pressure is computed in double precision, because round-off accumulates.
+// The net pressure is recomputed in double precision after this number of steps, because round-off accumulates.
 constexpr std::int64_t steps_per_recomputation = 20;
 // Maximum number of successive directions along which round-off increases the energy.
 constexpr std::int64_t max_failed_descents = 3;
 // Number of values that a thread processes per task. Sums do not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
-constexpr std::size_t stress_lanes = 16;  // number of partial sums, so that the compiler vectorises sums
+constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
 
 // Sums are kept in stress_lanes, and added at the end.
 using Lanes = std::array<double, stress_lanes>;
@@ -56,7 +56,7 @@ STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   }
 }
 
-// Copy the net pressure to the residual. Return the sum of its absolute values.
+// Copy the net pressure to the residual, and return the sum of the absolute values.
 STICTION_MULTIVERSION
 double copy_residual(const double* net_pressure, std::size_t size, float* __restrict residual) {
   Lanes sums{};
@@ -179,7 +179,8 @@ struct Edges {
   }
 };
 
-// Set the changes at closed points that would move against their residual to 0. Add the approach to the others.
+// Set the changes at closed points that would move against their residual to 0.
+// Add the change of the approach to the other changes.
 // Returns the product of changes and residual, and the largest change of small gaps.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
@@ -204,7 +205,8 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step that ends at closed points. Store the remainder of the step. Return true if there is one.
+// Change the gaps by a step. Points that close stop at a gap of 0, and store the remainder of their step.
+// Return whether there is a remainder.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -264,7 +266,7 @@ struct EnergyMinimizer::Residual {
   double approach = 0.0;
 };
 
-// Direction of a step: slope of the energy along it, and its largest change of small gaps.
+// Direction of a step: slope of the energy along the direction, and largest change of a small gap.
 struct EnergyMinimizer::Direction {
   double slope = 0.0;
   double max_change = 0.0;
@@ -301,8 +303,8 @@ std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
 }
 
 // Call work(first, size, gap_index) for each row of the extended grid, and add the results in a fixed order.
-// `first` is the index of the first point of the row, and `size` the number of its points that are on the original
-// grid. The first of these points has the index `gap_index` on the original grid.
+// `first` is the index of the first point of the row, and `size` is the number of points of the row that are on the
+// original grid. On the original grid, the first point of the row has the index `gap_index`.
 template <class Sums, class Work>
 Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
   const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);
@@ -430,7 +432,8 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// Store the next direction, conjugate to the last one unless it would increase the energy, in the state.
+// Store the next direction in the state.
+// The next direction is conjugate to the last direction unless it would increase the energy.
 // Returns the product of the residual and the preconditioned residual.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
@@ -548,7 +551,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
 }
 
 // Compute the net pressure from the displacements in double precision.
-// Around a free grid, the displacements are those due to the last net pressure.
+// Around a free grid, the displacements are due to the last net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

@@ -99,8 +99,9 @@ class ElasticKernel {
 ///
 /// The inverse needs a surface without edges. A free grid is therefore extended, by zero padding, to a larger grid that
 /// repeats periodically. The original grid is the first rows and columns of the extended grid. If no net pressure acts
-/// outside the original grid, displacements within the original grid equal those of ElasticKernel, up to a uniform one.
-/// A periodic grid is not extended. On a periodic grid, a uniform displacement requires no pressure.
+/// outside the original grid, displacements within the original grid equal the displacements of ElasticKernel except
+/// for a uniform displacement. A periodic grid is not extended.
+/// On a periodic grid, a uniform displacement requires no pressure.
 class StiffnessKernel {
  public:
   /// Compute the Fourier coefficients of compliance and stiffness.

@@ -27,7 +27,7 @@ struct MinimizationLimits {
   double min_contact_load = 0.0;       ///< mean contact pressure [GPa] below which the bodies count as separate
 };
 
-/// State between two steps of a minimisation, from which the minimisation can be resumed.
+/// State between two steps of a minimisation. The minimisation can be resumed from this state.
 struct MinimizationState {
   std::vector<double> gap;           ///< gap [µm] of each grid point
   std::vector<double> net_pressure;  ///< pressure minus attraction [GPa] on the extended grid of StiffnessKernel
@@ -47,7 +47,7 @@ enum class MinimizationOutcome {
   unfinished,
   balanced,   ///< the state is an equilibrium
   separated,  ///< the bodies have separated
-  stalled,    ///< round-off prevents that the state becomes an equilibrium
+  stalled,    ///< round-off prevents the state from reaching an equilibrium
 };
 
 /// Pressure [GPa] and attraction [GPa] at each grid point.
@@ -65,13 +65,13 @@ struct AdhesiveStresses {
 /// energy along its direction. Only one thread at a time may use the object.
 class EnergyMinimizer {
  public:
-  /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive it.
+  /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive the minimiser.
   /// Throws std::invalid_argument for wrong sizes and for a range or hardness that is not positive.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the state at the start of a minimisation under an external load, a mean pressure [GPa].
-  /// `pressure` and `attraction` [GPa] are those of a nearby state.
+  /// `pressure` and `attraction` [GPa] are the pressure and attraction of a nearby state.
   MinimizationState start(Values pressure, Values attraction, double load, const ThreadPool& pool = ThreadPool());
 
   /// Perform a step, unless the minimisation ends.
@@ -110,7 +110,7 @@ class EnergyMinimizer {
   std::vector<float> descent_;              // negative residual after preconditioning
   std::vector<float> displacement_change_;  // direction including the approach
   std::vector<float> pressure_change_;      // net pressures due to displacement_change_
-  std::vector<double> attracted_gaps_;      // gaps at points of which the attraction changes along the direction
+  std::vector<double> attracted_gaps_;      // gaps of the points whose attraction changes along the direction
   std::vector<double> attracted_gap_changes_;
 };
 

@@ -29,7 +29,7 @@ from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time (s) between two checks of the progress of a command
-# Time (s) in which a stopped command may write its results before it is killed.
+# Time (s) for which a stopped command can still write results before the app kills the command.
 MAX_SHUTDOWN_TIME = 5.0
 KILLED_PROCESS_TIMEOUT = 1.0  # time (s) for which the app waits for the end of a killed process
 MAX_WAITING_JOBS = 8

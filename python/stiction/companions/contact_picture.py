@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored contact map
 # loads in the figure of an adhesive contact, in multiples of the pull-off force
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Side of the map divided by the side of the window that magnifies its largest contact.
+# Side of a map divided by the side of the window that magnifies the largest contact of the map.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 

@@ -46,12 +46,13 @@ NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-NUM_SOLUTIONS_PER_ONSET = 8  # computing time of an onset curve, divided by the time of a contact solution
+NUM_SOLUTIONS_PER_ONSET = 8  # computing time of an onset curve, divided by the computing time of a contact solution
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""
 
-TRACTION_TOLERANCE = 1e-5  # relative tolerance of tractions, for which displacements have errors of about 1e-7
+# relative tolerance of tractions, with which displacements have relative errors of about 1e-7
+TRACTION_TOLERANCE = 1e-5
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
     "displacement": "displacement",

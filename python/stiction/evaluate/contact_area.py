@@ -187,7 +187,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = sums / counts
-    # In an unfinished result, the members whose elastic area is stored may be missing.
+    # An unfinished result may lack all members whose elastic area is stored.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
@@ -201,7 +201,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
     hardness = None if contact.hardness is None else float(contact.hardness)
-    # neglect yielding of adhesive contacts, of which few yield under the attraction alone
+    # neglect yielding of adhesive contacts, because few contacts yield under the attraction alone
     if hardness is None or contact.adheres:
         elastic_areas = areas.all_members
     elif contact.yield_exponent is not None:

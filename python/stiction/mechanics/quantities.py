@@ -68,7 +68,7 @@ class ResultQuantity:
     sum_under_load: str = ""  # for a sum at zero load: name of the corresponding sum under load
     # range to which the limits of an interval of the quantity are restricted
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    # Range of the numbers that a result may store. A stored number may be infinite if a limit is infinite.
+    # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"  # kind of the 95 % interval of the quantity
     percent: bool = False  # True if tables and reports show the quantity in percent
@@ -79,7 +79,7 @@ class ResultQuantity:
     proportional: bool = False
     proportional_with_adhesion: bool = True  # False if adhesion makes the quantity nonzero without a load
     weighted: bool = False  # True if the mean of the quantity over an ensemble is weighted by the load
-    # Name of the quantity for the fraction of members in which only a lower bound is known.
+    # If only a lower bound is known in some members: name of the quantity that contains the fraction of these members.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     is_optional: bool = False  # True if results of earlier versions do not contain the quantity, which is then NaN

@@ -24,7 +24,8 @@ STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count a
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""
 
-MAX_CELLS_OF_SMALL_CONTACT = 4  # maximum number of grid cells of a small contact, whose area depends on the grid
+# a contact with at most this number of grid cells counts as small: its area depends on the grid
+MAX_CELLS_OF_SMALL_CONTACT = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,8 +56,8 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block: a crash loses little work.
-# Writing a block takes a few per cent of the target time.
+# Target computing time (s) of a block.
+# A crash loses little work, and writing a block takes only a few per cent of this time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24

@@ -66,9 +66,10 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of interpolated points of a scan, and area (µm²) or length (µm) of its largest gap.
+    # Fraction of interpolated points of a scan, and area (µm²) or length (µm) of the largest gap between measured
+    # points.
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Fraction of the points of a scan that are missing between two measured points.
+    # Missing points between two measured points, as a fraction of all points of a scan.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},

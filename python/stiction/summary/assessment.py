@@ -53,15 +53,15 @@ MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
 
 # Largest fraction of the load on a single contact at which a coefficient may be quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# fraction of the load on contacts at the edge above which the result has a caveat
+# the result has a caveat if contacts at the edge carry more than this fraction of the load
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # fraction of the load on a single contact above which the result has a caveat
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # a result has a caveat if a single contact carries more than this load fraction
 
 # Above this ratio of true to nominal area, contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
-# A problem has a caveat if it affects more than this fraction of the load, the members or the scan length.
+# A problem causes a caveat if more than this fraction of the load, the members or the scan length is affected.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which the result has a caveat
+MAX_INTERPOLATED_FRACTION = 0.02  # a result has a caveat if more than this fraction of a scan is interpolated
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Maximum fraction of scattered missing points. Above it, a caveat warns of holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -73,11 +73,11 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift, above which there is a caveat."""
-MAX_SPACING_RATIO = 3.0  # ratio of the spacings of two scans above which the result has a caveat
+MAX_SPACING_RATIO = 3.0  # a result has a caveat if the ratio of the spacings of two scans exceeds this limit
 
 # Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# The interval of a result has no upper limit if more than this fraction of its samples has none.
+# The interval of a result has no upper limit if more than this fraction of the samples has no upper limit of friction.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
 """Minimum fraction of input samples without an upper limit of friction for which there is a caveat.

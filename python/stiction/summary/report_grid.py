@@ -127,7 +127,7 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # The report itself marks each tau0 that is large compared with E*.
+                # Suppress warnings about large tau0: the report itself marks each tau0 that is large compared with E*.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"

@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 
 # Budget name of the short wavelengths that the automatic cutoff removes, because they may be noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# An input is dominant if its exact value would narrow the interval by more than this fraction.
+# An input is dominant if the interval would be narrower by more than this fraction with an exact value of the input.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 

@@ -417,7 +417,8 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                if start == 0:  # start the band after a roll-off that has too few bins for its own power law
+                # let the band start after the roll-off, which may have too few bins for a power law of its own
+                if start == 0:
                     _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end), weight[:end])
                     start = (
                         int(np.argmin(roll_off_losses))

@@ -111,7 +111,8 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # Compare the scan only with the other scans: remove its contribution from the joined density.
+                # Compare the scan only with the other scans: remove the contribution of the scan from the joined
+                # density.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)

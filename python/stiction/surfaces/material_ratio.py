@@ -11,7 +11,7 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # width of the core of a material ratio curve: 40 % of the points
+CORE_FRACTION = 0.4  # width of the core of a material ratio curve, as a fraction of all points
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
 # material ratios (ISO 25178-3 defaults) whose height difference is the extreme peak height

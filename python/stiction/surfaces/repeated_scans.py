@@ -29,7 +29,7 @@ MIN_CORRELATION = 0.5  # minimum correlation of two scans of the same area
 # Widths (points) of the Gaussian filters with which two scans are aligned, in this order.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
-# Distance (points) of independent heights in white noise after a Gaussian filter with a width of one point.
+# Distance (points) between independent heights of white noise to which a Gaussian filter of one point was applied.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points around the overlap of two scans that spline interpolation needs
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are compared in the search for the best cutoff

@@ -32,13 +32,12 @@ _WINDOW_OCTAVES = (1.0, 2.0)  # widths (octaves) of the windows in which the exp
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument up to this wavelength (points), and to the surface above.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Reliable wavelengths have at least four times the lowest spectral density.
+# The spectral density at reliable wavelengths is at least this multiple of the lowest spectral density.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# A spectrum counts as rising if a density is more than three times the lowest density at longer wavelengths.
-# Spectra of surfaces never rise so much.
+# A spectrum counts as rising if its density at a wavelength is more than three times the lowest density at longer
+# wavelengths. Spectra of surfaces never rise so much.
 _MIN_RISE_DENSITY_RATIO = 3.0
-# Largest fraction of the mean square slope that may be due to noise.
-# If noise contributes more, the result must not be reported.
+# Largest fraction of the mean square slope that noise may contribute to a result that can be reported.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove.
 # At 1.9, a Gaussian filter transmits 8 % of the amplitude.
@@ -636,7 +635,8 @@ def _find_spectrum_disturbance(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
-        # Search for noise above the first harmonic, because cusps of unequal depth cause a hump near it.
+        # Search for noise above the first harmonic, because cusps of unequal depth cause a hump near the first
+        # harmonic.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (

@@ -30,7 +30,7 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-# Unreliable wavelengths are not mentioned if they contribute less than this fraction of the mean square slope.
+# Unreliable wavelengths are mentioned only if they contribute at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum density of a reported spectral peak, relative to the density at longer wavelengths
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths of the spectrum that are longer than a reported peak

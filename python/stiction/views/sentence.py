@@ -277,7 +277,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 def _averaged_members_text(point: PointSummary) -> str:
     """Return how many members are averaged as text, as in "8 positions"."""
     study = point.study
-    # A study with positions and surrogates evaluates the members of one kind at a time.
+    # A study with positions and surrogates evaluates positions and surrogates separately.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
     return f"{point.members:.0f} {names[1]}{explanation}"

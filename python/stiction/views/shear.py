@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 MAX_PRINTED_DISPLACEMENTS = 13
 MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
-MAX_EDGE_LOAD_FRACTION = 0.2  # fraction of the load at the edges of the faces above which the result has a caveat
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # fraction of the load on yielded points above which the result has a caveat
-# initial contact area, as a fraction of the overlap, above which the result has a caveat
+MAX_EDGE_LOAD_FRACTION = 0.2  # a result has a caveat if more than this load fraction acts at the edges of the faces
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # a result has a caveat if yielded points carry more than this fraction of the load
+# the result has a caveat if the initial contact area exceeds this fraction of the overlap
 MAX_INITIAL_AREA_FRACTION = 0.5
 # largest friction coefficient at the peak that Barton and Choubey (1977) recommend to use
 MAX_USUAL_PEAK = math.tan(math.radians(70))

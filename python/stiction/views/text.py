@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-MIN_STATED_GROOVE_EFFECT = 0.01  # relative change of friction by grooves below which grooves are not mentioned
+MIN_STATED_GROOVE_EFFECT = 0.01  # grooves are reported if friction differs between the axes by at least this fraction
 MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of a result with several points
 
 

@@ -20,7 +20,7 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# As `MIN_MISSING_CODE_DISTANCE`, for codes in a file that occur repeatedly, and for usual codes such as 9999.
+# Smaller limits than `MIN_MISSING_CODE_DISTANCE`, for codes that a file repeats, and for usual codes such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
@@ -51,7 +51,7 @@ MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile has a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# A header that declares a height range is contradicted by a range at least 10 times larger.
+# The declared height range of a header is wrong if the height range of the scan is at least 10 times larger.
 # A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points of a scan whose heights are checked; smaller arrays may be examples
@@ -151,7 +151,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # A gap beside a code is at least as wide in a sample of the heights as in all heights.
+    # Search a sample first: the gap between a code and other heights is at least as wide in the sample as in all
+    # heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -267,7 +268,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         ends = np.flatnonzero(np.diff(scan.heights) != 0)  # index of the last height in each run of equal heights
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # Without the longest run, compute the fraction of points whose height equals the height before.
+        # Compute the fraction of points whose height equals the height of the previous point, without the longest run.
         fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY

@@ -18,7 +18,8 @@ from stiction.views.style import (
     new_figure,
 )
 
-# The figure shows an input if its exact value would narrow the interval by more than this fraction.
+# The figure shows an input if the interval would be narrower by more than this fraction with an exact value of the
+# input.
 MIN_DRAWN_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure of the uncertainty budget
 MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's label; longer labels are wrapped
