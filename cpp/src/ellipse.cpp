@@ -67,7 +67,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
     k = std::fmin(1.0, k * std::exp(step));
     values = integrals(k);
     if (std::abs(step) < 1e-9) {
-      break;  // the iteration converges quadratically; near k = 1, it converges cubically
+      break;  // the iteration converges quadratically, and near k = 1 cubically
     }
   }
   const double major = 2.0 * longer * values.ratio;

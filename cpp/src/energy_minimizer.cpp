@@ -525,7 +525,7 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 
-// Change the state by a step along its direction. Points that would pass a gap of 0 stop there.
+// Change the state by a step along its direction. Points that would pass a gap of 0 stop at this gap.
 void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
   struct Closures {
     bool any = false;

@@ -15,7 +15,7 @@ namespace stiction {
 inline constexpr std::size_t alignment = 64;
 
 /// Memory for complex numbers, aligned to a cache line.
-/// An AlignedBuffer grows on demand, and loses its contents when it grows.
+/// An AlignedBuffer grows on demand, and growing discards the contents.
 class AlignedBuffer {
  public:
   template <class Real>

@@ -250,7 +250,7 @@ class LevelSolver {
 
   // Recompute the potential.
   // `exact` selects double precision for transforms. Potentials of selected points always have double precision.
-  // Single precision is enough if the potential is recomputed later, or if it is only an estimate.
+  // Single precision is enough for a potential that is recomputed later, and for an estimate.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -523,7 +523,8 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Bounds that vary from point to point are ignored on coarser grids, where they have no meaning.
+  // If each point has its own bound, no coarser grids are used, because these bounds are defined only on the finest
+  // grid.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     coarse_gaps_.push_back(interpolate(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));

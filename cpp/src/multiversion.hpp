@@ -43,7 +43,8 @@
 
 /// Define void name(parameters) from a template name_kernel<Width>(arguments).
 /// Width is the number of doubles in a register of the instruction set.
-/// If a SIMD type is wider than a register, GCC stores it in memory, and access to it is 20 times slower.
+/// If a SIMD type is wider than a register, GCC stores values of the type in memory, and access to these values is 20
+/// times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -92,7 +93,7 @@ using Pack = typename PackOf<Width>::Type;
 inline constexpr std::size_t widest_pack = 8;
 
 // Load a register from unaligned memory.
-// std::memcpy is not used, because GCC splits the copy before it knows the instruction set.
+// std::memcpy is not used, because GCC splits the copy before the instruction set is known.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

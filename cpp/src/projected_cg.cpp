@@ -53,7 +53,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     const double p = pressure[i];
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
-    // The loop over the points has no branches, because the processor would mispredict them.
+    // The loop over the points has no branches, because the processor would mispredict many branches.
     const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];

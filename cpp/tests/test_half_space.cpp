@@ -26,7 +26,7 @@ namespace {
 constexpr double modulus = 10.0;
 constexpr double tolerance = 1e-10;
 constexpr double compliance_tolerance = 1e-6;
-constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; it is squared in the energy
+constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; the energy has the square of this error
 const std::vector<double> unbounded{std::numeric_limits<double>::infinity()};
 
 // Return the heights of a map or a line as the sum of sinusoids with several wavelengths.
@@ -116,7 +116,8 @@ TEST_CASE("HalfSpaceGrids: pressures on a free area displace all points in the d
   }
 }
 
-// At all but the highest loads, few points can come into contact, and the solver computes only their displacements.
+// At all but the highest loads, few points can come into contact, and the solver computes displacements only at these
+// points.
 TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid if few points can come into contact") {
   const Grid grid{96, 80, 0.05, 0.06, false, false};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);

@@ -18,7 +18,7 @@ constexpr Index curves = 3;
 constexpr Index steps = 4;
 
 // Positive values of `curves` curves at `steps` steps, one row for each curve and step.
-// The values of a few repetitions are much larger than those of the other repetitions.
+// The values of a few repetitions are much larger than the values of all other repetitions.
 Matrix random_values(Index repetitions, unsigned seed) {
   std::mt19937_64 random(seed);
   Matrix values(curves * steps, repetitions);

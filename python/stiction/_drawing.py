@@ -53,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # Limit the axis of the density. Otherwise, it would mainly show harmonics whose density is only round-off.
+    # Limit the axis of the density. Otherwise, the axis would mainly show harmonics whose density is only round-off.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")

@@ -51,7 +51,7 @@ struct SpherePair {
   double gap;              ///< gap at first contact of the surfaces [µm]
   double radius_sum;       ///< |R_u + R_l| [µm]
   double sign;             ///< sign of R_u R_l
-  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²]; it is zero if the slopes are equal
+  double misalignment;     ///< R_u R_l |n_u + n_l|² [µm²]; zero if the slopes are equal
   double radius;           ///< effective radius [µm]
   Vector3 smaller_centre;  ///< centre of the smaller sphere, relative to its surface point [µm]
   double smaller_radius;

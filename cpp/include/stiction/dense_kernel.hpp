@@ -29,7 +29,7 @@ class DenseKernel {
   void displacement(Values pressure, std::span<double> displacements) const;
 
   /// Compute the displacements of the points in single precision.
-  /// The first call computes the matrix, and later calls reuse it.
+  /// The first call computes the matrix, and later calls reuse the matrix.
   void displacement(std::span<const float> pressure, std::span<float> displacements);
 
  private:

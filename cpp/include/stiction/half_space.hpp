@@ -25,7 +25,7 @@ struct SolverMemory;
 /// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
-  /// Elastic kernels of one grid: one kernel for its points, and one kernel for its blocks of points.
+  /// Elastic kernels of one grid: one kernel for the points, and one kernel for the blocks of points.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
@@ -58,7 +58,8 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Return memory that no other calculation uses. Other calculations can use it after the pointer is destroyed.
+  /// Return memory that no other calculation uses.
+  /// After the pointer is destroyed, other calculations can use the memory.
   /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
   BorrowedMemory borrow_memory() const;
 

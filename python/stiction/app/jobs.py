@@ -245,7 +245,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the coefficients in its JSON record."""
         files = self._choose_directory()
-        # The thread that copies files must not change the job, because it continues after the job is stopped.
+        # The thread that copies files must not change the job, because the thread continues after the job is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show(_read_answer(job, record), files, counts=counts)
 

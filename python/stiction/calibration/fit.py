@@ -195,8 +195,8 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Exclude strengths at which the interface is stronger than the softer body: such a test would not
-                    # measure it.
+                    # Exclude strengths at which the interface is stronger than the softer body: tests would not measure
+                    # such an interface.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:

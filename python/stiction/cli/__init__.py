@@ -28,7 +28,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # No plugins are used. To find them, pydantic would read the metadata of all installed packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    # Prevent the import of Dask, which only clusters use. Otherwise xarray would import it, which takes 0.3 s.
+    # Prevent xarray from importing Dask, because the import takes 0.3 s and only computations on clusters use Dask.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:

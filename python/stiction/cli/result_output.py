@@ -121,7 +121,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    with contextlib.suppress(ValueError):  # when the report is computed, it raises the same error again
+    with contextlib.suppress(ValueError):  # the computation of the report raises the same error again
         # Evaluate these points before the report and the figure, which two processes draw from the same points.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-# first bytes of an onset table, by which its file is recognised
+# first bytes of the file of an onset table, by which an existing file is recognised
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""

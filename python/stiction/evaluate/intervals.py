@@ -319,7 +319,7 @@ class PowerSums:
         self._count += values.shape[-1]
         square = values * values
         self._sums[0] += values.sum(axis=-1)
-        # Use `np.einsum`, which adds up products without storing them.
+        # `np.einsum` adds up products without storing the products in an array.
         for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 

@@ -266,7 +266,7 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which their mean loads are reached.
+    # The first pass over the members finds the loading steps at which the mean loads reach the requested loads.
     # The second pass over the members computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),

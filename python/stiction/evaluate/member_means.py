@@ -89,7 +89,7 @@ def average_members(
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
     # If the body slides by itself in one direction, a mean over directions has no meaning.
-    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel, and their mean is 0.
+    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 

@@ -206,7 +206,7 @@ class FrictionLaw:
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
         area_at_onset = area(pressure)
-        # If contacts at the yield pressure cannot carry the load, they cover the nominal area.
+        # If contacts at the yield pressure cannot carry the load, the contacts cover the whole nominal area.
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))

@@ -36,7 +36,8 @@ quarter of the time of solving a contact with free boundaries.
 TILT_DISPLACEMENT_RATIO = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Limit of the pressures in a linear response to a mean pressure of 1. No response reaches it even on coarse grids.
+# Limit of the pressures in a linear response to a mean pressure of 1.
+# No response reaches this limit even on coarse grids.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer side of a grid cell to its shorter side
 
@@ -412,7 +413,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         np.ascontiguousarray(values[every_second]) for values in (problem.upper, problem.lower, problem.gap)
     )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
-    # The grids of the problem remain cached, because the next problem needs them.
+    # Do not cache the coarse grids: the cached grids of the problem are needed again for the next problem.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_range)

@@ -317,7 +317,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
-            # If the height of the first contact is unknown, the dilation is unknown too, and with it the normal load.
+            # If the height of the first contact is unknown, the dilation and the normal load are unknown too.
             missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 

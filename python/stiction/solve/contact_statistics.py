@@ -19,7 +19,8 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-STEEP_POINT_FRACTION = 0.1  # fraction of the grid points of a body that count as steep: those with the largest slopes
+# fraction of the grid points of a body that count as steep: the points with the largest slopes
+STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""

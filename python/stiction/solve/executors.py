@@ -119,7 +119,8 @@ def _start_without_interrupts(process: ForkProcess) -> None:
     """Start a forked copy of this process, in which Ctrl-C is blocked until the copy can handle it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        # Ignore Python's warning about copying a process with threads. OpenBLAS stops its threads in the copy.
+        # Ignore Python's warning about copying a process that has threads:
+        # OpenBLAS stops its threads in the copied process.
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             process.start()
     finally:

@@ -198,7 +198,7 @@ def _compute_blocks(
 
     Workers that can access the directory write the block files.
     """
-    # Number of workers, or None for a cluster, where it varies.
+    # Number of workers, or None for a cluster, whose number of workers varies.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
@@ -313,7 +313,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# A run prints advice on shortening it if its estimated time (s) on all threads exceeds this limit.
+# If the estimated time (s) of a run on all threads exceeds this limit, the run prints advice on a shorter run.
 LONG_RUN_TIME = 600.0
 
 
@@ -405,7 +405,8 @@ def _submit_member_ranges(
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # `concurrent.futures.wait` locks all futures, and an interruption would leave some of them locked.
+    # A queue replaces `concurrent.futures.wait`, which locks all futures: an interruption would leave some futures
+    # locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:

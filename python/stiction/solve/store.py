@@ -745,7 +745,7 @@ class BlockFileContent:
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates equal those of the study in every bit
+    is_exact: bool  # True if the coordinates equal the coordinates of the study in every bit
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:

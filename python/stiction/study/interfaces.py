@@ -58,7 +58,7 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# A lower limit is moved to the bound of its quantity if it is closer than this fraction of the interval's width.
+# A lower limit is moved to the bound of its quantity if the distance is below this fraction of the interval's width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -81,7 +81,7 @@ class StrengthFit:
     """Fit of mu0 and tau0 to friction tests under one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit; without given errors of the tests, it has no meaning
+    chi_squared: float  # chi-squared of the best fit; meaningless if the tests have no given errors
     freedom: int  # degrees of freedom: number of tests with sliding, minus number of fitted parameters
     probability: float  # probability of a larger chi_squared by chance; NaN without errors or degrees of freedom
     scale: float  # factor by which the errors of the tests were multiplied

@@ -238,7 +238,7 @@ class PreparedBodies:
         """Return the member with a given index, from scans that are low-pass filtered at a cutoff (µm, 0 for none)."""
         surfaces = self._surfaces
         # For each pair of scans, number the members from 0.
-        # Surrogates keep the member number of the study, because it is their random seed.
+        # Surrogates keep the member number of the study, which is the random seed of a surrogate.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

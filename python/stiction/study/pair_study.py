@@ -853,7 +853,7 @@ class MeasuredPair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # Insert no loads between 0 and the smallest other load, because no result is interpolated between them.
+        # Insert no loads between 0 and the smallest other load, because no result is interpolated in this range.
         zero_load_replacements = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1

@@ -281,7 +281,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Mark the input as a range or a list before validation, so that a message mentions only one of them.
+# Mark the input as a range or a list before validation, so that a message mentions only one of the two forms.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -97,7 +97,7 @@ MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a body that yields and has no name is taken for a metal."""
 
-# The result has a caveat if adhesion, which it neglects, would add more than this fraction of the applied load.
+# A result without adhesion has a caveat if adhesion would add more than this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
@@ -144,7 +144,7 @@ class LimitCheck(NamedTuple):
     remedy: str
     severity: Severity = "fault"
     shown: str = "digits"  # kind of the printed number, as in `list_number_formats`
-    # Name of the number in the text, if it is not the number that is compared with the limit.
+    # Name of the number that the text contains, if another number is compared with the limit.
     about: str = ""
 
     @property

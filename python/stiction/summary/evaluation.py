@@ -186,7 +186,7 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # For a range of fractal dimensions, a few are enough for a curve.
+        # For a range of fractal dimensions, show only a few, which are enough for a curve.
         # For a list of fractal dimensions, show all of them.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(

@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
 
-# Budget name of the short wavelengths that the automatic cutoff removes, because they may be noise.
+# Budget entry for the short wavelengths that the automatic cutoff removes as possible noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
 # An input is dominant if the interval would be narrower by more than this fraction with an exact value of the input.
 MIN_DOMINANT_INPUT_FRACTION = 0.1

@@ -142,7 +142,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        # repeat the fit of one line to raise the error that explains why it failed
+        # repeat the fit of one line, which raises an error with the reason of the failure
         estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):

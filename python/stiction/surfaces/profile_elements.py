@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A hill counts if it is higher than this fraction of Rp, and a dale if it is deeper than this fraction of Rv.
+# A hill counts if its height exceeds this fraction of Rp, and a dale counts if its depth exceeds this fraction of Rv.
 DISCRIMINATION_FRACTION = 0.1
 
 

@@ -93,7 +93,7 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
-    # Wave numbers are multiples of the first.
+    # All wave numbers are multiples of the first wave number.
     # Adding 1e-9 keeps a harmonic at an exact decade in its bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)

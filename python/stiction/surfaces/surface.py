@@ -20,7 +20,7 @@ BodyLike = Any  # type of a function argument that can be a Profile, a Surface, 
 # Names in the C++ core of the amplitude parameters for which the order of the points does not matter.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 # Smallest height of a body (µm), below which fourth powers underflow.
-# The largest height is its inverse, above which fourth powers overflow.
+# The largest height is 1/_MIN_HEIGHT, above which fourth powers overflow.
 _MIN_HEIGHT = 1e-50
 
 

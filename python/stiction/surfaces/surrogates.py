@@ -94,8 +94,9 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Append the mirror image of the profile, which removes the jump at its end and adds a harmonic between any two.
-        # The power of each harmonic that mirroring adds is divided equally between its two neighbours.
+        # Append the mirror image of the profile, which removes the jump at the end and adds one harmonic between each
+        # two harmonics of the profile.
+        # The power of an added harmonic is divided equally between the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)

@@ -160,7 +160,8 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            continue  # with a single direction, its coefficients equal the means over all directions
+            # if there is a single direction, the coefficients of the direction equal the means over all directions
+            continue
         selected_rows = _quantity_rows(dataset, name)
         coordinate_names = coordinate_names or [each for each in _POINT_COORDINATES if each in selected_rows]
         motion_column = (

@@ -562,7 +562,7 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
         return ColumnHeadings()
     names, has_unit_line = _parse_column_names(lines, width, dialect)
     if len(lines) > 2 and not has_unit_line and not _names_axes(names):
-        # Below the line of units, a table may have a line with the types of its columns.
+        # Below the line of units, a table may have a line with the data types of the columns.
         names_above, has_unit_line = _parse_column_names(lines[:-1], width, dialect)
         if has_unit_line and _names_axes(names_above):
             lines, names = lines[:-1], names_above

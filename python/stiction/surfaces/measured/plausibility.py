@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme height counts as a code for missing points if it occurs at least twice, or if it is a usual code.
+# An extreme height counts as a code for missing points if the height occurs at least twice, or is a usual code.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0

@@ -42,8 +42,8 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each proc
 MAX_HISTORY_STEPS = 1000
 
 
-# Lines of numbers above or below a table are ignored if they are few.
-# Their largest number is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
+# Lines of numbers above or below a table are ignored if their number is small.
+# The limit is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 

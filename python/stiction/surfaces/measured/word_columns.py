@@ -13,7 +13,8 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
-# The comma is tried last as a cell separator, because it may be the decimal mark of cells with other separators.
+# The comma is tried last as a cell separator, because a comma may also be the decimal mark of cells between other
+# separators.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word which marks a missing point

@@ -248,7 +248,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(values)
-    # A coefficient of 0 has no logarithm, so draw it in the colour of the lowest coefficient.
+    # A coefficient of 0 has no logarithm, so its cell has the colour of the lowest coefficient.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = is_finite
@@ -315,7 +315,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     handles: list[Any] = []
     if has_asperities and (find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        # Draw denser lines in the legend than in the map, because its patch is small.
+        # Draw denser lines in the legend than in the map, because the patch of the legend is small.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)

@@ -200,7 +200,8 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # Draw unfiltered scans left of the first cutoff, even if they resolve no shorter wavelength.
+        # Draw unfiltered scans left of the first cutoff, even if unfiltered scans resolve no shorter wavelength than
+        # this cutoff.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
