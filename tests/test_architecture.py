@@ -16,7 +16,7 @@ def parse_file(path):
     return ast.parse(path.read_text("utf-8"))
 
 
-def test_architecture_page_has_a_row_for_each_package():
+def test_architecture_page_has_a_table_row_for_each_subpackage():
     text = ARCHITECTURE_PAGE.read_text("utf-8")
     packages = {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")}
     listed = re.search(r"^\| package \|.*?\n\n", text, re.DOTALL | re.MULTILINE)[0]

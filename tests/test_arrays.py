@@ -46,12 +46,12 @@ def test_array_with_spacing_and_unit_is_treated_as_a_surface(spacing):
     (lambda z, **options: estimate_hurst_exponent(z, **options).value, HEIGHT_ARRAYS[0]),
     (lambda z, **options: scale_dependent_roughness(z, **options).gradient, HEIGHT_ARRAYS[0]),
 ])  # fmt: skip
-def test_functions_of_a_single_body_accept_arrays(function, heights):
+def test_functions_of_a_single_body_accept_arrays_of_heights(function, heights):
     body = (Profile if heights.ndim == 1 else Surface)(heights, spacing=0.1)
     assert np.array_equal(function(heights, spacing="0.1 um"), function(body))
 
 
-def test_functions_half_space_and_pair_accept_arrays():
+def test_functions_half_space_and_pair_accept_arrays_of_heights():
     expected = half_space(UPPER_SURFACE, LOWER_SURFACE, [1e-3], effective_modulus=10.0)
     curve = half_space(*HEIGHT_ARRAYS, [1e-3], spacing="100 nm", effective_modulus=10.0)
     assert np.array_equal(curve.contact_area, expected.contact_area)
@@ -81,7 +81,7 @@ def test_functions_half_space_and_pair_accept_arrays():
     (lambda: Surface(HEIGHT_ARRAYS[0], spacing="39 mN"), "spacing has the unit 'mN'"),
     (lambda: half_space(UPPER_SURFACE, LOWER_SURFACE, [1e-3], spacing=0.1), "spacing must be omitted"),
 ])  # fmt: skip
-def test_array_with_missing_or_contradictory_arguments_is_rejected(function, words):
+def test_array_of_heights_with_missing_or_contradictory_arguments_is_rejected(function, words):
     with pytest.raises(ValueError, match=words):
         function()
 

@@ -5,7 +5,7 @@ import threading
 from stiction._caching import cached_property
 
 
-def test_computing_a_cached_property_does_not_block_other_objects():
+def test_computing_a_cached_property_of_one_object_does_not_block_other_objects():
     has_begun, may_end = threading.Event(), threading.Event()
 
     class ObjectWithSlowProperty:

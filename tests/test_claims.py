@@ -51,7 +51,7 @@ def resampled_means(result):
     return claims.ResampledMeans(result, 0.1)
 
 
-def test_studies_of_claims_have_the_settings_of_the_paper():
+def test_studies_for_the_claims_have_the_settings_of_the_paper():
     study = claims.claims_study()
     assert study.surfaces.fractal_dimensions().size == 50
     assert study.ensemble.repetitions == 100
@@ -62,7 +62,7 @@ def test_studies_of_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_gives_the_same_friction_maps_as_the_result(result, resampled_means):
+def test_first_resampled_ensemble_gives_the_friction_maps_of_the_result_itself(result, resampled_means):
     load = resampled_means.middle_load
     for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -232,7 +232,7 @@ def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     assert [(outcome.verdict, outcome.excluded_dimensions) for outcome in outcomes] == [("true", ()), ("false", ())]
 
 
-def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
+def test_value_computed_for_a_part_of_a_claim_equals_the_value_built_into_its_data():
     def compute_part_value(name, **sum_functions):
         return judge_part(name, create_result(**sum_functions)).value
 
@@ -246,11 +246,11 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_known_value():
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_parts_of_claims_have_test_data_that_support_them_and_data_that_contradict_them():
+def test_each_part_of_a_claim_has_data_that_support_it_and_data_that_contradict_it():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
-def test_confidence_bands_of_a_minimum_of_noisy_data_are_wider_than_percentile_intervals():
+def test_confidence_band_of_a_noisy_minimum_is_wider_than_its_percentile_interval():
     # The friction is independent of D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sum_functions_with_friction(lambda d, a, f: 0.2 * noise))
@@ -267,7 +267,7 @@ def test_generated_table_of_claims_has_a_column_for_each_contact_model_and_slidi
     assert headings[-len(claims.CLAIMS_TABLE_COLUMNS) :] == list(claims.column_titles(2000).values())
 
 
-def test_claims_are_judged_with_the_sliding_rule_and_contact_model_of_each_column():
+def test_each_column_of_verdicts_uses_its_own_sliding_rule_and_contact_model():
     assert {column.to_study(2000).contact.mechanics for column in claims.CLAIMS_TABLE_COLUMNS.values()} == {
         "asperities",
         "half-space",
@@ -319,7 +319,7 @@ def test_verdict_by_confidence_bands_is_undefined_if_few_fractal_dimensions_have
         judge_claims(create_result(), interval_method="means")
 
 
-def test_verdict_is_undefined_if_most_of_the_range_of_a_claim_has_no_values():
+def test_verdict_is_undefined_if_most_of_the_range_of_a_claim_lacks_values():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}
@@ -353,8 +353,8 @@ def test_judging_claims_rejects_a_study_without_the_required_amplitude(result):
 
 
 def test_tables_of_claims_are_written_from_stored_results(tmp_path):
-    small = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
-    claims.write_tables(tmp_path, tmp_path, changes=small | {"ensemble.repetitions": 20})
+    small_study_changes = {"surfaces.points": 4000, "surfaces.extent": "2 um", "contact.approach.count": 6}
+    claims.write_tables(tmp_path, tmp_path, changes=small_study_changes | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert text.count("| **") == 2 * len(CLAIMS)
     # If all results are stored, the tables are written from these results, and nothing is computed.

@@ -45,7 +45,7 @@ def test_estimate_in_a_table_is_rounded_to_the_second_digit_of_its_half_width(va
     assert estimate.text() == estimate.table_text == text
 
 
-def test_missing_interval_is_stated_only_in_tables():
+def test_missing_interval_of_an_estimate_is_stated_only_in_tables():
     estimate = Estimate(0.5)
     assert (estimate.text(), estimate.table_text) == ("0.5", "0.5 no interval")
 
@@ -57,7 +57,7 @@ def test_interval_is_printed_as_its_limits_joined_by_the_word_to():
     assert str(Interval(0.2, 0.2)) == "0.2000"
 
 
-def test_value_of_an_estimate_determines_the_prefix_of_its_unit():
+def test_unit_prefix_of_an_estimate_is_determined_by_its_value():
     assert Estimate(0.25, 0.125, 0.5, unit="um").in_prefixed_unit() == Estimate(250.0, 125.0, 500.0, unit="nm")
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == Estimate(25.0, 12.5, 50.0, unit="%")
     # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.
@@ -67,7 +67,7 @@ def test_value_of_an_estimate_determines_the_prefix_of_its_unit():
     assert [Estimate(value).in_prefixed_unit("mN").unit for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
 
 
-def test_extended_interval_includes_both_intervals_and_ignores_missing_limits():
+def test_extended_estimate_includes_both_intervals_and_ignores_missing_limits():
     estimate = Estimate(0.2, 0.1, 0.3)
     assert estimate.extended_to(Estimate(0.25, 0.15, 0.4)) == Estimate(0.2, 0.1, 0.4)
     assert estimate.extended_to(Estimate(0.25)) == estimate
@@ -78,7 +78,7 @@ def test_extending_an_estimate_without_interval_adds_no_interval():
     assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
 
 
-def test_intervals_are_extended_to_the_lowest_and_highest_limits_of_several_intervals():
+def test_interval_of_estimates_is_extended_to_the_outermost_limits_of_other_intervals():
     own = [[1.0, 2.0], [np.nan, np.nan], [1.0, np.inf]]
     extended = extend_intervals(own, [[0.5, 1.5]] * 3, [[np.nan, 3.0], [1.0, 2.0], [2.0, 4.0]])
     np.testing.assert_array_equal(extended, [[0.5, 3.0], [np.nan, np.nan], [0.5, np.inf]])

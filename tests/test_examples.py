@@ -150,7 +150,7 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
 
 
 @parametrize_pages(PAGE_FILES)
-def test_hidden_code_cell_starts_with_a_comment_that_it_is_for_the_built_page_only(page):
+def test_hidden_code_cell_starts_with_a_comment_that_it_only_serves_the_built_page(page):
     for block in code_blocks(page):
         options = re.match(CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):
@@ -363,7 +363,7 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
-def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
+def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
     table = run_script_once(ROOT / "examples/characterise_profile.py")
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
     # Before the table, the command prints a line about how it read the file.
@@ -372,7 +372,7 @@ def test_documentation_page_about_measured_surfaces_shows_the_output_of_its_exam
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
-def test_documentation_page_about_friction_tests_shows_the_output_of_its_first_command(tmp_path, monkeypatch):
+def test_page_about_friction_tests_shows_the_output_of_its_first_command(tmp_path, monkeypatch):
     blocks = code_blocks(ROOT / "docs/howto/calibration.md")
     first_blocks = {kind: next(block for block in blocks if block.kind == kind) for kind in ("python", "sh", "text")}
     monkeypatch.chdir(tmp_path)
@@ -482,7 +482,7 @@ def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, nam
     assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
-def test_constants_named_in_the_guide_for_extensions_exist():
+def test_constants_named_in_the_guide_to_extensions_exist():
     directories = ("python", "tests", "docs/scripts")
     sources = "".join(path.read_text("utf-8") for directory in directories for path in (ROOT / directory).rglob("*.py"))
     constants = re.findall(r"`([A-Z][A-Z_]+)`", (ROOT / "docs/howto/extending.md").read_text("utf-8"))

@@ -18,7 +18,7 @@ DOCUMENTED_STIFFNESS = {
 }  # computed and measured stiffness in MPa/mm, from 1 to 2 MPa and from 5 to 10 MPa
 
 
-def test_fracture_script_reads_gap_and_test_files_of_the_experiment(tmp_path):
+def test_fracture_script_reads_the_gap_and_shear_test_files_of_the_experiment(tmp_path):
     spacing = 2000.0
     heights = np.add.outer(np.arange(64.0), np.arange(64.0))
     np.savez(tmp_path / "a.npz", gap_um=heights, spacing_um=spacing)
@@ -47,7 +47,7 @@ def test_random_roughness_has_the_spectrum_estimated_from_the_scan(hurst):
     DATA_DIRECTORY is None, reason="the measured data are not available; STICTION_FRACTURES may name their directory"
 )
 @pytest.mark.parametrize("name", list(DOCUMENTED_STIFFNESS))
-def test_experiment_with_fixed_settings_reproduces_documented_numbers(name):
+def test_experiment_script_with_fixed_settings_reproduces_the_documented_numbers(name):
     directory, steps = Path(DATA_DIRECTORY), np.array([1.0, 2.0, 5.0, 10.0])
     closure, _ = FRACTURES_NAMESPACE["compute_closure"](FRACTURES_NAMESPACE["read_gap"](directory, name), steps)
     (load, stress), _ = FRACTURES_NAMESPACE["read_load_test"](directory, name)

@@ -8,7 +8,7 @@ from stiction import run
 from support import fuzzing
 
 
-def test_random_arrays_are_accepted_or_raise_value_error():
+def test_functions_accept_random_arrays_or_raise_value_error():
     outcomes = Counter(type(fuzzing.fuzz_numeric_function(np.random.default_rng([1, i]))) for i in range(2000))
     assert set(outcomes) == {type(None), ValueError}
     assert min(outcomes.values()) > 500  # Both outcomes, acceptance and ValueError, must be frequent.
@@ -27,7 +27,7 @@ def stored_result(tmp_path_factory):
     return directory
 
 
-def test_random_damage_to_a_store_is_detected_or_harmless(tmp_path, stored_result):
+def test_random_damage_to_a_stored_result_is_detected_or_harmless(tmp_path, stored_result):
     outcomes = Counter(
         fuzzing.fuzz_stored_result(np.random.default_rng([3, i]), stored_result, tmp_path) for i in range(12)
     )

@@ -132,7 +132,7 @@ def find_slow_modules():
     return slow
 
 
-def test_imports_inside_functions_are_of_slow_modules_only():
+def test_functions_import_only_modules_that_are_slow_to_import():
     """Exempt `cli`: its functions import what they run, so that help texts load none of it."""
     slow_modules = find_slow_modules()
     for module, path in MODULES.items():
@@ -169,7 +169,7 @@ ALLOWED_IMPORTS_OF_VIEWS = {
 """Types that views may import from these modules."""
 
 
-def test_views_import_neither_stores_nor_readers_nor_statistics():
+def test_views_import_no_modules_for_storage_or_reading_or_statistics():
     assert set(MODULES) >= MODULES_RESTRICTED_FOR_VIEWS
     for source in sorted(path.relative_to(PACKAGE_DIRECTORY) for path in (PACKAGE_DIRECTORY / "views").rglob("*.py")):
         for name in imported_names(source):
@@ -307,7 +307,7 @@ def dependencies_by_step(tmp_path_factory):
 
 
 @pytest.mark.parametrize("module", ["files", "report"])
-def test_modules_for_exported_files_and_reports_load_no_matplotlib(module, dependencies_by_step):
+def test_modules_for_exports_and_reports_do_not_load_matplotlib(module, dependencies_by_step):
     """Check reports because their numbers are evaluated in a copy of the process while Matplotlib is imported."""
     assert "matplotlib" not in dependencies_by_step[module]
 
@@ -336,7 +336,7 @@ def test_public_names_are_imported_from_their_defining_modules():
 
 
 @pytest.mark.parametrize("layer", ["app", "cli"])
-def test_public_names_are_not_defined_in_command_line_and_app_layers(layer):
+def test_public_names_are_not_defined_in_the_layers_of_command_line_and_app(layer):
     tree = ast.parse((PACKAGE_DIRECTORY / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{layer}")] == []
 
@@ -355,7 +355,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_begin_with_the_word_of(directory):
+def test_docstrings_do_not_start_with_the_word_of(directory):
     """Check this because a docstring must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

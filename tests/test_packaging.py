@@ -39,7 +39,7 @@ def read_file(name):
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_python_versions_agree_in_all_files():
+def test_supported_python_versions_agree_in_all_files():
     matches = [re.search(r":: 3\.(\d+)$", item) for item in PYPROJECT["project"]["classifiers"]]
     minor_versions = [int(item[1]) for item in matches if item]
     assert PYPROJECT["project"]["requires-python"] == f">=3.{minor_versions[0]}"
@@ -95,13 +95,13 @@ def test_wheel_that_requires_a_newer_glibc_is_rejected(release_script, name, pas
     platform.libc_ver()[0] != "glibc" or tuple(map(int, platform.libc_ver()[1].split("."))) > (2, 36),
     reason="compilers of systems newer than Debian 12 use newer symbols, and build no wheels for older systems",
 )
-def test_core_requires_no_symbols_that_the_oldest_supported_systems_lack(release_script):
+def test_core_extension_requires_no_symbols_that_the_oldest_supported_systems_lack(release_script):
     core = Path(stiction._core.__file__)
     assert b"GLIBCXX_3.4\0" in core.read_bytes()
     assert sys.modules["prove"].find_newer_symbol_versions(core) == []
 
 
-def test_newer_symbol_versions_are_found_in_an_extension(release_script, tmp_path):
+def test_symbol_check_finds_newer_versions_in_an_extension(release_script, tmp_path):
     extension = tmp_path / "core.so"
     extension.write_bytes(b"\0GLIBC_2.34\0GLIBCXX_3.4.30\0GLIBCXX_3.4.9\0CXXABI_1.3.14\0GLIBC_2.4\0GLIBC_2.100\0")
     assert sys.modules["prove"].find_newer_symbol_versions(extension) == [

@@ -164,7 +164,7 @@ def objects_with_repr(upper, lower):
     yield from (stiction.material("brass"), stiction.ContactModel(), stiction.Study.named("quick"))
 
 
-def test_reprs_are_short_and_contain_no_arrays(upper, lower, curve):
+def test_reprs_of_public_objects_are_short_and_contain_no_arrays(upper, lower, curve):
     for item in (*displayed_objects(upper, lower, curve), *objects_with_repr(upper, lower)):
         text = repr(item)
         assert len(text) <= MAX_REPR_LENGTH
@@ -173,7 +173,7 @@ def test_reprs_are_short_and_contain_no_arrays(upper, lower, curve):
         assert type(item).__name__ in text
 
 
-def test_reprs_contain_units(upper, lower, curve):
+def test_reprs_of_public_objects_contain_units(upper, lower, curve):
     assert "0.2 µm apart along x and 0.1 µm along y" in repr(upper)
     assert re.search(r"load +1, 3 mN\n", repr(curve))
     assert re.search(r"density +28: .* µm³\n", repr(power_spectrum(lower.row(0))))
@@ -256,7 +256,7 @@ def create_datasets(upper, lower, function_result, directory):
     return datasets
 
 
-def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surface_directory):
+def test_names_of_dataset_variables_do_not_clash_with_xarray_methods(upper, lower, surface_directory):
     stored_result = pair(
         surface_directory / "upper.npy",
         surface_directory / "lower.npy",
@@ -273,7 +273,7 @@ def test_names_in_datasets_do_not_clash_with_xarray_methods(upper, lower, surfac
     assert (result | {*array.dims, array.name}) & XARRAY_METHODS == ACCEPTED_NAME_CONFLICTS
 
 
-def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
+def test_contacts_method_of_a_result_returns_a_data_frame(function_result):
     result = function_result.contacts(["5 MPa", "10 MPa"], members=[0, 2])
     assert list(result.columns) == [
         "member", "cut_off_um", "load_mN", "x_um", "y_um", "force_mN", "area_um2", "mean_pressure_GPa", "slope_x",
@@ -290,7 +290,7 @@ def test_contacts_of_a_result_are_returned_as_a_data_frame(function_result):
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_of_a_result_are_those_of_the_most_typical_pair_by_default(function_result):
+def test_contacts_method_of_a_result_returns_the_most_typical_pair_by_default(function_result):
     picture = contact_picture(function_result.source)
     result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
@@ -371,7 +371,7 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
 # ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------
 
 
-def test_public_functions_accept_strings_with_units(upper, lower):
+def test_public_functions_accept_quantities_as_strings_with_units(upper, lower):
     np.testing.assert_array_equal(press(upper, lower, ["5 nm", "0.02 um"]).approach, [0.005, 0.02])
     area = float(np.prod(upper.extent))
     np.testing.assert_allclose(half_space(upper, lower, ["1 MPa", "3 mN"]).load, [0.001 * area, 3.0], rtol=1e-12)
@@ -454,7 +454,7 @@ def test_press_function_issues_no_warning_about_two_different_surfaces(scanned_s
         )
 
 
-def test_surface_pressed_on_its_mirror_image_has_no_elastic_tangential_load(lower):
+def test_surface_on_its_mirror_image_has_no_elastic_tangential_load(lower):
     """The slopes of a surface in contact with its mirror image cancel."""
     mirrored_surface = Surface(-lower.heights, spacing=lower.spacing)
     result = half_space(mirrored_surface, lower, "1 mN", direction=[0, 90], sliding="all")

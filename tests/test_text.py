@@ -13,7 +13,7 @@ from stiction._files import UnreadableFileError, create_file_atomically, read_fi
 from stiction._text import printable_path, printable_text
 
 
-def test_control_characters_are_escaped_for_printing():
+def test_control_characters_are_escaped_before_printing():
     for text in ("\x1b[31m", "a\nb", "\r", "\x07", "\u202e", "\u2028", "\x9b2J", "\ud800", "\x00", "\u200b"):
         message = printable_text(f"one{text}two")
         assert message.isprintable()
@@ -22,13 +22,13 @@ def test_control_characters_are_escaped_for_printing():
     assert printable_text("µm é 漢字 ⟨D⟩") == "µm é 漢字 ⟨D⟩"
 
 
-def test_long_text_is_shortened_for_printing():
+def test_long_text_is_shortened_before_printing():
     assert len(printable_text("x" * 10**6)) <= 80
     assert len(printable_path("/" + "y/" * 10**5)) <= 300
     assert printable_text("x" * 80) == "x" * 80
 
 
-def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
+def test_file_reader_limits_the_file_size_and_rejects_special_files(tmp_path):
     (tmp_path / "file").write_bytes(b"x" * 100)
     assert read_file_bytes(tmp_path / "file", 100) == b"x" * 100
     with pytest.raises(UnreadableFileError, match="longer than 99 bytes"):
@@ -45,7 +45,7 @@ def test_file_reading_limits_the_size_and_rejects_special_files(tmp_path):
     "writer", [create_file_atomically, lambda path, failure: replace_file_atomically(path, b"mark", failure)]
 )
 class TestFileWriting:
-    def test_file_writing_uses_unpredictable_temporary_names(self, tmp_path, writer):
+    def test_file_writer_uses_unpredictable_temporary_names(self, tmp_path, writer):
         names = []
         for index in range(2):
             with writer(tmp_path / f"f{index}", ValueError) as partial_file:
@@ -56,7 +56,7 @@ class TestFileWriting:
         assert names[0] != names[1]
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
-    def test_file_writing_does_not_follow_links(self, tmp_path, writer, monkeypatch):
+    def test_file_writer_does_not_follow_links(self, tmp_path, writer, monkeypatch):
         name = _files.new_partial_file_name()
         monkeypatch.setattr(_files, "new_partial_file_name", lambda: name)
         (tmp_path / "target").write_text("mine")
@@ -65,7 +65,7 @@ class TestFileWriting:
             pass
         assert (tmp_path / "target").read_text() == "mine"
 
-    def test_file_writing_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
+    def test_file_writer_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
         monkeypatch.chdir(tmp_path)
         for place in (".", "/dev/null", "/dev/full", "/"):
             with (

@@ -18,7 +18,7 @@ def words_tool():
     return module
 
 
-def test_consecutive_lines_of_comments_are_joined(words_tool):
+def test_words_script_joins_consecutive_lines_of_a_comment(words_tool):
     source = "# A comment that goes on\n# over two lines.\nx = 1  # a comment after code that is long enough\n"
     assert list(words_tool.comments({"dev": source})) == [
         ("dev:1", "A comment that goes on over two lines."),
@@ -26,7 +26,7 @@ def test_consecutive_lines_of_comments_are_joined(words_tool):
     ]
 
 
-def test_listed_docstrings_include_docstrings_of_constants(words_tool):
+def test_words_script_lists_docstrings_of_constants(words_tool):
     source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
     assert list(words_tool.docstring_summaries({"dev": source})) == [
         ("dev:module", "Module."),
@@ -62,7 +62,7 @@ def test_words_script_reports_test_names_that_do_not_begin_with_their_unit(words
     assert len(list(words_tool.find_test_name_faults(files, {"all": ["the"]}))) == 1
 
 
-def test_repeated_constants_and_classes_of_different_modules_are_reported(words_tool):
+def test_words_script_reports_constants_and_classes_defined_in_several_modules(words_tool):
     files = {
         "packaging/a.py": "SIZE = 1\nROOT = 2\nclass Row: pass\n",
         "packaging/b.py": "_SIZE = 3\nROOT = 2\nclass _Row: pass\n",
@@ -78,7 +78,7 @@ SAMPLED_FILES = [
 ]  # fmt: skip
 
 
-def test_sample_of_names_and_sentences_depends_only_on_the_seed(tmp_path):
+def test_words_script_draws_a_sample_that_depends_only_on_the_seed(tmp_path):
     """Sample a repository with a few files of this tree, because sampling the whole tree takes long."""
     for name in SAMPLED_FILES:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -59,7 +59,7 @@ def ratios(script):
     return {name: np.array(values) for name, values in result.items()}
 
 
-def test_limiting_the_pressure_to_the_hardness_underestimates_areas_of_yielding_contacts(ratios):
+def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_contacts(ratios):
     assert ratios["pressure cap"].min() < 0.8
     assert ratios["pressure cap"].max() < 1.05
     assert np.abs(ratios["pressure cap"] - 1).mean() > 0.1
@@ -79,7 +79,7 @@ def test_area_from_onset_of_yield_has_the_elastic_and_plastic_limits(script):
     assert script.combine_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
 
 
-def test_coarse_finite_elements_reproduce_elastic_areas_and_exceed_areas_with_limited_pressure(script, tmp_path):
+def test_coarse_finite_elements_give_elastic_areas_and_exceed_areas_at_limited_pressure(script, tmp_path):
     if script.CCX is None:
         pytest.skip("CalculiX (ccx) is not installed")
 

@@ -60,7 +60,7 @@ def areas(script):
     }
 
 
-def test_limiting_the_pressure_to_the_hardness_underestimates_areas_of_yielding_maps(areas):
+def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_maps(areas):
     ratios = np.concatenate([case.capped / case.true for case in areas.values()])
     assert ratios.max() < 0.92
     assert 0.75 < ratios.mean() < 0.85
@@ -84,7 +84,7 @@ def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(are
         np.testing.assert_allclose(np.array(rows)[:, 2], areas[name].elastic, rtol=0.07)
 
 
-def test_coarse_elastic_plastic_map_has_more_area_than_a_map_with_limited_pressure(script):
+def test_coarse_elastic_plastic_solution_has_more_area_than_one_with_limited_pressure(script):
     case = script.RoughMap(4, (1, 1.5), 1.5, area_fractions=(0.2,), num_points=16, num_layers=6)
     areas = script.find_map_areas(case, script.run_case(case))
     assert areas.pressure_ratio[0] > 0.7
