@@ -219,8 +219,9 @@ def study_file(tmp_path_factory):
 ])  # fmt: skip
 @pytest.mark.usefixtures("disable_figures", "omit_companion_files")
 def test_study_entry_set_on_the_command_line_appears_in_output_and_budget(
-    study_file, tmp_path, key, entry, text, label
+    study_file, tmp_path, monkeypatch, key, entry, text, label
 ):
+    monkeypatch.setattr("stiction.cli.result_output.print_result", lambda *_, **__: None)  # `info` prints the result
     arguments = ["--set", f"{key}={entry}", "--output", "changed"]
     check_stiction("run", study_file, *arguments, cwd=tmp_path, without_report=True)
     document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)

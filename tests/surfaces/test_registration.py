@@ -1,5 +1,7 @@
 """Tests of the registration of two faces that fit, and of the measure of fit."""
 
+import functools
+
 import numpy as np
 import pytest
 from scipy.interpolate import RectBivariateSpline
@@ -24,13 +26,16 @@ def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
     assert registration.rms_gap < 1e-9 < registration.rms_gap_before
 
 
-def cut_moved_pair(angle, shift, noise=0.0, points=100):
-    """Return two faces of one fine map, the upper one rotated by an angle (degrees) and shifted along y and x (points).
-
-    The fine map has twice the resolution, and an interpolation of another order than the registration.
-    """
+@functools.cache
+def interpolate_fine_map():
+    """Return a spline through a map with twice the resolution, of another order than the registration."""
     fine = self_affine_surface(7, shape=(300, 300), **(ROUGH | {"spacing": 25.0}))
-    spline = RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
+    return RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
+
+
+def cut_moved_pair(angle, shift, noise=0.0, points=100):
+    """Return two faces of a fine map, the upper rotated by `angle` (degrees) and shifted along y and x (points)."""
+    spline = interpolate_fine_map()
     rng, radians, distance = np.random.default_rng(1), np.radians(angle), np.arange(points) - (points - 1) / 2
     y, x = np.meshgrid(distance, distance, indexing="ij")
     rows = (y, x * np.sin(radians) + y * np.cos(radians) + shift[0])
@@ -46,7 +51,7 @@ def cut_moved_pair(angle, shift, noise=0.0, points=100):
 @pytest.mark.parametrize("shift", [(0, 2), (0.5, 0), (3.25, -4.5)])
 @pytest.mark.parametrize("angle", [0, 0.25, 0.5, -2])
 def test_registration_finds_shift_and_rotation_to_a_fraction_of_a_grid_point(angle, shift, noise):
-    _, _, registration = register_faces(*cut_moved_pair(angle, shift, noise))
+    _, _, registration = register_faces(*cut_moved_pair(angle, shift, noise, points=72))
     np.testing.assert_allclose(np.array(registration.shift) / 50, shift, atol=0.02)
     assert registration.rotation == pytest.approx(angle, abs=0.02)
     assert registration.rms_gap < 1.5 * max(noise, 0.05)
