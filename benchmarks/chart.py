@@ -35,7 +35,7 @@ def parse_answers_by_question(table: str) -> dict[str, str]:
 
 
 def parse_relative_time(time_text: str, name: str) -> float | None:
-    """Return the run time of a task, or of a part of the task, relative to stiction."""
+    """Return the run time of a program for a task, relative to stiction, or None if the cell gives none."""
     if ";" in time_text or " s, " in time_text:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", time_text)
         return float(result[1]) if result else None
@@ -57,7 +57,7 @@ def collect_relative_times(table: str) -> dict[str, dict[str, float]]:
 
 
 def draw_chart() -> None:
-    """Draw one group of bars for each task, starting with stiction."""
+    """Draw one group of bars per task; the first bar of each group is stiction."""
     ratios_by_task = collect_relative_times((DOCS_DIRECTORY / "generated/performance.md").read_text(encoding="utf-8"))
     with mpl.rc_context(MATPLOTLIB_STYLE):
         num_bars = sum(1 + len(group) for group in ratios_by_task.values())

@@ -126,7 +126,7 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
 
 
 def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest difference from the pressures of tamaas, relative to the highest pressure. Takes minutes."""
+    """Print the largest difference from the pressures of tamaas, relative to the highest pressure, in some minutes."""
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)

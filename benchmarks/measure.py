@@ -41,7 +41,7 @@ def measure_time_unit(repeats: int = 40) -> float:
 
 
 def measure_in_time_units(call: Callable[[], object], repeats: int = 5) -> float:
-    """Return the median of the call time divided by U, which is timed around each call as the clock rate drifts."""
+    """Return the median time of a call in units of U. U is timed around each call, because the clock rate drifts."""
     ratios = []
     for _ in range(repeats):
         unit_before = measure_time_unit(10)

@@ -24,7 +24,7 @@ def time_with_new_threads(study: Study, workers: int) -> float:
 
 
 def measure_speedup(study: Study, one_thread: Executor, two_threads: Executor) -> float:
-    """Return the speed of two threads relative to one thread."""
+    """Return the speed with two threads relative to the speed with one thread."""
     return median_time(lambda: run(study, executor=one_thread), 1) / median_time(
         lambda: run(study, executor=two_threads), 1
     )

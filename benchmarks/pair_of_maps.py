@@ -33,7 +33,7 @@ def write_scans(directory: Path) -> None:
 
 
 def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
-    """Return processor time and wall time of the command."""
+    """Return processor time and wall time (s) of the `stiction pair` command."""
     usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
     subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=directory, check=True, capture_output=True)

@@ -35,7 +35,7 @@ NUISANCE_POINT_FRACTION_IN_TESTS = 0.25
 
 @pytest.fixture(scope="session", autouse=True)
 def few_input_samples(request):
-    """Draw few samples of inputs and calibrations in the tests that `./dev test` runs, to save time."""
+    """Draw few samples of inputs and calibrations in the tests that `./dev test` runs, which saves time."""
     draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
     with (
         use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
@@ -101,7 +101,7 @@ def small_result():
 
 @pytest.fixture(scope="module")
 def no_figures():
-    """Return a context manager that disables figures, for faster tests of other output."""
+    """Return a context manager in which commands write no figures, for faster tests of other output."""
 
     @contextlib.contextmanager
     def without_figures():
@@ -114,7 +114,7 @@ def no_figures():
 
 @pytest.fixture
 def disable_figures(no_figures):
-    """Disable figures during a test."""
+    """Make commands write no figures during a test."""
     with no_figures():
         yield
 

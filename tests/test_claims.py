@@ -246,7 +246,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_value_built_into_its_da
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_each_part_of_a_claim_has_data_that_support_it_and_data_that_contradict_it():
+def test_part_of_a_claim_has_data_that_support_it_and_data_that_contradict_it():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 
@@ -267,7 +267,7 @@ def test_generated_table_of_claims_has_a_column_for_each_contact_model_and_slidi
     assert headings[-len(claims.CLAIMS_TABLE_COLUMNS) :] == list(claims.column_titles(2000).values())
 
 
-def test_each_column_of_verdicts_uses_its_own_sliding_rule_and_contact_model():
+def test_verdicts_in_a_column_use_the_sliding_rule_and_contact_model_of_the_column():
     assert {column.to_study(2000).contact.mechanics for column in claims.CLAIMS_TABLE_COLUMNS.values()} == {
         "asperities",
         "half-space",

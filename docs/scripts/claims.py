@@ -84,7 +84,7 @@ STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 @dataclass(frozen=True)
 class ClaimsTableColumn:
-    """Column of the table of claims: other surfaces or mechanics, as changes of a built-in study, and a sliding rule.
+    """Column of the table of claims: a built-in study with changed surfaces or contact model, and a sliding rule.
 
     Attributes
     ----------
@@ -252,7 +252,7 @@ class ResampledMeans:
         )
 
     def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
-        """Return the limits (D,) of the range of elastic loads that 99 % of the resamples reach at all amplitudes."""
+        """Return, for each D, the lowest and highest elastic load reached by 99 % of resamples at all amplitudes."""
         elastic_loads = np.stack(
             [self.mean_sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)]
         )
@@ -267,9 +267,9 @@ class ResampledMeans:
         return np.asarray(self._means[name][:, :, amplitude_index])
 
     def middle_load_of_all_amplitudes(self) -> Floats | None:
-        """Return the geometric mean (D,) of the lowest and highest load that all amplitudes reach.
+        """Return, for each D, the geometric mean of the lowest and highest load reached at every amplitude.
 
-        None if the result lacks the amplitudes of claim 7.
+        Return None if the result lacks the amplitudes of claim 7.
         """
         if not has_claim_amplitudes(self._amplitudes):
             return None
@@ -295,7 +295,7 @@ class ResampledMeans:
         tau0: float = 0.0,
         amplitude: float | None = None,
     ) -> Floats:
-        """Return a quantity (resample, D) at one load or at one load per D; NaN if the load is not reached."""
+        """Return a quantity (resample, D) at one load or at one load per D, with NaN where the load is not reached."""
         resampled_sums: Any = SimpleNamespace(
             **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
@@ -338,7 +338,7 @@ def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
 
 @dataclass(frozen=True)
 class SimultaneousInterval:
-    """Number for a part of a claim, with its interval from simultaneous bands."""
+    """Number that tests a part of a claim, and the interval of this number from simultaneous bands."""
 
     value: float
     lower: float
@@ -458,7 +458,7 @@ def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitu
 
 
 def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
-    """Return friction with tau0 divided by friction without tau0, at three loads."""
+    """Return the friction coefficient with tau0 divided by the coefficient without tau0, at three loads."""
     return [
         r.at("friction", load, tau0=tau0) / r.at("friction", load)
         for load in (r.light_load, r.middle_load, r.heavy_load)
@@ -844,7 +844,7 @@ def _replace_symbols(text: str) -> str:
 
 
 def render_claim_variants(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render a table of claim parts by variants of the study. A star marks numbers that exclude some D."""
+    """Render a table of claim parts (rows) and variants (columns). A star marks numbers that exclude some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )

@@ -181,7 +181,7 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
 
 
 class LoadSums:
-    """Contact sums as attributes, as `FrictionLaw.load` requires."""
+    """Contact sums with the attribute names that `FrictionLaw.load` requires."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -326,7 +326,7 @@ def solve_asperities(
 
 
 def load_results() -> dict[str, dict]:
-    """Return the stored results by the JSON text of their case."""
+    """Return the stored results, keyed by the JSON text of the case."""
     if not RESULTS_FILE.exists():
         return {}
     rows = [json.loads(line) for line in RESULTS_FILE.read_text(encoding="utf-8").splitlines() if line.endswith("}")]

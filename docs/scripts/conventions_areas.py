@@ -30,10 +30,10 @@ def create_pair():
     return lower, contacts(upper, lower, APPROACH, effective_modulus=10.0, direction=DIRECTION)
 
 
-def draw_arrow(axes, start, vector, colour, text, length=0.8, beyond=1.15):
-    """Draw an arrow along a vector from a point, with a label at its tip."""
-    axes.quiver(*start, *(length * np.asarray(vector)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
-    axes.text(*(start + beyond * length * np.asarray(vector)), text, color=colour, ha="center", va="center")
+def draw_arrow(axes, start, direction, colour, text, length=0.8, beyond=1.15):
+    """Draw an arrow from a point in a direction, with a label at the tip."""
+    axes.quiver(*start, *(length * np.asarray(direction)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
+    axes.text(*(start + beyond * length * np.asarray(direction)), text, color=colour, ha="center", va="center")
 
 
 def hide_axes(axes, heights=1.0, zoom=1.0):

@@ -92,7 +92,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
 
 
 def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
-    """Return the results of the asperity model where its elastic load first reaches that of the half-space."""
+    """Return results of the asperity model at the approach at which its elastic load reaches the half-space load."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
     names = [

@@ -25,13 +25,13 @@ MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
 
 
 def uncorrelated_interval(values):
-    """Return Student's interval, which assumes uncorrelated positions."""
+    """Return Student's interval of the mean, which assumes uncorrelated positions."""
     half_width = stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size)
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
 def lag_one_corrected_interval(values):
-    """Return Student's interval, corrected for the estimated correlation of neighbouring positions."""
+    """Return Student's interval of the mean, corrected for the estimated correlation of neighbouring positions."""
     count, deviations = values.size, values - values.mean()
     correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
     correlation = min(max(correlation, 0.0), 1 - 2 / count)
@@ -43,7 +43,7 @@ def lag_one_corrected_interval(values):
 
 
 def cosine_coefficient_interval(values):
-    """Return Student's interval from the first cosine coefficients, which are nearly independent."""
+    """Return Student's interval of the mean from the first cosine coefficients, which are nearly independent."""
     count = values.size
     num_coefficients = max(4, round(0.41 * count ** (2 / 3)))
     basis = np.cos(np.pi * np.arange(1, num_coefficients + 1)[:, np.newaxis] * (np.arange(count) + 0.5) / count)

@@ -18,7 +18,7 @@ STUDY_OPTIONS = {
 
 
 def select_area_and_friction(dataset):
-    """Return A/A0 and mu_s towards +x under both sliding rules, for each member or each statistic."""
+    """Return A/A0, and mu_s towards +x under both sliding rules, for each pair of maps or each statistic."""
     friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
     return np.stack([area, friction.sel(sliding="opposing"), friction.sel(sliding="all")])

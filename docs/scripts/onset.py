@@ -72,7 +72,7 @@ def format_ratio_interval(ratios: list[float]) -> str:
 
 
 def compare_asperity_model() -> list[str]:
-    """Return table rows: results of the asperity model divided by the half-space at equal elastic load."""
+    """Return table rows: results of the asperity model divided by half-space results at equal elastic load."""
     lines = table_header(
         "longest / shortest wavelength",
         "mean pressure / (E\\* h')",
@@ -123,7 +123,7 @@ def compare_asperity_model() -> list[str]:
 
 
 def compare_tangential_kernels() -> list[str]:
-    """Return table rows: initial stiffness with the full kernel divided by that with the isotropic one, at ν = 0.3."""
+    """Return table rows: initial stiffness with the full kernel relative to the isotropic kernel, at ν = 0.3."""
     lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights

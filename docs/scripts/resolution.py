@@ -41,7 +41,7 @@ def gap_gradient(bodies):
 
 
 def create_pair(hurst, index, points, longest):
-    """Return two self-affine surfaces of equal slope, with wavelengths from four points upwards."""
+    """Return two self-affine surfaces with a given gap gradient, whose shortest wavelength is four grid spacings."""
     bodies = [
         self_affine_surface(
             28, hurst_exponent=hurst, rms=0.01, shape=(points, points), spacing=SPACING, side=side, repetition=index,
@@ -54,7 +54,7 @@ def create_pair(hurst, index, points, longest):
 
 
 def compute_coarser_cutoffs():
-    """Compute pairs at their own and coarser resolutions, with and without a hardness."""
+    """Compute pairs of surfaces at their own resolution and at coarser cutoffs, with and without a hardness."""
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_PAIRS):
@@ -284,7 +284,7 @@ def median_bracket_widths(rows, name, limit_index, upper_key):
 
 
 def render_bracket_rows(groups):
-    """Return table rows: fractions of pairs inside their bounds and inside narrower bounds, and width of bounds."""
+    """Return table rows: fractions of pairs inside their bounds and inside narrower bounds, and widths of bounds."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
         "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
@@ -327,7 +327,7 @@ def render_yield_deviation_rows(rows_by_exponent):
 
 
 def count_covered_pairs(rows, name):
-    """Count the pairs whose predicted interval contains the true number.
+    """Count the pairs of surfaces whose predicted interval contains the true value.
 
     A missing interval counts as zero width at 0.
     """

@@ -449,7 +449,7 @@ def solve_half_space(case: Case, loads: np.ndarray) -> HalfSpaceAreas:
 
 
 def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
-    """Return (A_el^m + (F/H)^m)^(1/m), which joins the elastic area A_el and the plastic area F/H."""
+    """Return (A_el^m + (F/H)^m)^(1/m), which tends to the elastic area A_el and to the plastic area F/H."""
     return (elastic**exponent + plastic**exponent) ** (1 / exponent)
 
 
@@ -507,7 +507,7 @@ def compare_case(name: str, result: dict[str, list[float]]) -> list[AreaComparis
 
 
 def published_ball_fits() -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Return x and A/A_el of fits to finite elements, for overlaps up to 110 times the overlap at first yield.
+    """Return x = F/(A_el H) and A/A_el of published fits, for overlaps up to 110 times the overlap at first yield.
 
     Jackson & Green, Journal of Tribology 127 (2005) 343; Kogut & Etsion, Journal of Applied Mechanics 69 (2002) 657.
     """

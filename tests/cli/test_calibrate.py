@@ -297,7 +297,7 @@ def test_units_in_column_names_of_friction_tests_are_converted(tmp_path):
 
 
 @pytest.mark.parametrize("title", ["load (N)", "normal force (N)"])
-def test_one_table_of_friction_tests_may_give_forces_on_a_ball_and_pressures_on_a_pair(two_finishes_directory, title):
+def test_friction_test_table_accepts_forces_on_a_ball_next_to_pressures_on_a_pair(two_finishes_directory, title):
     path = two_finishes_directory / "ball_and_pair.csv"
     path.write_text(f"pair;{title};load (MPa);coefficient\nball;0,5;;0,2\nground;;80;0,3\nground;0,000002;;0,25\n")
     pair = Result(open_stored_result(two_finishes_directory / "ground"))

@@ -240,7 +240,7 @@ def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution(
     assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
-def test_only_height_factors_that_interpolation_requires_are_computed():
+def test_missing_height_factors_are_only_those_that_interpolation_requires():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]

@@ -293,7 +293,7 @@ class TestSurfaceScalingAndSymmetry:
             factor = 1 if name.endswith(("count", "area", "adhesive")) else 3
             assert np.allclose(getattr(stiffer_curve, name), factor * getattr(original_curve, name), rtol=ROUND_OFF)
 
-    def test_each_areal_contact_opposes_exactly_one_of_two_opposite_directions_of_motion(self):
+    def test_areal_contact_opposes_exactly_one_of_two_opposite_directions_of_motion(self):
         upper, lower = create_rough_surfaces()
         forward_contacts, backward_contacts, contacts_under_all_rule = (
             contacts(upper, lower, 0.1, direction=angle, sliding=rule)

@@ -1,4 +1,4 @@
-"""Reference for the Weierstrass-Mandelbrot function (Eq. 1): the double sum in extended precision."""
+"""Reference for the Weierstrass-Mandelbrot function (Eq. 1 of the paper): the double sum in extended precision."""
 
 import numpy as np
 

@@ -43,7 +43,7 @@ def estimate_true_mean(distribution, positions, correlation, random, num_trials=
 
 
 def coverage_and_width(interval, values, truth, best_width):
-    """Return the coverage, the median width relative to `best_width`, and the fraction of defined intervals.
+    """Return the coverage of intervals, their median width relative to `best_width`, and the fraction that is defined.
 
     `values` has the shape (trials, positions).
     """

@@ -86,7 +86,7 @@ def sum_contacts(rows, sigma):
 
 
 def sum_loads(rows, sigma, mu0, tau0):
-    """Return F_N and F_T, summed contact by contact for given mu0 and tau0 (Eqs. 6, 7 and section 2.5)."""
+    """Return F_N and F_T, summed over the contacts for given mu0 and tau0 (Eqs. 6 and 7 of the paper)."""
     normal = tangential = 0.0
     for _, n_x, n_z, _, _, force, area in rows:
         normal += force * n_z
@@ -110,7 +110,7 @@ def _find_gap_minima(upper, lower):
 
 
 def find_contacts_at_minima(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Return rows like `find_contacts` for contacts at the minima of the splined gap."""
+    """Return the contacts at the minima of the splined gap, as rows like those of `find_contacts`."""
     spline_u, spline_l, positions, heights = _find_gap_minima(upper.tobytes(), lower.tobytes())
     rows = []
     for position, height in zip(positions[heights <= approach], heights[heights <= approach], strict=True):

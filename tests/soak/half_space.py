@@ -98,7 +98,7 @@ def assemble_problem(z, pressure, hardness, periodic, description):
 
 
 def find_solution_violations(lower, load, arguments, curve):
-    """Return the violated conditions of a solution as texts, computed from its pressure alone."""
+    """Return the contact conditions that a solution violates, as texts; they are computed from its pressure alone."""
     hardness = arguments["hardness"] or np.inf
     faults = dense_half_space.find_violations(
         curve.contact(0).pressure,

@@ -72,7 +72,7 @@ def wait_for(driver, condition):
 
 
 def wait_until_idle(driver):
-    """Wait until the page is idle and has updated its address and details."""
+    """Wait until the page is idle and has updated its address and its list of details."""
     wait_for(driver, lambda driver: driver.execute_script("return !frame && !redrawTimer"))
 
 

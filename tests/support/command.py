@@ -1,4 +1,4 @@
-"""Run of the `stiction` command in tests."""
+"""Calls of the `stiction` command in tests."""
 
 import contextlib
 import functools
@@ -29,7 +29,7 @@ def disable_drawing():
 
 @contextlib.contextmanager
 def disable_companion_files():
-    """Return a context manager in which pairs compute no contact picture, cutoff study or onset, to save time."""
+    """Return a context manager in which pairs compute no contact picture, cutoff study or onset, which saves time."""
     with (
         mock.patch("stiction.pipeline.contact_picture", return_value=None),
         mock.patch("stiction.pipeline.compute_companion_files", return_value=None),

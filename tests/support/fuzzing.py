@@ -1,4 +1,4 @@
-"""Calls of functions and commands with random inputs, which must be accepted, or rejected without a traceback.
+"""Calls of functions and commands with random inputs, which must be accepted or rejected without a traceback.
 
 Functions must raise `ValueError`; commands must end with exit status 2. The caller provides a NumPy generator, so
 that runs with the same seed are equal.
@@ -269,12 +269,12 @@ _FUZZED_OPTION_VALUES = [
 
 
 def random_number(random, valid_number):
-    """Return a valid number or, sometimes, an extreme number or an object that is no number."""
+    """Return a valid number or, sometimes, an extreme number or an object that is not a number."""
     return valid_number if random.random() < 0.9 else _FUZZED_NUMBERS[int(random.integers(len(_FUZZED_NUMBERS)))]
 
 
 def random_choice(random, valid_choice):
-    """Return a valid choice or, sometimes, another object."""
+    """Return a valid choice or, sometimes, an object that is not a valid choice."""
     return (
         valid_choice
         if random.random() < 0.95

@@ -37,7 +37,7 @@ TINY_STUDY = Study().with_changes(
 
 
 def empty_dataset(study):
-    """Return the dataset that a study would give, with all numbers zero, and with units, names and attributes."""
+    """Return a dataset like the result of a study, with its units, names and attributes, but with all numbers zero."""
     numbers = np.arange(study.ensemble.repetitions)
     arrays = {
         name: np.zeros(variable.shape, variable.dtype) for name, variable in variable_specs(study, numbers).items()
@@ -72,7 +72,7 @@ def assert_same_bits(actual, expected):
 
 
 def rewrite_variable(file, name, change):
-    """Replace a variable in a netCDF file by the result of `change(values)`, with the same dimensions."""
+    """Replace the values of a variable in a netCDF file by `change(values)`, with the same dimensions."""
     scales = [[dim[i] for i in range(len(dim))] for dim in file[name].dims]
     values = change(file[name][...])
     del file[name]

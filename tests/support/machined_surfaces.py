@@ -49,7 +49,7 @@ def milled_surface(rng, dimensions):
 
 
 def ground_surface(rng, dimensions, *, stretch=30.0):
-    """Return a ground surface with grooves `stretch` times as long as wide; infinity gives straight grooves."""
+    """Return a ground surface whose grooves are `stretch` times as long as wide; infinity gives straight grooves."""
     hurst, longest = rng.uniform(0.5, 0.9), rng.uniform(30, 120)
     if dimensions == 1:
         return filtered_noise(rng, GRID_SHAPES[1], hurst, longest=longest)

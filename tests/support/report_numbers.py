@@ -10,7 +10,7 @@ import numpy as np
 
 
 class ReportEvaluator:
-    """Data of one report, to which the functions of `numbers.js` are applied."""
+    """Data of one report, evaluated by the functions of `numbers.js`."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
@@ -74,7 +74,7 @@ class ReportEvaluator:
         )  # fmt: skip
 
     def format_validity(self, name, mu0, tau0, **place):
-        """Return the text of a quantity that shows whether the model is valid, and whether it is beyond its limit."""
+        """Return the text of a validity indicator, and whether the indicator is beyond its limit."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0); return ["
             "printed(numberAt(numbers, `mean_${name}`, index, place)),"

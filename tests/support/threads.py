@@ -1,4 +1,4 @@
-"""Check of whether a call releases the interpreter lock, so that other threads can run."""
+"""Check that a call releases the interpreter lock, so that other threads can run."""
 
 import sys
 import threading
@@ -8,7 +8,7 @@ MAX_WAITING_TIME = 30.0  # time in seconds that is long enough for another threa
 
 
 def releases_interpreter_lock(call):
-    """Return True if another thread runs during calls, although the interpreter does not switch threads by itself."""
+    """Return whether another thread runs during calls, although the interpreter does not switch threads by itself."""
     started, released, has_run = threading.Event(), threading.Event(), threading.Event()
 
     def wait_for_release():

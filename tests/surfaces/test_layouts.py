@@ -340,7 +340,7 @@ def test_profiles_exported_by_instruments_are_read_exactly_or_rejected_in_any_en
         assert body.spacing == pytest.approx(0.5)
 
 
-def test_each_export_format_is_recognised_by_exactly_one_layout_parser():
+def test_exported_file_of_each_format_is_recognised_by_exactly_one_layout_parser():
     texts = {
         name: write(**variant) for name, (write, _, variants) in EXPORT_FORMATS.items() for variant in variants[:1]
     }

@@ -410,7 +410,7 @@ def test_interpolation_of_gradient_and_wavelength_rejects_invalid_arguments():
 
 @pytest.mark.parametrize("colour", ["white", "band"])
 def test_filtering_at_the_instrument_cutoff_preserves_the_slope_of_a_noise_free_surface(colour):
-    """Check that the cutoff removes little slope. A cutoff at the resolution limit itself would reduce h' by 20 %."""
+    """Check that the cutoff removes little slope. A cutoff at `limit.wavelength` would reduce h' by 20 %."""
     for seed in range(6):
         clean_surface = self_affine_surface(
             seed, hurst_exponent=0.7, rms=0.002, shape=(192, 192), spacing=0.02, shortest_wavelength=0.2
