@@ -461,7 +461,7 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]
     """
     num_rows = max(1, bins.log_q.size - _MIN_PIECE_BINS)
     log_q_rows = np.maximum(bins.log_q, bins.log_q[:num_rows, np.newaxis])
-    power, weight = (np.broadcast_to(each, log_q_rows.shape) for each in (bins.power, weight))
+    power, weight = (np.broadcast_to(values, log_q_rows.shape) for values in (bins.power, weight))
     return log_q_rows, _fit_power_laws(log_q_rows, power, weight)[1]
 
 
@@ -474,7 +474,7 @@ def _fit_spectrum_pieces(
     for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
         # pieces of this size, in ascending order of their starts like the rows of the sliding windows
         pieces = piece_ends - starts == size
-        rows = (sliding_window_view(each, size) for each in (bins.log_q, bins.power, weight))
+        rows = (sliding_window_view(values, size) for values in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*rows)
     return starts, piece_ends, exponents, losses
 
