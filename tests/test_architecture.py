@@ -1,19 +1,14 @@
 """Tests that ARCHITECTURE.md names the packages and files of the tree, and that modules say what they do."""
 
 import ast
-import functools
 import re
 from pathlib import Path
+
+from support.sources import parse_file
 
 ROOT = Path(__file__).parents[1]
 PACKAGE_DIRECTORY = ROOT / "python/stiction"
 ARCHITECTURE_PAGE = ROOT / "ARCHITECTURE.md"
-
-
-@functools.cache
-def parse_file(path):
-    """Return the syntax tree of a module, which several tests read."""
-    return ast.parse(path.read_text("utf-8"))
 
 
 def test_architecture_page_has_a_table_row_for_each_subpackage():

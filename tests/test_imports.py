@@ -13,6 +13,7 @@ import pytest
 import stiction
 import typer
 from stiction.cli import application
+from support.sources import parse_file
 
 PACKAGE_DIRECTORY = Path(stiction.__file__).parent
 FACADE = ("result", "pipeline", "measured_pair", "direct_shear")
@@ -35,12 +36,6 @@ ALLOWED_DEPENDENCIES = {
 
 DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
 """Dependencies that `stiction --help` imports. Numeric packages must not be among them."""
-
-
-@functools.cache
-def parse_file(path):
-    """Return the syntax tree of a module, which several tests read."""
-    return ast.parse(path.read_text("utf-8"))
 
 
 def imported_names(source):

@@ -11,6 +11,7 @@ import stiction
 from stiction import _files
 from stiction._files import UnreadableFileError, create_file_atomically, read_file_bytes, replace_file_atomically
 from stiction._text import printable_path, printable_text
+from support.sources import parse_file
 
 
 def test_control_characters_are_escaped_before_printing():
@@ -95,7 +96,7 @@ def test_modules_contain_no_string_statements_without_effect():
     """A string as a statement inside a function is usually the lost second half of a message."""
     lost_strings = []
     for path in sorted(Path(stiction.__file__).parent.rglob("*.py")):
-        nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
+        nodes = list(ast.walk(parse_file(path)))
         functions = [node for node in nodes if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
         docstring_nodes = {node.body[0] for node in nodes if isinstance(node, ast.ClassDef)}
         for function in functions:
@@ -111,7 +112,11 @@ def test_modules_contain_no_string_statements_without_effect():
 
 
 def is_attribute_assignment(node):
-    return isinstance(node, ast.Assign | ast.AnnAssign) and ast.unparse(node).startswith("self.")
+    """Return whether a node assigns to an attribute of `self`."""
+    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+    return isinstance(node, ast.Assign | ast.AnnAssign) and (
+        isinstance(targets[0], ast.Attribute) and getattr(targets[0].value, "id", "") == "self"
+    )
 
 
 def is_string_node(node):

@@ -178,16 +178,30 @@ def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, ma
     assert len(app.list_jobs()) == num_jobs
 
 
-def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(app, map_scans):
-    options = {"upper": "steel", "lower": "brass", "hardness": "1.2 GPa", "load": "10 MPa", "mu0": "0.2"}
-    options |= {"tau0": "20 MPa", "shifts": "1", "direction": "0,90", "wait": "1 min,1 h", "creep": "0.03"}
+@pytest.fixture(scope="module")
+def finished_pair_job(app, map_scans, tmp_path_factory):
+    """Finished job of a pair with an interface file, two directions and two dwell times, and its study file."""
+    path = tmp_path_factory.mktemp("interface") / "film.csv"
+    write_interface(interface("MoS2 on bearing steel, dry air"), path)
+    options = {"upper": "steel", "lower": "brass", "hardness": "1.2 GPa", "load": "10 MPa", "shifts": "1"}
+    options |= {"direction": "0,90", "wait": "1 min,1 h", "creep": "0.03", "interface": app.upload(path)}
     job = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})["job"]
-    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))
-    assert finished[-1]["state"] == "done", finished[-1]["error"]
-    study = tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
+    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
+    assert finished["state"] == "done", finished["error"]
+    return finished, tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
+
+
+def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(finished_pair_job):
+    _, study = finished_pair_job
     assert study["contact"]["direction"] == [0, 90]
     assert study["friction"]["wait"] == ["1 min", "1 h"]
     assert study["friction"]["creep"] == 0.03
+
+
+def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(finished_pair_job):
+    job, study = finished_pair_job
+    assert "--interface=film.csv" in job["command"]
+    assert study["friction"]["interface"]["file"] == "film.csv"
 
 
 def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
@@ -206,18 +220,6 @@ def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
 def test_request_with_a_path_as_interface_is_rejected(app, map_scans):
     request = {"command": "pair", "options": [["load", "1 MPa"], ["interface", "/etc/passwd"]], **map_scans}
     assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
-
-
-def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(app, map_scans, tmp_path):
-    path = tmp_path / "film.csv"
-    write_interface(interface("MoS2 on bearing steel, dry air"), path)
-    options = {"upper": "steel", "lower": "brass", "load": "10 MPa", "shifts": "1", "interface": app.upload(path)}
-    job = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})["job"]
-    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
-    assert finished["state"] == "done", finished["error"]
-    assert "--interface=film.csv" in finished["command"]
-    study = tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
-    assert study["friction"]["interface"]["file"] == "film.csv"
 
 
 @pytest.mark.parametrize("content", [b"mu0,tau0\n0.1,0.2\n", b"\xff\x00", b""])

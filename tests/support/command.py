@@ -9,6 +9,7 @@ import warnings
 from types import SimpleNamespace
 from unittest import mock
 
+import typer
 from stiction import cli
 from stiction.views.files import REPORT_FILE_SIGNATURE, replace_text_file
 
@@ -65,6 +66,10 @@ def disable_reports():
     )
 
 
+get_command_once = functools.cache(typer.main.get_command)
+"""Cached function that builds a command from the parameters of its function, which takes longer than short commands."""
+
+
 def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_report=False):
     """Run `stiction` in this process, and return its exit status and output.
 
@@ -76,6 +81,7 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
         disable_drawing() if without_figures else contextlib.nullcontext(),
         empty_figures() if without_figures else contextlib.nullcontext(),
         disable_reports() if without_report else contextlib.nullcontext(),
+        mock.patch("typer.main.get_command", get_command_once),
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),

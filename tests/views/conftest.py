@@ -30,6 +30,14 @@ def profiles_dataset(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def no_report_panels():
+    """Omit the figures of reports, for faster tests of their numbers and texts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("stiction.views.report.pictures.draw_panels", lambda _: {True: "", False: ""})
+        yield
+
+
+@pytest.fixture(scope="module")
 def driver(tmp_path_factory):
     with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
         yield driver

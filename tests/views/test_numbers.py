@@ -23,6 +23,8 @@ pytest.importorskip("py_mini_racer", reason="mini-racer is not installed")
 
 from support.report_numbers import ReportEvaluator
 
+pytestmark = pytest.mark.usefixtures("no_report_panels")
+
 MAX_PACKING_ERROR = 1e-6  # relative error
 
 
