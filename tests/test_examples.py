@@ -4,10 +4,12 @@ import ast
 import codeop
 import contextlib
 import doctest
+import fcntl
 import functools
 import importlib
 import importlib.util
 import io
+import json
 import os
 import pkgutil
 import re
@@ -19,6 +21,7 @@ import sys
 import sysconfig
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -58,6 +61,7 @@ def run_script_once(tmp_path_factory):
 
 
 @pytest.mark.docs
+@pytest.mark.usefixtures("few_fitted_lines")
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
 def test_example_scripts_finish_without_error(path, run_script_once):
     assert run_script_once(path)
@@ -167,13 +171,21 @@ SMALL_STUDY_CHANGES = {
 }
 
 
+PROFILE_NAMES = {"upper.csv", "lower.csv", "lapped_upper.csv", "lapped_lower.csv"}
+"""Names of the scan files on pages that contain profiles. Other files may contain height maps."""
+NUM_PROFILE_POSITIONS = 8
+
+
 def reduce_study_size(command):
     """Return the command with a smaller study, whose number of repetitions still depends on that of the command."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
             changes = dict(SMALL_STUDY_CHANGES)
         case "run":
-            return re.sub(r"ensemble\.repetitions=\d+", "ensemble.repetitions=70", command)
+            more_positions = f"ensemble.repetitions={NUM_PROFILE_POSITIONS + 6}"
+            return re.sub(r"ensemble\.repetitions=\d+", more_positions, command)
+        case "pair" if {Path(word).name for word in shlex.split(command)[2:4]} <= PROFILE_NAMES:
+            return f"{command} --offsets {NUM_PROFILE_POSITIONS}"
         case _:
             return command
     if options := re.search(r"ensemble\.repetitions=(\d+)", command):
@@ -252,12 +264,28 @@ def has_code(page):
     return any(block.kind in LANGUAGES_RUN_BY_TESTS for block in code_blocks(page))
 
 
+def is_notebook(page):
+    """Return whether the build of the documentation runs the code cells of a page."""
+    return any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in code_blocks(page))
+
+
 LITERAL_PAGES = [
     page
     for page in PAGE_FILES
     if page in (ROOT / "README.md", ROOT / "docs/index.md") or page.parent == ROOT / "docs/tutorials"
 ]
-"""Pages whose commands are run unchanged, in a copy of the tree. On other pages, studies and files are smaller."""
+"""Pages whose commands are run unchanged, in a copy of the tree. On other pages, studies and files are smaller.
+
+The build of the documentation runs the cells of tutorials that are notebooks unchanged, in a directory that contains
+only the example scans.
+"""
+
+
+@parametrize_pages([page for page in LITERAL_PAGES if is_notebook(page)])
+def test_notebook_names_only_files_that_are_in_the_tree(page):
+    names = [name for block in code_blocks(page) for name in re.findall(r"examples/[\w./]+", block.text)]
+    assert [name for name in names if not (ROOT / name).exists()] == []
+
 
 DEV_STUB = """#!/bin/sh
 # Stand-in for ./dev that creates .venv without a network, with the package that is being tested.
@@ -273,18 +301,13 @@ exec .venv/bin/stiction run "$@"
 
 
 def shell_script(page):
-    """Return all shell and Python blocks of a page as a script. Python cells are left to the build of the docs."""
+    """Return all shell and Python blocks of a page as a script."""
     parts = ["set -e"]
     for block in code_blocks(page):
-        first_line, _, rest = block.text.partition("\n")
         if block.kind == "sh":
             parts.append(block.text)
         elif block.kind == "python":
             parts.append(f"python - <<'END_OF_BLOCK'\n{block.text}END_OF_BLOCK")
-        elif first_line == "%%sh":
-            parts.append(rest)
-        elif first_line.startswith("%%writefile "):
-            parts.append(f"cat > {first_line.split()[1]} <<'END_OF_BLOCK'\n{rest}END_OF_BLOCK")
     return "\n".join(parts) + "\n"
 
 
@@ -298,13 +321,24 @@ def run_in_new_terminal(script, directory):
 
 @pytest.fixture(scope="module")
 def clone_after_readme(tmp_path_factory):
-    """Run the blocks of README in order in one terminal, in a copy of the tree. Return the copy and the process."""
-    clone = tmp_path_factory.mktemp("clone")
-    shutil.copytree(ROOT / "examples", clone / "examples")
-    stub = DEV_STUB.format(python=sys.executable, clone=clone, packages=sysconfig.get_path("purelib"))
-    (clone / "dev").write_text(stub, encoding="utf-8")
-    (clone / "dev").chmod(0o755)
-    return clone, run_in_new_terminal(shell_script(ROOT / "README.md"), clone)
+    """Run the blocks of README in order in one terminal, in a copy of the tree. Return the copy and the process.
+
+    All test processes share the copy of the process that starts first.
+    """
+    directory = tmp_path_factory.getbasetemp()
+    directory = directory.parent if "PYTEST_XDIST_WORKER" in os.environ else directory
+    clone, outcome_file = directory / "clone", directory / "readme.json"
+    with (directory / "clone.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not outcome_file.exists():
+            shutil.copytree(ROOT / "examples", clone / "examples")
+            stub = DEV_STUB.format(python=sys.executable, clone=clone, packages=sysconfig.get_path("purelib"))
+            (clone / "dev").write_text(stub, encoding="utf-8")
+            (clone / "dev").chmod(0o755)
+            completed = run_in_new_terminal(shell_script(ROOT / "README.md"), clone)
+            outcome = {name: getattr(completed, name) for name in ("returncode", "stdout", "stderr")}
+            outcome_file.write_text(json.dumps(outcome), encoding="utf-8")
+    return clone, SimpleNamespace(**json.loads(outcome_file.read_text(encoding="utf-8")))
 
 
 @pytest.mark.docs
@@ -319,14 +353,18 @@ def test_commands_of_readme_work_in_order_in_a_fresh_clone(clone_after_readme):
 
 @pytest.mark.docs
 @pytest.mark.timeout(900)
-@parametrize_pages([page for page in LITERAL_PAGES if page.name != "README.md"])
-def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_followed(page, clone_after_readme):
+@parametrize_pages([page for page in LITERAL_PAGES if page.name != "README.md" and has_code(page)])
+def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_followed(
+    page, clone_after_readme, tmp_path
+):
     clone, _ = clone_after_readme
-    completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", clone)
+    shutil.copytree(clone, tmp_path / "clone", symlinks=True)
+    completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", tmp_path / "clone")
     assert completed.returncode == 0, completed.stderr
 
 
 @pytest.mark.docs
+@pytest.mark.usefixtures("few_fitted_lines")
 @parametrize_pages(
     [page for page in PAGE_FILES if has_code(page) and page not in LITERAL_PAGES and page.name != "cluster.md"]
 )
