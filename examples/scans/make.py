@@ -60,7 +60,7 @@ def stylus_trace_text(finish: str, side: str) -> str:
     return "".join([f"# generated, not measured: {finish} steel, stylus\n", "x (um),z (nm)\n", *lines])
 
 
-def create_map_in_converter_steps(side: str) -> np.ndarray:
+def create_map_quantised_by_adc(side: str) -> np.ndarray:
     """Return an interferometer map in whole converter steps. The grinding marks run along y."""
     face = self_affine_surface(
         12,
@@ -98,7 +98,7 @@ def main(directory: Path) -> None:
     for side in SIDES:
         for finish in TRACE_OPTIONS:
             (directory / f"{finish}_{side}.csv").write_text(stylus_trace_text(finish, side), encoding="utf-8")
-        write_x3p(directory / f"ground_{side}.x3p", create_map_in_converter_steps(side))
+        write_x3p(directory / f"ground_{side}.x3p", create_map_quantised_by_adc(side))
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from stiction import (
     write_interface,
 )
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import GROWTH_HEADER_ENTRY, HARDNESS_HEADER_ENTRY, compute_credible_interval
+from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, JUNCTION_GROWTH_HEADER_ENTRY, compute_credible_interval
 from stiction.views.calibration import calibration_text
 from support.rough_surfaces import rough_maps
 
@@ -418,7 +418,7 @@ def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) ->
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
     assert set(interface.fits[0].junction_growth) == {truth}
-    assert interface.about[GROWTH_HEADER_ENTRY] == f"{truth:g}"
+    assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == f"{truth:g}"
 
 
 def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_samples_the_hardness_ratio(tmp_path) -> None:
@@ -428,7 +428,7 @@ def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_samples_the_hardn
     assert interface.tau0[1] < 0.02 < interface.tau0[2]
     ratios = interface.fits[0].junction_growth
     assert 5.14 <= ratios.min() < 5.4 < 5.8 < ratios.max() <= 6.05
-    assert interface.about[GROWTH_HEADER_ENTRY] == "slip-line"
+    assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "slip-line"
     write_interface(interface, tmp_path / "film.csv")
     assert read_interface(tmp_path / "film.csv").junction_growth.uses_slip_lines
     value, lower, upper = interface.predict(compute_plastic_pair("slip-line"), "20 MPa")
@@ -503,7 +503,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
     assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
     # If junction growth is neglected, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
-    assert interface.about[GROWTH_HEADER_ENTRY] == "0"
+    assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "0"
 
 
 def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction_growth() -> None:
@@ -514,7 +514,7 @@ def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction
 
 
 def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
-    assert GROWTH_HEADER_ENTRY not in calibrate(simulate_ball_tests()).about
+    assert JUNCTION_GROWTH_HEADER_ENTRY not in calibrate(simulate_ball_tests()).about
 
 
 def test_interface_file_preserves_junction_growth(tmp_path) -> None:
@@ -522,7 +522,7 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), sliding="all")
     write_interface(interface, path)
     stored_interface = read_interface(path)
-    assert stored_interface.about[GROWTH_HEADER_ENTRY] == "0..27"
+    assert stored_interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "0..27"
     assert stored_interface.fits[0].junction_growth == pytest.approx(interface.fits[0].junction_growth, rel=1e-6)
     options = {name: value for name, value in PLASTIC_PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     result = pair(*rough_surface_pair(0.03), **options, interface=path)

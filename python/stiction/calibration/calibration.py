@@ -22,8 +22,8 @@ from stiction.mechanics.model import SlidingRule
 from stiction.study.interfaces import (
     ERROR_SCALING_P_VALUE_LIMIT,
     EXCLUSION_P_VALUE_LIMIT,
-    GROWTH_HEADER_ENTRY,
     HARDNESS_HEADER_ENTRY,
+    JUNCTION_GROWTH_HEADER_ENTRY,
     SLIDING_RULES,
 )
 
@@ -143,7 +143,7 @@ def calibrate(
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
     entries |= (
-        {GROWTH_HEADER_ENTRY: first_problem.junction_growth.short_text}
+        {JUNCTION_GROWTH_HEADER_ENTRY: first_problem.junction_growth.short_text}
         if first_problem.junction_growth is not None
         else {}
     )

@@ -183,7 +183,7 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 
 @dataclass(frozen=True)
-class _StripErrors:
+class _StripMeanErrors:
     """Standard error of each quantity's mean over strips, and number of strips in which the quantity has a solution."""
 
     errors: _Samples
@@ -201,7 +201,7 @@ class _StripErrors:
         return np.asarray(stdtrit(np.maximum(np.nan_to_num(count) - 1, 1), probabilities) * error)
 
 
-def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripErrors:
+def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripMeanErrors:
     """Return the standard errors of means over the strips that have a solution.
 
     The peak of a strip is found among the displacements at which the strip has a solution.
@@ -220,7 +220,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
         squares = np.where(is_known, (values - mean) ** 2, 0.0).sum(axis=0)
         freedom = np.where(has_scatter, counts[name] * (counts[name] - 1), 1)
         errors[name] = np.where(has_scatter, np.sqrt(squares / freedom), np.nan)
-    return _StripErrors(errors, counts)
+    return _StripMeanErrors(errors, counts)
 
 
 def add_shear_intervals(

@@ -74,7 +74,7 @@ The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
 
-NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUT_OFFS = 4, 2
+NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUTOFFS = 4, 2
 """Numbers of members, and of cutoffs per member, for which the unloading stiffness of plastic maps is computed.
 
 For lines, the unloading stiffness of all members is computed, because it differs more between members and takes less
@@ -652,7 +652,7 @@ def _solve_measured_member(
                 study,
                 *member.pair,
                 record=record,
-                computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUT_OFFS,
+                computes_unloading=computes_unloading and cell_index < NUM_UNLOADING_CUTOFFS,
                 computes_elastic_area=computes_elastic_area,
             ),
         )

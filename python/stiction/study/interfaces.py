@@ -66,7 +66,7 @@ SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
 """Header entry of an interface file that contains the hardness range, if all tests share this range."""
 
-GROWTH_HEADER_ENTRY = "junction growth of the draws"
+JUNCTION_GROWTH_HEADER_ENTRY = "junction growth of the draws"
 """Header entry of an interface file that contains the junction growth α of the tests.
 
 The entry is missing if no test depends on α, or if α differs between tests.
@@ -156,7 +156,7 @@ class InterfaceStrength:
             area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
             sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
             check_choice("sliding", sliding, SlidingRule)
-            parse_study_input("junction_growth", header.get(GROWTH_HEADER_ENTRY, "0"))
+            parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
             reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
             raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
@@ -298,10 +298,10 @@ class InterfaceStrength:
     @property
     def junction_growth(self) -> UncertainInput | None:
         """Junction growth α of the tests, or None if α differs between the tests or does not affect them."""
-        if GROWTH_HEADER_ENTRY not in self.about:
+        if JUNCTION_GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
-        return replace(parse_study_input("junction_growth", self.about[GROWTH_HEADER_ENTRY]), value=median)
+        return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
         """Return whether a junction growth (None for α = 0) equals that of the tests, including its uncertainty."""

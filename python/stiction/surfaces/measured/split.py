@@ -194,7 +194,7 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
         )
     dialect: Dialect = candidates[int(np.argmax(counts))]
     if any("," in line for line in sample) and all(re.fullmatch(r"[+-]?[0-9]+(,[0-9]+)?", line) for line in sample):
-        if len(Dialect(",", ".").split_line(_find_line_above(text, first))) == 2:
+        if len(Dialect(",", ".").split_line(_find_line_above_table(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
             f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all other "
@@ -266,7 +266,7 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
     by_column = zip(*(row[1::2] for row in rows if len(row) == width), strict=True)
     if not all(len({len(cell) for cell in column}) == 1 for column in by_column):
         return dialect
-    if len(Dialect(",", ".").split_line(_find_line_above(text, first).lstrip("#%!/ "))) == width // 2:
+    if len(Dialect(",", ".").split_line(_find_line_above_table(text, first).lstrip("#%!/ "))) == width // 2:
         return Dialect(",", ",", pairs=True)
     if any(len(cell) > 1 and cell.startswith("0") for cell in odd_cells):
         raise FormatError(
@@ -276,7 +276,7 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
     return dialect
 
 
-def _find_line_above(text: DecodedText, first: int) -> str:
+def _find_line_above_table(text: DecodedText, first: int) -> str:
     """Return the last line before line `first` that is not empty, or ""."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
