@@ -896,8 +896,8 @@ def gentle_friction(
         g_s of the gap along the motion. None stands for an isotropic gap, h'/sqrt(2). On a line, the slope is h'.
     effective_modulus : array_like of float, GPa
     kappa : array_like of float
-        A E* h'/F: 2.1 to 2.4 on Gaussian surfaces at small loads, 2 to 3.5 on lines. For the second order, A is the
-        projected area.
+        A E* h'/F: 2.05 to 2.5 on Gaussian height maps at small loads, 2.4 to 3.6 on profiles. For the second order, A
+        is the projected area.
     sliding : {"opposing", "all"}
         Contacts with friction: only contacts whose normal force opposes the motion, or all contacts.
     slope_ratio : array_like of float
@@ -923,7 +923,7 @@ def gentle_friction(
     Notes
     -----
     With m = mu0 + κ tau0/(E* h') and S = g_s/sqrt(2π) r/(1 + r²), which is g_s/(2 sqrt(2π)) for equally rough surfaces:
-    half of the load is on opposing slopes with the mean slope S, so mu_s = (m/2 + S)/(1 - m S). With friction at all
+    half of the load is on opposing slopes, whose mean is 2 S, so mu_s = (m/2 + S)/(1 - m S). With friction at all
     contacts, mu_s = m. The two surfaces are independent of each other.
 
     Derivation: the gap determines where the surfaces touch. If two Gaussian surfaces have spectra of the same shape,
@@ -937,10 +937,10 @@ def gentle_friction(
     + r²)². These expressions are exact for contacts of equal load with these slopes, and are intended for surfaces of
     equal roughness and compliance.
 
-    S is the mean slope of points under pressure. A contact that spans several slopes opposes as a whole, with a smaller
-    mean slope: with wavelengths of many scales, S decreases to two thirds, which lowers friction by 1 % at h' = 0.1 and
-    by 10 % at 0.8. The estimate does not include small numbers of contacts, whose mean differs from the ensemble mean,
-    contacts that merge at high loads, and slopes that are not normally distributed.
+    2 S is the mean slope of opposing points under pressure. A contact that spans several slopes opposes as a whole,
+    with a smaller mean slope: with wavelengths of many scales, S decreases to two thirds, which lowers friction by 1 %
+    at h' = 0.1 and by 10 % at 0.8. The estimate does not include small numbers of contacts, whose mean differs from the
+    ensemble mean, contacts that merge at high loads, and slopes that are not normally distributed.
 
     Examples
     --------

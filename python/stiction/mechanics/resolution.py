@@ -36,7 +36,7 @@ _MAX_CUTOFF_RATIO = 1 / 30
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ = A E* h'/F at small loads; for Gaussian surfaces, κ is 2.1 to 2.4
+KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ = A E* h'/F at small loads; on Gaussian maps, κ is 2.05 to 2.5
 # Attributes of a load curve that have one number per load, which is the same for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 _VARIABLE_NAMES_BY_FIELD = {
