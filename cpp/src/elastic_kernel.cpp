@@ -141,8 +141,8 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Load the columns of a row into the cache in advance, because their values are copied soon.
-// The processor does not load the columns in advance, because successive rows are far apart in memory.
+// Prefetch the columns of a row that is copied soon.
+// The processor does not prefetch these columns by itself, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
   for (std::size_t column = 0; column < columns_per_block; column += alignment / sizeof(std::complex<Real>)) {
@@ -150,7 +150,7 @@ void prefetch_columns(const std::complex<Real>* columns) {
   }
 }
 
-// Copy columns of an area to contiguous memory.
+// Copy columns of a two-dimensional array to contiguous memory.
 template <class Real>
 void gather_columns(const std::complex<Real>* area, std::size_t stride, std::span<const std::size_t> rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
@@ -163,7 +163,7 @@ void gather_columns(const std::complex<Real>* area, std::size_t stride, std::spa
   }
 }
 
-// Copy columns from contiguous memory back to an area.
+// Copy columns from contiguous memory back to a two-dimensional array.
 template <class Real>
 void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::span<const std::size_t> rows,
                      std::size_t count, std::size_t stride, std::complex<Real>* area) {

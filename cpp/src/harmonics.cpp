@@ -300,7 +300,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Rotate a table of cosines and sines by the phase of the first point of a run.
+// Rotate a table of cosines and sines by the phase of the first point of a run of points.
 // Computing a run by adding the phase difference point by point would accumulate errors.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,

@@ -382,9 +382,9 @@ def _find_extreme_over_dimensions(
     standard_deviations = np.nanstd(usable_values[1:], axis=0)
     has_spread = standard_deviations > 0
     deviations = np.abs(usable_values[1:, has_spread] - usable_values[0, has_spread]) / standard_deviations[has_spread]
-    half_band = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * standard_deviations
+    band_half_width = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * standard_deviations
     lowest_possible = 0.0 if (usable_values[0] >= 0).all() else -math.inf
-    band_ends = [float(extreme_function.reduce(usable_values[0] + side * half_band)) for side in (-1, 1)]
+    band_ends = [float(extreme_function.reduce(usable_values[0] + side * band_half_width)) for side in (-1, 1)]
     return SimultaneousInterval(
         float(extreme_function.reduce(usable_values[0])), max(band_ends[0], lowest_possible), band_ends[1]
     )

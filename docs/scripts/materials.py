@@ -15,7 +15,7 @@ def format_table() -> str:
     """Return a table with one row per material, and the numbered sources below."""
     sources: list[str] = []
 
-    def format_with_source(value: MaterialValue | None) -> str:
+    def format_value_with_source(value: MaterialValue | None) -> str:
         if value is None:
             return "does not yield"
         if value.source not in sources:
@@ -25,7 +25,8 @@ def format_table() -> str:
     lines = ["| material | kind | E (GPa) | ν | hardness (GPa) | also called |", "|---|---|---|---|---|---|"]
     for material in materials():
         values = " | ".join(
-            format_with_source(value) for value in (material.young_modulus, material.poisson_ratio, material.hardness)
+            format_value_with_source(value)
+            for value in (material.young_modulus, material.poisson_ratio, material.hardness)
         )
         lines.append(f"| {material.name} | {material.kind} | {values} | {', '.join(material.aliases)} |")
     lines += ["", *(f"{number}. {source}" for number, source in enumerate(sources, start=1))]

@@ -15,7 +15,7 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 # maximum number of significant digits of a printed number, even if its interval is very narrow
 MAX_SIGNIFICANT_DIGITS = 4
-UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text for the upper limit of an interval without upper limit
+UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text printed instead of an infinite upper limit
 # The upper limit is printed with one digit if it exceeds this multiple of the central number.
 MAX_FULL_PRECISION_END_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # code that replaces the number of decimals of an upper limit if no interval is printed

@@ -1,4 +1,4 @@
-"""`stiction.pair`: static friction of two measured bodies, like the command `stiction pair`."""
+"""`stiction.pair`, the Python equivalent of the command `stiction pair`: static friction of two measured bodies."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class Result(Evaluation):
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the coefficients and quantities as a table, like the CSV file.
+        """Return the coefficients and quantities as a table with the rows and columns of the CSV file.
 
         There is one row per load, mu0, tau0, sliding rule and motion (all directions, an axis or a direction).
         """

@@ -75,7 +75,7 @@ def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(k
     ({"friction.interface": "no such film"}, "friction.interface", "must be a file or one of "),
     ({"friction.creep": None}, "", "friction.wait: needs .* add friction.creep"),
     ({"contact.yield_exponent": "0.2..1.2"}, "contact.yield_exponent", "must be from 0.5 to 10, including its unc"),
-    ({"contact.yield_exponent": True}, "contact.yield_exponent", "must be a number, or a text with a range or an unc"),
+    ({"contact.yield_exponent": True}, "contact.yield_exponent", "must be a number, or a string with a range or an un"),
     ({"contact.junction_growth": 0, "contact.work_of_adhesion": "50 mJ/m^2"}, "contact.yield_exponent",
      "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with p"),
 ])  # fmt: skip

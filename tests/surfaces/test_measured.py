@@ -857,7 +857,7 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
     integers_without_increment = x3p_bytes(
         HEIGHTS_IN_METRES, data_type="I", increment=1e-9, replacements=[("<Increment>1e-09</Increment>", "")]
     )
-    assert "has integers for Z, but no Increment" in error_message(
+    assert "stores Z as integers, but has no Increment" in error_message(
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
     # Remove the namespace of all elements.

@@ -67,7 +67,7 @@ struct HertzCylinder {
   Vector2 semi_axes(double overlap, const Radii& radii) const;
 };
 
-/// An elastic, perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
+/// An elastic-perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
 /// Up to 1.9 times the critical interference, Hertz theory applies. Above, a fit to finite-element results applies.
 /// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % between Hertz theory and the fit.
 struct JacksonGreen {

@@ -80,7 +80,7 @@ class _GridLimits:
     # Lower and upper limit of tau0 (GPa) for each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # mu0 of the best fit if contacts grow under shear, with the shape (points, tau0); None if no contact grows.
+    # mu0 of the best fit, with the shape (points, tau0), if contacts grow under shear; None if no contact grows.
     best_mu0: Floats | None = None
     width_below: Any = None  # half widths of the range of mu0 below and above the best fit; shape (points, tau0)
     width_above: Any = None
@@ -459,7 +459,7 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the true area per load, A/F (1/GPa), as a weighted mean over the tests with sliding."""
+        """Return samples of the true area per load, A/F (1/GPa), each the weighted mean over the tests that slid."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))

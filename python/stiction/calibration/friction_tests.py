@@ -145,7 +145,7 @@ class AreaFactor:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth of the contacts in the test, or None if the test includes no junction growth."""
+        """Junction growth α with which the test is evaluated, or None if the evaluation includes no junction growth."""
         return None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
@@ -210,7 +210,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth of the contacts in the test, or None if the test includes no junction growth."""
+        """Junction growth α with which the test is evaluated, or None if the evaluation includes no junction growth."""
         return self.inputs.estimate("junction_growth")
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Quantities of a result at one load, mu0 and tau0, for one roughness or cutoff: a result point."""
+"""Result point: the quantities of a result at one load, mu0 and tau0, for one cell (a roughness or a cutoff)."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIN_INPUT_SAMPLES = 2**10  # minimum number of samples of the inputs, however many displacements a curve has
-MAX_CURVE_VALUES = 2**21  # maximum number of samples times displacements, for which memory is allocated
+MAX_CURVE_VALUE_COUNT = 2**21  # maximum number of samples times displacements, for which memory is allocated
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Inputs that change the contacts. The test is repeated at the limits of these inputs."""
@@ -58,7 +58,7 @@ class ShearInputSamples:
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
     """Return points of a Sobol sequence, one for each sample. Many displacements reduce the number of samples."""
-    count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUES / num_displacements)))
+    count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
 

@@ -51,7 +51,7 @@ MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = (
     1e-8  # minimum tolerance of a contact solution, because round-off may prevent convergence to smaller tolerances
 )
-# tolerance of a contact solution, as a fraction of the residual of the attraction before the solution
+# tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
 # The tolerance is coarser in plain steps, which do not amplify errors of the contact solution.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0

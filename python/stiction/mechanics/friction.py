@@ -216,7 +216,7 @@ class FrictionLaw:
         return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
 
     def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains if the body's shear strength limits each traction.
+        """Return the fraction of the friction force that remains if the body's shear strength limits local tractions.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -474,7 +474,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return the sums that determine normal and tangential load, each divided by the elastic normal load."""
+    """Return the contact sums that give normal and tangential load, each sum divided by the elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 

@@ -303,7 +303,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._compute_stiffness("unloading_stiffness")
 
     def _compute_stiffness(self, name: str) -> Floats:
-        """Return a stiffness of all contacts, whose compliances are computed together."""
+        """Return the stiffness `name` at each load. The compliances at all loads are computed together."""
         if self._problem.has_finite_approach or name.endswith("closure_stiffness"):
             cache_compliances(self._contact_solutions, unloading=name.startswith("unloading"))
         return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
@@ -443,7 +443,7 @@ def half_space(
     progress: Callable[[int, int, float], object] | None = None,
     record: SolutionRecord | None = None,
 ) -> HalfSpaceCurve:
-    """Compute contact pressure, true contact area and friction of two rough surfaces on an elastic half-space.
+    """Compute contact pressure, true contact area and friction of the rough surfaces of two elastic half-spaces.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
 NUM_CLOSURE_LOADS = 8  # number of loads at which the closure of the joint is computed
-MAX_CLOSURE_LOAD_RATIO = 50.0  # largest load divided by the smallest load at which the closure of the joint is computed
+MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0  # largest to smallest load at which the closure of the joint is computed
 
 _STEP_NUMBER_NAMES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -370,7 +370,7 @@ class ShearBox:
 
     def solve_closure(self, record: SolutionRecord) -> BandisLaw:
         """Compute the closure up to the initial normal load at the start of the path, and fit Bandis' law to it."""
-        loads = self.load * np.geomspace(1 / MAX_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
+        loads = self.load * np.geomspace(1 / MAX_TO_MIN_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
         def solve_closures() -> StepResult:

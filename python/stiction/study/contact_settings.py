@@ -417,7 +417,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.yield_exponent is not None and (self.hardness is None or self.adheres):
             raise make_key_error(
                 "yield_exponent",
-                "must not be given without a hardness, because elastic contacts do not yield"
+                "must not be given without a hardness, because contacts yield only with a hardness"
                 if self.hardness is None
                 else "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are "
                 "computed with pressures up to the hardness",
@@ -438,8 +438,9 @@ class HalfSpaceSettings(CommonContactSettings):
         max_attraction = float(self.work_of_adhesion or 0) / float(self.adhesion_range or DEFAULT_ADHESION_RANGE)
         if self.hardness is not None and not max_attraction < float(self.hardness):
             raise make_key_error(
-                "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, at which "
-                f"bodies yield without a load, got {short_repr(format_quantities(self.hardness))}",
+                "hardness", f"must be above work_of_adhesion / adhesion_range = {max_attraction:g} GPa, because the "
+                "attraction alone would make softer bodies yield, "
+                f"got {short_repr(format_quantities(self.hardness))}",
             )  # fmt: skip
         return self
 

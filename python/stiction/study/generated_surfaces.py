@@ -91,7 +91,9 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         num_harmonics = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
         if num_harmonics > MAX_HARMONICS:
             raise make_key_error(
-                "directions", f"directions times frequencies must be at most {MAX_HARMONICS}, got {num_harmonics}"
+                "directions",
+                f"number of directions times number of frequencies must be at most {MAX_HARMONICS}, "
+                f"got {num_harmonics}",
             )
         return self
 

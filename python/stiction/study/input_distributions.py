@@ -455,7 +455,7 @@ def parse_input_value(name: str, source: Any) -> InputValue:
     if isinstance(source, Quantity) or (kind and not isinstance(source, str)):
         source = quantity(source, "pressure").text
     if isinstance(source, bool) or not isinstance(source, (str, int, float)):
-        raise ValueError(f"must be a number, or a text with a range or an uncertainty, got {short_repr(source)}")
+        raise ValueError(f"must be a number, or a string with a range or an uncertainty, got {short_repr(source)}")
     try:
         value = _parse_input_value(name, source)
     except ValueError as error:

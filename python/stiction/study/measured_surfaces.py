@@ -82,7 +82,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the cutoffs (µm) at which the contacts of the study are computed."""
+        """Return the cutoff wavelengths (µm) of the study, which are the coordinates of its cells."""
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:

@@ -168,10 +168,10 @@ class LineMemberSource:
     def find_shared_properties(self) -> SharedMemberProperties:
         """Return the profiles, the area and the grid that all members have in common."""
         slider, counterface = self.pairs.pair(0)
-        return _find_shared_line_properties(slider, counterface, len(slider) / len(counterface), self.scans)
+        return _find_properties_shared_by_line_members(slider, counterface, len(slider) / len(counterface), self.scans)
 
 
-def _find_shared_line_properties(
+def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
     """Return the profiles, the area and the grid that all members of a study of lines have in common.

@@ -278,7 +278,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Ratio of the rms slopes across and along the lay for each map, or {} unless both maps have a lay."""
+        """Ratio of the rms slope across the lay to the slope along it, for each map; {} if the bodies have no lay."""
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}

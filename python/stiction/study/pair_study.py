@@ -135,7 +135,7 @@ class MeasuredPair:
         Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
         """
         pair = cls(validate_option_values(values), reads_scans=False)
-        _ = pair.files, pair._given_loads, pair._strengths, pair.elasticity, pair._hardness
+        _ = pair.files, pair._given_loads, pair._friction_parameters, pair.elasticity, pair._hardness
         _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent, pair._area_loss, pair._indent
         for name in ("cutoff", "width", "wait"):
             if (value := pair.options.option_value(name)) not in (None, "none"):
@@ -511,7 +511,7 @@ class MeasuredPair:
         return remarks
 
     @property
-    def _strengths(self) -> dict[str, Any]:
+    def _friction_parameters(self) -> dict[str, Any]:
         """Entries of the section `[friction]` for mu0 and tau0: exact numbers, an uncertain number, or an interface."""
         if self.given_interface is not None:
             name = str(self.options.interface)
@@ -524,7 +524,7 @@ class MeasuredPair:
         return values | {name: self.uncertain_inputs[name] for name in values if name in self.uncertain_inputs}
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
-        friction = self._strengths | {"load": self.loads}
+        friction = self._friction_parameters | {"load": self.loads}
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
@@ -765,7 +765,7 @@ class MeasuredPair:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
         if not can_yield:
             if self._hardness is None:
-                raise ArgumentError("{yield_exponent} needs {hardness}, because elastic contacts do not yield")
+                raise ArgumentError("{yield_exponent} needs {hardness}, because contacts yield only with a hardness")
             raise ArgumentError(
                 "{yield_exponent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts are "
                 "computed with pressures up to the hardness"
@@ -779,7 +779,7 @@ class MeasuredPair:
             return None
         if self._yield_exponent is None:
             if self._hardness is None:
-                raise ArgumentError("{indent} needs {hardness}, because elastic contacts do not yield")
+                raise ArgumentError("{indent} needs {hardness}, because contacts yield only with a hardness")
             raise ArgumentError(
                 "{indent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts "
                 "are computed with the measured hardness"

@@ -595,7 +595,7 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove keys from sections if a changed key replaces them.
+        """Remove the keys of `[contact]` and `[friction]` that a changed key replaces.
 
         E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.

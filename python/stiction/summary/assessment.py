@@ -92,7 +92,7 @@ MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 """Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
 
-MIN_SIZE_EFFECT_MODULUS_RATIO = 25.0
+MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
 """Smallest ratio of E* to the hardness for which h* of metals is within its range; h* falls as (G/H)²."""
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a body that yields and has no name is taken for a metal."""
@@ -162,7 +162,7 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks, each of which reports only its first failed check
+CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; a group reports only its first failed check
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment by the severity of the worst caveat."""
@@ -586,7 +586,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
         else softer_material.kind == "metal"
     )
     hardness = get_study_hardness(study)
-    is_hardened = effective_modulus_at(point, study) < MIN_SIZE_EFFECT_MODULUS_RATIO * hardness
+    is_hardened = effective_modulus_at(point, study) < MIN_MODULUS_TO_HARDNESS_RATIO * hardness
     if is_metal and is_hardened and contact.indent is not None:
         text = (
             f"metals as hard as {format_with_unit(hardness, 'GPa')} have a smaller indentation size effect than "

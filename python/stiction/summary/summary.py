@@ -681,7 +681,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the contribution of roughness to the coefficient for the rule "all", or None if it is unknown.
+    """Return the contribution of roughness to the coefficient for the sliding rule "all", or None if it is unknown.
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also

@@ -26,7 +26,7 @@ _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of filter weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
-# The filter estimates a mean line only where measured points have at least this fraction of the weights.
+# The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
 _MIN_PIVOT = 1e-9  # smallest normalised pivot of the equations of a local polynomial that counts as regular
 # Scale of Tukey's biweight, in median absolute deviations.

@@ -269,7 +269,7 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # flipped map of the upper body, whose heights are measured upwards
+    upper: Surface  # map of the upper body after flipping; its heights increase upwards, into the body
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from each piece of a map
     seed: int = 2016  # seed of the random phases of surrogates

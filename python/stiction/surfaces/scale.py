@@ -615,7 +615,7 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     return False, float(np.square(other_q[is_noisy]) @ expected_noise[is_noisy]) * float(other_q[0]) / math.pi
 
 
-class _SpectrumDisturbance(NamedTuple):
+class _NoiseAndTexture(NamedTuple):
     """Noise and periodic texture in a line spectrum: the wavelength limit of the noise, and the texture period."""
 
     # Upper limit of the wavelengths that noise affects, µm; NaN without noise.
@@ -628,13 +628,13 @@ class _SpectrumDisturbance(NamedTuple):
 
 def _find_spectrum_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
-) -> _SpectrumDisturbance:
+) -> _NoiseAndTexture:
     """Find the wavelengths of a spectrum that neither the surface nor a periodic texture explains."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
-            return _SpectrumDisturbance(math.nan, "noise floor", 0.0, period)
+            return _NoiseAndTexture(math.nan, "noise floor", 0.0, period)
         # Search for noise above the first harmonic, because cusps of unequal depth cause a hump near the first
         # harmonic.
         above_first_harmonic = slice(int(first_harmonic), None)
@@ -646,16 +646,16 @@ def _find_spectrum_disturbance(
         )
     wavelength_limit, kind = _find_noise_wavelength(q, density, count, spacing, periodic=periodic)
     if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
-        return _SpectrumDisturbance(math.nan, kind, 0.0, period)
+        return _NoiseAndTexture(math.nan, kind, 0.0, period)
     if first_harmonic > 0 and _falls_like_surface(q, density_with_harmonics, wavelength_limit):
-        return _SpectrumDisturbance(math.nan, kind, 0.0, period)
+        return _NoiseAndTexture(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
     # A noise floor has the same density at all wave numbers as at the end of the spectrum.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
-    return _SpectrumDisturbance(wavelength_limit, kind, mean_square_slope, period)
+    return _NoiseAndTexture(wavelength_limit, kind, mean_square_slope, period)
 
 
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:

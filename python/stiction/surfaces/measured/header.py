@@ -440,7 +440,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the unit that follows the name of the heights in a header line, as in "Z: nm" or "z 10 nm", or None.
+    """Return the unit after the name of the heights in a header line ("Z: nm", "z 10 nm"), or None without a unit.
 
     The unit may be unknown. Remarks and factors are not units.
     """

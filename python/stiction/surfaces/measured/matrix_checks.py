@@ -213,7 +213,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # Compute the log-likelihood of a map relative to a profile, for normally distributed differences.
+    # Compute the log-likelihood ratio of map to profile, for normally distributed differences of neighbouring heights.
     log_likelihood_ratio = num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / ratio) - np.log(ratio))
     if not log_likelihood_ratio <= np.log(MAX_LIKELIHOOD_RATIO):
         return ()

@@ -454,7 +454,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a file of the mirror database dabam if its description file declares slopes."""
+    """Raise `FormatError` for a file of DABAM, a database of X-ray mirrors, if its description declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return

@@ -76,7 +76,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     if "Z" not in absolute_axes:
         raise FormatError("has incremental heights, which X3P does not allow")
     if feature == "SUR" and absolute_axes != ["Z"]:
-        raise FormatError("contains a surface with a position for each point, which cannot be read; a grid is required")
+        raise FormatError("contains a point cloud, a surface with coordinates for each point; only grids can be read")
     columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute_axes}, points)
     heights = axes["Z"].to_lengths(columns["Z"])
     if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
@@ -196,7 +196,7 @@ class _StoredAxis:
                 )
             self.increment = 1.0
         elif self.absolute and not abs(self.increment) > 0:
-            raise FormatError(f"has integers for {name}, but no Increment as their factor")
+            raise FormatError(f"stores {name} as integers, but has no Increment that scales them")
         elif name == "Z":  # reject a negative height factor, which would turn the heights upside down
             self.increment = parse_positive_number(
                 _get_element_text(root, f"{path}/Increment"), f"for {path}/Increment"

@@ -45,7 +45,7 @@ def generated_report_content(
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)
         facts |= _value_facts(values, data.study) | {"maps": list(colour_ranges)}
-        arrays |= _value_arrays(values)
+        arrays |= _create_report_arrays(values)
         for quantity_name, ends in colour_ranges.items():
             for end, numbers in zip(("low", "high"), ends, strict=True):
                 arrays[f"colours_{quantity_name}_{end}"] = NumberArray(numbers, list_number_formats("digits"))
@@ -106,7 +106,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
     }
 
 
-def _value_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
+def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
     """Return the arrays of friction, quantities, statuses and assessments that a page stores."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
