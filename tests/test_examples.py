@@ -126,7 +126,7 @@ def test_documentation_page_contains_only_code_blocks_that_a_test_runs(page):
         )
 
 
-CELL_OPTIONS = r"\A(---\n(.*\n)*?---\n|(:.*\n)+)"
+NOTEBOOK_CELL_OPTIONS = r"\A(---\n(.*\n)*?---\n|(:.*\n)+)"
 """Pattern of the options at the start of a code cell, such as the tags that hide it on the built page."""
 
 
@@ -149,14 +149,14 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
     for block in code_blocks(page):
         if block.kind not in {"python", *LANGUAGES_RUN_BY_DOCS_BUILD} or re.search(r"^%%\w+", block.text, re.MULTILINE):
             continue
-        error = find_prompt_error(re.sub(CELL_OPTIONS, "", block.text))
+        error = find_prompt_error(re.sub(NOTEBOOK_CELL_OPTIONS, "", block.text))
         assert error is None, f"{page.name}: {error}; put an empty line after each loop and function"
 
 
 @parametrize_pages(PAGE_FILES)
 def test_hidden_code_cell_starts_with_a_comment_that_it_only_serves_the_built_page(page):
     for block in code_blocks(page):
-        options = re.match(CELL_OPTIONS, block.text)
+        options = re.match(NOTEBOOK_CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):
             assert block.text[options.end() :].startswith("# for the built page only: ")
 

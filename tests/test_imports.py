@@ -34,7 +34,7 @@ ALLOWED_DEPENDENCIES = {
 }  # fmt: skip
 """Dependencies that an import of all public names loads; packages for plots, files and clusters must be absent."""
 
-DEPENDENCIES_OF_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
+DEPENDENCIES_IMPORTED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
 """Dependencies that `stiction --help` imports. Numeric packages must not be among them."""
 
 
@@ -239,18 +239,18 @@ def dependencies_by_command():
 
 @pytest.mark.parametrize("option", ["--help", "--version"])
 def test_options_help_and_version_load_no_numeric_packages(option, dependencies_by_command):
-    assert dependencies_by_command[option,] <= DEPENDENCIES_OF_HELP
+    assert dependencies_by_command[option,] <= DEPENDENCIES_IMPORTED_BY_HELP
 
 
 @pytest.mark.parametrize("command", MODULE_BY_COMMAND)
 def test_help_of_a_command_loads_numpy_only_for_pair_options(command, dependencies_by_command):
     numpy_if_needed = {"numpy"} if MODULE_BY_COMMAND[command] in MODULES_WITH_PAIR_OPTIONS else set()
-    allowed_dependencies = DEPENDENCIES_OF_HELP | ALLOWED_DEPENDENCIES - {"numpy"} | numpy_if_needed
+    allowed_dependencies = DEPENDENCIES_IMPORTED_BY_HELP | ALLOWED_DEPENDENCIES - {"numpy"} | numpy_if_needed
     assert dependencies_by_command[command, "--help"] <= allowed_dependencies
 
 
 def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers(dependencies_by_command):
-    assert dependencies_by_command["studies",] <= ALLOWED_DEPENDENCIES | DEPENDENCIES_OF_HELP
+    assert dependencies_by_command["studies",] <= ALLOWED_DEPENDENCIES | DEPENDENCIES_IMPORTED_BY_HELP
 
 
 def test_sampling_uncertain_inputs_does_not_load_scipy_stats():

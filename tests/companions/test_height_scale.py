@@ -252,7 +252,7 @@ def test_missing_height_factors_are_only_those_that_interpolation_requires():
     assert (ends[0], ends[-1]) == (MIN_FACTOR, MAX_FACTOR)
 
 
-def test_interpolation_next_to_an_unsolved_height_factor_is_nan():
+def test_interpolation_next_to_a_height_factor_without_solution_is_nan():
     solved_factors = np.array([0.5, 1.0, 2.0])
     values = np.array([[1.0, np.nan], [2.0, 2.0], [4.0, 4.0]])
     assert (

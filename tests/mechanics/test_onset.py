@@ -644,10 +644,10 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
 
 def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(bodies_and_curve):
     onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1)
-    frame = onset.frame()
-    assert list(frame) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
-    assert frame.to_csv(index=False).count("\n") == 22
-    assert frame["displacement_um"].iloc[-1] == onset.displacement_at_sliding
+    table = onset.frame()
+    assert list(table) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
+    assert table.to_csv(index=False).count("\n") == 22
+    assert table["displacement_um"].iloc[-1] == onset.displacement_at_sliding
     iwan, lugre = onset.iwan(), onset.lugre()
     np.testing.assert_allclose(iwan.load(onset.displacement) - onset.tangential_load, iwan.residual, atol=ROUND_OFF)
     assert np.sqrt(np.mean(iwan.residual**2)) < np.sqrt(np.mean(lugre.residual**2)) < 0.1 * onset.sliding_load

@@ -301,7 +301,7 @@ def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
     assert max(first, second) < both < first + second
 
 
-def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_a_limit_of_the_hardness():
+def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_the_largest_hardness():
     face = create_rough_map()
     steep = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}

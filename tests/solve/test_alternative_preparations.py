@@ -90,13 +90,13 @@ def true_value(true_surfaces):
 
 
 @pytest.fixture(scope="module")
-def blunt_scans(true_surfaces):
+def blunt_tip_scans(true_surfaces):
     return [scan_with_tip(surface) for surface in true_surfaces]
 
 
 @pytest.fixture(scope="module")
-def blunt_result(blunt_scans, tmp_path_factory):
-    return pair(*blunt_scans, tip=TIP_RADIUS, directory=tmp_path_factory.mktemp("blunt") / "result", **PAIR_OPTIONS)
+def blunt_result(blunt_tip_scans, tmp_path_factory):
+    return pair(*blunt_tip_scans, tip=TIP_RADIUS, directory=tmp_path_factory.mktemp("blunt") / "result", **PAIR_OPTIONS)
 
 
 @pytest.fixture(scope="module")
@@ -141,7 +141,7 @@ def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(
 
 
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
-def test_interval_that_includes_an_alternative_preparation_is_the_same_in_all_outputs(name, request):
+def test_interval_widened_for_an_alternative_preparation_is_the_same_in_all_outputs(name, request):
     result = request.getfixturevalue(name)
     for each in (result, open_result(result.path)):
         point = each.summary().first
@@ -277,25 +277,27 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_requested_load
         np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
 
 
-def test_second_run_of_pair_adds_a_missing_alternative_preparation_to_the_interval(blunt_result, blunt_scans, tmp_path):
+def test_second_run_of_pair_adds_a_missing_alternative_preparation_to_the_interval(
+    blunt_result, blunt_tip_scans, tmp_path
+):
     directory = tmp_path / "result"
     shutil.copytree(blunt_result.path, directory)
     shutil.rmtree(directory / ALTERNATIVES_DIRECTORY)
     old_result = open_result(directory)
     assert old_result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in old_result.caveats)
-    resumed_result = pair(*blunt_scans, tip=TIP_RADIUS, directory=directory, **PAIR_OPTIONS)
+    resumed_result = pair(*blunt_tip_scans, tip=TIP_RADIUS, directory=directory, **PAIR_OPTIONS)
     assert resumed_result.interval == open_result(directory).interval == blunt_result.interval
 
 
 def test_pair_returns_its_result_with_a_caveat_if_an_alternative_preparation_fails(
-    blunt_scans, blunt_result, monkeypatch
+    blunt_tip_scans, blunt_result, monkeypatch
 ):
     def fail(*_):
         raise ValueError("no memory")
 
     monkeypatch.setattr(alternative_preparations, "build_alternative_study", fail)
-    result = pair(*blunt_scans, tip=TIP_RADIUS, **PAIR_OPTIONS)
+    result = pair(*blunt_tip_scans, tip=TIP_RADIUS, **PAIR_OPTIONS)
     assert result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in result.caveats)
 
@@ -347,8 +349,8 @@ def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_the_pair_withou
     assert same_point.caveats == point.caveats
 
 
-def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstruction(blunt_scans):
-    scan = levelled(blunt_scans[0], "plane")
+def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstruction(blunt_tip_scans):
+    scan = levelled(blunt_tip_scans[0], "plane")
     reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
     np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)
     doubled = sharpened(scan, TIP_RADIUS, 2.0).heights
@@ -365,8 +367,8 @@ def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves(
     assert np.abs(sharp_profile.heights - smooth_profile.heights).max() < 0.05 * 0.01
 
 
-def test_tip_correction_of_a_scan_does_not_depend_on_its_tilt(blunt_scans):
-    scan = levelled(blunt_scans[0], "plane")
+def test_tip_correction_of_a_scan_does_not_depend_on_its_tilt(blunt_tip_scans):
+    scan = levelled(blunt_tip_scans[0], "plane")
     tilt = 0.3 * SPACING * np.arange(scan.heights.shape[0])[:, np.newaxis]
     tilted_scan = scan.changed(scan.heights + tilt, "tilted")
     sharp_heights = sharpened(tilted_scan, TIP_RADIUS, 3.0).heights - tilt

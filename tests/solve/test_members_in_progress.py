@@ -51,11 +51,11 @@ class InterruptedMethod:
         self.num_calls, self.max_calls = 0, None
         original = getattr(owner, name)
 
-        def method(instance, *arguments, **options):
+        def method(owner_instance, *arguments, **options):
             if self.max_calls is not None and self.num_calls >= self.max_calls:
                 raise KeyboardInterrupt
             self.num_calls += 1
-            return original(instance, *arguments, **options)
+            return original(owner_instance, *arguments, **options)
 
         monkeypatch.setattr(owner, name, method)
 

@@ -117,8 +117,8 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
 
 def test_assessments_in_a_friction_table_are_those_of_summaries_and_depend_on_the_sliding_rule(dataset, table):
     result = Result.of(dataset)
-    at = result.at(100 * table["pressure"].values, load_definition="elastic")
-    for point in result.summarize_dataset(at).points:
+    result_at_loads = result.at(100 * table["pressure"].values, load_definition="elastic")
+    for point in result.summarize_dataset(result_at_loads).points:
         place = {"hurst_exponent": 2 - point.at["fractal_dimension"], "rms": point.at["amplitude"]}
         place |= {"pressure": point.at["load"] / 100} | {name: point.at[name] for name in ("mu0", "tau0")}
         assert table["assessment"].sel(sliding="opposing").sel(place, method="nearest").item() == point.assessment

@@ -629,7 +629,7 @@ def test_map_written_in_any_format_is_read_with_equal_heights_and_spacing(tmp_pa
 
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
-def test_damaged_files_from_instruments_are_read_or_rejected(tmp_path, name):
+def test_damaged_instrument_files_give_finite_heights_or_a_format_error(tmp_path, name):
     write, options, _ = EXPORT_FORMATS[name]
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"

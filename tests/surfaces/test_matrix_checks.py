@@ -161,7 +161,7 @@ def test_maps_whose_last_rows_or_columns_resemble_statistics_are_read(tmp_path, 
 
 
 @pytest.mark.parametrize("per_line", [4, 5, 8, 10, 12, 16, 20])
-def test_profile_wrapped_into_lines_of_several_heights_adds_a_caveat(tmp_path, per_line):
+def test_profile_with_several_heights_per_text_line_adds_a_caveat(tmp_path, per_line):
     path, profile = tmp_path / "a.txt", np.cumsum(np.random.default_rng(4).normal(size=240)) / 50
     path.write_text(to_text(profile.reshape(-1, per_line)))
     assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]

@@ -237,7 +237,7 @@ def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
     assert (defects.periodic, periodic_defects.periodic) == (False, True)
 
 
-def test_pair_does_not_filter_scans_because_of_spikes(tmp_path):
+def test_spikes_do_not_make_pair_filter_the_scans(tmp_path):
     paths = []
     for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):
         paths.append(str(tmp_path / f"{side}.npy"))

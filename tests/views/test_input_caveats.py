@@ -412,7 +412,7 @@ def test_step_of_a_profile_adds_a_caveat_with_its_height():
     assert text.startswith("a step of 2")
 
 
-def test_step_of_a_map_with_missing_points_adds_a_caveat():
+def test_height_step_in_a_map_with_missing_points_adds_a_caveat():
     missing = np.random.default_rng(1).random((256, 256)) < 0.3
     missing[:30, :30] = True
     heights = 0.025 * short_wave_map(4) + 2.0 * (np.arange(256) > 100)
