@@ -56,7 +56,9 @@ class PairSlopes:
                 magnitude += np.square(slope, out=buffer)
             np.sqrt(magnitude, out=magnitude)
             np.copyto(buffer, magnitude)
-            steepness_limits[side] = _find_quantile(buffer[is_measured], 1 - STEEP_POINT_FRACTION)
+            steepness_limits[side] = float(
+                np.quantile(buffer[is_measured], 1 - STEEP_POINT_FRACTION, overwrite_input=True)
+            )
             steep_masks[side] = magnitude > steepness_limits[side]
         gap_slopes = [
             np.subtract(above, below, out=above) for above, below in zip(*slopes_by_side.values(), strict=True)
@@ -82,21 +84,6 @@ class PairSlopes:
             + self.gap_mean_product * np.sin(2 * radians)
         )
         return float(np.sqrt(sum(mean_squares))), np.sqrt(np.maximum(mean_squares_by_direction, 0.0))
-
-
-def _find_quantile(values: Floats, probability: float) -> float:
-    """Return a quantile of finite numbers, and reorder the array.
-
-    The quantile equals that of `numpy.quantile`, which takes five times as long for a short profile.
-    """
-    flat_values = values.ravel()
-    position = probability * (flat_values.size - 1)
-    lower_index = int(position)
-    upper_index = min(lower_index + 1, flat_values.size - 1)
-    flat_values.partition((lower_index, upper_index))
-    low, high = flat_values[lower_index], flat_values[upper_index]
-    weight = position - lower_index
-    return float(low + (high - low) * weight if weight < 0.5 else high - (high - low) * (1 - weight))
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
