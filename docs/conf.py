@@ -37,6 +37,7 @@ myst_heading_anchors = 3
 exclude_patterns = ["_build", "built", "generated"]
 nitpicky = False
 default_role = "autolink"
+smartquotes = False  # Quotation marks and the two hyphens of an option remain as written.
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
 autosummary_generate = False

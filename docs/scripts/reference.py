@@ -146,7 +146,8 @@ def _parameter_row(parameter: Any) -> str:
     if parameter.param_type_name == "argument":
         return _markdown_row(f"`{placeholder}`", "" if parameter.required else "none", parameter.help or "")
     flags = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
-    value = "" if parameter.is_flag else f" `{placeholder}`"
+    choices = [] if parameter.is_flag else placeholder.strip("<>[]{}").split("|")
+    value = f" {' or '.join(f'`{choice}`' for choice in choices)}" if choices else ""
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
     if parameter.name == "help" or parameter.is_flag:
         default = ""

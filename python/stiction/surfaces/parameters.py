@@ -56,11 +56,11 @@ _PROFILE_PARAMETER_TEXTS = {
     "c": ("mean height of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i Z_i", "µm"),
     "mr": ("material ratio at the mean line, (c) = 0", _RATIO_GROUP, r"\frac1l\,|\{x: z > c\}|", ""),
     "dc": ("height difference of material ratios 20 % and 80 %", _RATIO_GROUP, r"c(20\,\%) - c(80\,\%)", "µm"),
-    "k": ("core height", _RATIO_GROUP, r"\text{fall of the core line from 0 to 100 \%}", "µm"),
+    "k": ("core height", _RATIO_GROUP, r"\text{fall of the core line from 0 to 100 %}", "µm"),
     "pk": ("reduced peak height", _RATIO_GROUP, r"2 A_1/mrk_1", "µm"),
     "vk": ("reduced pit depth", _RATIO_GROUP, r"2 A_2/(1 - mrk_2)", "µm"),
     "mrk1": ("material ratio at the upper end of the core", _RATIO_GROUP, r"mr(\text{core line at 0})", ""),
-    "mrk2": ("material ratio at the lower end of the core", _RATIO_GROUP, r"mr(\text{core line at 100 \%})", ""),
+    "mrk2": ("material ratio at the lower end of the core", _RATIO_GROUP, r"mr(\text{core line at 100 %})", ""),
 }  # fmt: skip
 """Meaning, clause of the standard, formula and unit of each profile parameter, by its name without the letter P, R or
 W.
@@ -133,7 +133,7 @@ SURFACE_PARAMETERS = (
         "Sxp", "extreme peak height", f"{_ISO_25178}, 4.5 material ratio", r"Smc(2.5\,\%) - Smc(50\,\%)",
     ),
     ParameterDefinition(
-        "Sk", "core height", f"{_ISO_25178}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 \%}",
+        "Sk", "core height", f"{_ISO_25178}, 4.5 material ratio", r"\text{fall of the core line from 0 to 100 %}",
     ),
     ParameterDefinition("Spk", "reduced peak height", f"{_ISO_25178}, 4.5 material ratio", r"2 A_1/Smr_1"),
     ParameterDefinition("Svk", "reduced pit depth", f"{_ISO_25178}, 4.5 material ratio", r"2 A_2/(1 - Smr_2)"),
@@ -143,7 +143,7 @@ SURFACE_PARAMETERS = (
     ),
     ParameterDefinition(
         "Smr2", "material ratio at the lower end of the core", f"{_ISO_25178}, 4.5 material ratio",
-        r"Smr(\text{core line at 100 \%})", "", is_fraction=True,
+        r"Smr(\text{core line at 100 %})", "", is_fraction=True,
     ),
     ParameterDefinition("Vmp", "peak material volume, 1 µm³/µm² = 1 ml/m²", f"{_ISO_25178}, 4.5 volume", r"Vm(10\,\%)"),
     ParameterDefinition("Vmc", "core material volume", f"{_ISO_25178}, 4.5 volume", r"Vm(80\,\%) - Vm(10\,\%)"),
