@@ -226,8 +226,9 @@ MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # resolution of figure elements that are drawn as pixels, in dots per inch
 
 _CSS_COLOURS = {
-    **dict.fromkeys(("#000000", "#262626", "#404040", "#444444"), "var(--ink)"),
+    **dict.fromkeys(("#000000", "#262626", "#333333", "#404040", "#444444"), "var(--ink)"),
     "#ffffff": "var(--paper)",
+    "#e6e6e6": "var(--line)",
     "#c6d9e7": "var(--upper)",
     "#e3d5bb": "var(--lower)",
     **{
