@@ -35,7 +35,7 @@ from stiction.evaluate.response import ContactResponse, InputValues, build_closu
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
-from stiction.solve.layout import share
+from stiction.solve.layout import share_read_only
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Input, Inputs
 from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, round_median_strength
@@ -56,9 +56,9 @@ INTERVALS_COVERING_ALTERNATIVES = (
     "friction_after_dwell",
     "remaining_interval",
 )
-"""Names of the coefficient's intervals that also cover the results of alternative preparations of the scans."""
+"""Names of the coefficient's intervals that also cover results for alternative preparations of the scans."""
 
-# attributes of the variables of `COMBINED_QUANTITIES` in a dataset
+# attributes that mark the intervals of a dataset's variables as combined intervals
 COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
 
 _INTERVAL_VARIABLES = (
@@ -107,8 +107,8 @@ def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[Altern
     alternatives = cache.get(points)
     if alternatives is None:
         values = _evaluate_alternatives_uncached(result, at)
-        alternatives = {name: share(dataset) for name, dataset in values.items()}
-        if alternatives:  # do not cache a missing alternative preparation, which may be computed later
+        alternatives = {name: share_read_only(dataset) for name, dataset in values.items()}
+        if alternatives:  # do not cache missing results, because they may be computed later
             cache.clear()
             cache[points] = alternatives
     return alternatives
@@ -245,7 +245,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # Extend the percentiles of friction at the first cutoff to enclose the percentiles at all other cutoffs.
+    # Widen the percentiles of friction at the first cutoff so that they enclose the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
@@ -300,7 +300,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the label of an interface, which names mu0, tau0 and the other inputs that the joint samples replace."""
+    """Return the label of a calibrated interface in the budget, with the names of all inputs that samples replace."""
     _, _, hardness, growth = joint_samples
     labels = [
         study_inputs.uncertain[name].label
@@ -311,7 +311,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms slope of the gap) due to the roughness drift along single scans.
+    """Return the standard deviation of ln(rms slope of the gap) that is due to the roughness drift along single scans.
 
     The keys are the sources: upper scans and lower scans. The slope at another place on a part is assumed to differ by
     as much as the slopes at the two ends of the scan.
@@ -339,7 +339,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Combined intervals of all quantities except friction, collected for one coefficient after another."""
+    """Tables of the combined intervals of all quantities except friction, filled by one coefficient after another."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -350,7 +350,7 @@ class _CombinedQuantities:
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Extend the intervals of all quantities to include the combined intervals of one coefficient."""
+        """Widen the intervals in all tables to include the combined intervals computed for one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -374,7 +374,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the combined intervals of each coefficient, with the indices of the coefficient along `dims`.
+    """Yield the combined intervals computed for each coefficient, with its indices along `dims`.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -405,7 +405,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs, for every mu0 and tau0, by the index along the other dimensions.
+    # Quantities at the central inputs for all mu0 and tau0, cached by the index along the other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -443,7 +443,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 
 
 def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
-    """Extend intervals so that they include the intervals for alternative preparations of the scans.
+    """Widen intervals so that they include the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
     alternative: the interval that would remain without this alternative. Each other row is extended by the same row in
@@ -514,13 +514,13 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the coefficients that have an uncertainty budget."""
+    """Return a mask of the coefficients for which the dataset contains an uncertainty budget."""
     widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend the intervals of estimates so that they include the intervals of other estimates of the same quantities.
+    """Widen the intervals of estimates so that they include the intervals of other estimates of the same quantities.
 
     The last axis of each array contains value, lower limit and upper limit.
     """
@@ -545,14 +545,14 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return the reported coefficients and the limits of their combined intervals (last axis)."""
+    """Return the reported coefficients together with the limits of their combined intervals (on the last axis)."""
     combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined[..., 1]
     combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
-    # An interval counts as computed even if its upper limit is infinite.
+    # An interval with an infinite upper limit counts as computed.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined[is_known] = known_intervals[is_known]
-    # Extend the interval at the first cutoff to include the intervals at all other cutoffs.
+    # Widen the interval at the first cutoff so that it includes the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])

@@ -15,7 +15,7 @@ from stiction.solve.store import StoredResult
 from stiction.study.study import Study
 
 ALTERNATIVES_DIRECTORY = "alternatives"
-"""Name of the subdirectory of a result directory that contains a study for each alternative preparation."""
+"""Name of the subdirectory of a result directory that contains one companion study per alternative preparation."""
 
 AlternativeName = Literal["spikes", "tip"]
 SPIKES_ALTERNATIVE, TIP_ALTERNATIVE = get_args(AlternativeName)
@@ -30,7 +30,7 @@ ALTERNATIVE_CONDITIONS: dict[AlternativeName, str] = {
     SPIKES_ALTERNATIVE: "without outliers",
     TIP_ALTERNATIVE: "with an estimate of the roughness that the tip did not reach",
 }
-"""First words of the caveats about each alternative preparation, such as "without outliers"."""
+"""Words with which a caveat about an alternative preparation begins, such as "without outliers", by name."""
 
 TIP_CORRECTION = 4.0
 """Multiple of the tip correction that the alternative preparation *tip* subtracts from the scans.
@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study in which all scans are prepared in an alternative way: *spikes* or *tip*.
+    """Return a copy of a study whose scans have no outliers and, for the alternative *tip*, a larger tip correction.
 
     Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
     allow missing points, the heights of outliers are interpolated.
@@ -63,7 +63,7 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the study with an alternative preparation of the scans, and the directory in which the study is stored."""
+    """Return the companion study in which the scans are prepared in the named alternative way."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 

@@ -18,19 +18,19 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-# function that a computation calls first, with its estimated time (s) on one core
+# function that a computation calls before it starts, with its estimated time (s) on one core
 TimeAnnouncer = Callable[[float], Any]
 
 
 @dataclass(frozen=True)
 class CompanionStudy:
-    """Variant of a measured pair's study, with the directory that stores the results of the variant."""
+    """Variant of a measured pair's study, and the directory in which the result of the variant is stored."""
 
     study: Study
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored result of the companion study, for evaluation with the current mu0 and tau0.
+        """Open the stored contact sums of the companion study, to be evaluated with the current mu0 and tau0.
 
         Returns None if the directory is missing or damaged, if it stores the result of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
@@ -53,11 +53,10 @@ class CompanionStudy:
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None,
         meanwhile: Callable[[], object] = lambda: None,
     ) -> MemberSums:  # fmt: skip
-        """Compute the missing members of the companion study, and return its complete result.
+        """Compute the missing members of the companion study, and return the contact sums of all its members.
 
         A stored result of another study, for example of another pair, is removed first. `meanwhile` is called once
-        while the workers compute. Raises the errors of
-        `compute_missing_blocks`.
+        while the workers compute. Raises the errors of `compute_missing_blocks`.
         """
         existing_result = open_result_to_complete(self.directory)
         with DirectoryClaim(self.directory) as claim:

@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# fraction of the grid points of a body that count as steep: the points with the largest slopes
+# fraction of a body's grid points that count as steep, namely the points with the largest slopes
 STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
@@ -93,7 +93,7 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """Single contacts between two bodies at one load, and the distribution of the contact pressure (lengths in µm)."""
+    """All contacts between two bodies at one load, with lengths in µm, and the distribution of the contact pressure."""
 
     x: Floats  # position of each contact along x, weighted by the pressure
     y: Floats  # position of each contact along y, weighted by the pressure; 0 for profiles
@@ -102,7 +102,7 @@ class ContactList:
     # Mean slope of each contact along x. A contact opposes motion in the direction in which its slope is positive.
     slope_x: Floats
     slope_y: Floats  # mean slope of each contact along y; 0 for profiles
-    cells: Floats  # number of grid cells that each contact covers
+    cells: Floats  # number of grid cells that each contact covers; fractional for asperities
     at_edge: NDArray[np.bool_]  # True for each contact that reaches the edge of the grid
     pressure: Floats  # contact pressures (GPa) at which the distribution of the pressure is given
     weight: Floats  # weight of each contact pressure, proportional to the area with this pressure
@@ -119,7 +119,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopes
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute the statistics of half-space contacts at several loads that a result stores, with the loads first.
+    """Compute the contact statistics that a result stores, from half-space solutions at several loads (first axis).
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -135,7 +135,7 @@ def compute_patch_statistics(
 
 
 def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
-    """Return the list of contact patches in a half-space solution: load, area, position and slope of each patch."""
+    """Return the contact patches of a half-space solution, with the load, area, position and slope of each patch."""
     problem, pressure, patch_index = solution.problem, solution.values, solution.patch - 1
     pressure_sums = np.bincount(patch_index, weights=pressure)
 
@@ -161,7 +161,7 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
 
 
 def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
-    """Return the list of contacts in the asperity model, with load, area, position and slope of each contact."""
+    """Return the contacts of the asperity model, with the load, area, position and slope of each contact."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
     normal = contacts.normal
     contact_slopes = -normal[:, :2] / normal[:, 2:]

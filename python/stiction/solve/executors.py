@@ -34,7 +34,7 @@ WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
 _SET_PARENT_DEATH_SIGNAL = 1  # number of the operation PR_SET_PDEATHSIG of the Linux function prctl
-PROGRESS_PREFIX = "progress: "  # start of a printed line that reports progress
+PROGRESS_PREFIX = "progress: "  # first word of a printed line that reports progress
 PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress if the output is not a terminal
 
 
@@ -57,7 +57,7 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
 
 
 class _ThreadPool(ThreadPoolExecutor):
-    """Thread pool that uses fewer threads if the system cannot start all of them."""
+    """Thread pool that makes do with fewer threads if the system cannot start the requested number."""
 
     def _adjust_thread_count(self) -> None:
         try:
@@ -86,7 +86,7 @@ def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _Result]]:
-    """Evaluate a function in a copy of this process, and yield a function that waits for its result.
+    """Evaluate a function in a forked copy of this process, and yield a function that waits for the returned value.
 
     The copy uses another core while this process runs Python code. If no copy can be made, or if it ends without a
     value, the yielded function evaluates the function in this process, which raises its errors.
@@ -156,7 +156,7 @@ def _send_value(function: Callable[[], Any], receiver: Connection, sender: Conne
 def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task so that idle threads of the pool share its Fourier transforms.
+    """Wrap a task function so that idle threads of the pool share the Fourier transforms of each task.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -220,9 +220,9 @@ def progress_bar(
 
 
 def _may_show_progress_bar() -> bool:
-    """Return False if standard error is certainly no terminal, and this process no notebook.
+    """Return False if this process certainly has neither a terminal nor a notebook to show a progress bar in.
 
-    Otherwise `rich` decides, whose import takes 50 ms.
+    If True is returned, `rich` decides. Its import takes 50 ms.
     """
     return (
         (sys.stderr is not None and sys.stderr.isatty())

@@ -40,7 +40,7 @@ MAX_PIECE_BYTES = 2**26
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
 }  # fmt: skip
-"""Data types of the coordinates of measured members: shift x and y, line number, and mark for surrogates."""
+"""Data types of the coordinates of measured members: shifts x and y, line number, and whether it is a surrogate."""
 
 ArraysByName = dict[str, NDArray[Any]]
 
@@ -116,12 +116,12 @@ def variable_specs(
 
 
 def compute_bytes_per_member(study: Study) -> int:
-    """Return the memory (bytes) that all arrays of one member take."""
+    """Return the size (bytes) that all arrays of one member have in memory."""
     return sum(spec.nbytes for spec in variable_specs(study, [0]).values())
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes are loaded into memory together: a power of two."""
+    """Return the number of members that are loaded into memory together, a power of 2, for members of `size` bytes."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -150,7 +150,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, behind leading axes such as the cutoff."""
+    """Stack the arrays of several members along a new axis, which follows the axes of the cells, such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -162,7 +162,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of a result from the arrays of `stack_members`, after checking the shapes of these arrays.
+    """Build the dataset of a result from the arrays that `stack_members` returned, after a check of their shapes.
 
     The dataset has the variables in `names`, by default all.
     """
@@ -202,7 +202,7 @@ _MODULUS_AND_LENGTH_POWERS_BY_UNIT = {
     "um^2": (0, 2, "L²"),
     "um": (0, 1, "L"),
 }
-"""Divisor of each unit in a nondimensional result: exponent of E*, exponent of L, and the divisor as text."""
+"""Divisor of quantities with a given unit in nondimensional results: exponents of E* and of L, and divisor as text."""
 
 
 def nondimensional(
@@ -287,8 +287,8 @@ def nondimensional(
     )
 
 
-def share(value: _Value) -> _Value:
-    """Return a shallow copy of a cached dataset, with read-only arrays.
+def share_read_only(value: _Value) -> _Value:
+    """Return a shallow copy of a cached dataset, in which all arrays are read-only.
 
     Values of other types are returned unchanged.
     """

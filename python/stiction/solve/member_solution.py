@@ -65,17 +65,17 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 STIFFNESS_DIFFERENCE_STEP = 0.02
-"""Half width of the finite difference for the stiffness of asperities, as a fraction of the approach."""
+"""Half width of the central difference that gives the normal stiffness of asperities, as a fraction of the approach."""
 
 LOAD_JUMP_DISTANCE = 1e-11
-"""Distance between the approaches just before and just after a jump of the load, relative to the approach.
+"""Distance between the approaches just before and just after a jump in the load, as a fraction of the approach.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
 """
 
 
 NUM_UNLOADING_MEMBERS, NUM_UNLOADING_CUTOFFS = 4, 2
-"""Numbers of members, and of cutoffs per member, for which the unloading stiffness of plastic maps is computed.
+"""Numbers of members, and of cutoffs per member, for which the unloading stiffness of yielding maps is computed.
 
 For lines, the unloading stiffness of all members is computed, because it differs more between members and takes less
 time.
@@ -215,7 +215,7 @@ def _solve_asperities(
     a load within a jump are interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    # Maps have one load curve for all directions, profiles one for each direction.
+    # Two maps have one load curve for all directions of motion. Two profiles have one load curve per direction.
     if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -305,7 +305,7 @@ class PressedPair:
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve at the given load alone, for motion along +x
+    curve: HalfSpaceCurve | LoadCurve  # load curve with a single load, for motion along +x
     model: ContactModel | None = None  # model of single asperities; None for the half-space model
 
     @classmethod
@@ -341,8 +341,8 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-CACHE_LINE_BYTES = 64  # bytes in a cache line of the processor
-# Fraction of the sliding load at which a result stores the normal load on slipping contacts.
+CACHE_LINE_BYTES = 64  # size (bytes) of a cache line of the processor
+# Tangential load, as a fraction of the sliding load, for which a result stores the normal load on slipping contacts.
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
@@ -365,7 +365,7 @@ The keys are False for lines and True for maps.
 
 MAX_POINTS_WITHIN_CACHE = 2**20
 LARGE_FREE_MAP_TIME_FACTOR = 2.0
-"""Factor in the time of a half-space solution for non-periodic maps with more than `MAX_POINTS_WITHIN_CACHE` points.
+"""Factor by which half-space solutions of non-periodic maps above `MAX_POINTS_WITHIN_CACHE` points take longer.
 
 Their padded transforms exceed the cache of the processor, and the stiffness at each load needs another solution with
 fixed contact points. With 2048² points, both take twice the time of the power law, which fits periodic maps.
@@ -378,18 +378,17 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# maximum number of iterations for the pull-off force, on all grids, for lines (False) and maps (True)
-# each step of an energy minimization counts as an iteration
+# Maximum number of iterations that the pull-off force takes on all grids together, for lines (False) and maps (True).
+# Each step of an energy minimization counts as an iteration.
 MAX_PULL_OFF_ITERATIONS = {False: 10_700, True: 6500}
-# maximum time for the pull-off force, as a number of iterations on the full grid
-# iterations on coarser grids take less time
+# Maximum time that the pull-off force takes, as a number of iterations on the full grid. Iterations on coarser grids
+# take less time.
 MAX_PULL_OFF_FULL_GRID_ITERATIONS = {False: 10_700, True: 3000}
 PULL_OFF_ITERATION_FACTORS = {False: 100_000, True: 5000}
-"""Factor in the number of solver iterations with adhesion, for lines (False) and maps (True).
+"""Number of iterations for the pull-off force of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).
 
-The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to E* Sq Sdq / (4 w) of
-the gap, up to a maximum. Bodies near complete contact need the most iterations: 4700 with 256² points, and 6500 with
-512² points.
+The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to this ratio, up to a
+maximum. Bodies near complete contact need the most iterations: 4700 with 256² points, and 6500 with 512² points.
 """
 
 _reusable_arrays = threading.local()
@@ -453,7 +452,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_member_iterations(study: Study) -> float:
-    """Estimate the number of solver iterations for one member in the half-space model, counted on the finest grid."""
+    """Estimate the number of solver iterations that one member takes in the half-space model, at all loads together."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
@@ -463,7 +462,7 @@ def estimate_member_iterations(study: Study) -> float:
 
 
 def _estimate_pull_off_iterations(study: Study, max_iterations: dict[bool, int]) -> float:
-    """Estimate the number of iterations for the pull-off force, up to a maximum for lines (False) or maps (True)."""
+    """Estimate the number of iterations for the pull-off force, limited to `max_iterations` for lines or for maps."""
     factor = PULL_OFF_ITERATION_FACTORS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), factor / max_iterations[study.is_areal])
 
@@ -555,7 +554,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute initial stiffness, displacement at sliding and slipped load of generated bodies at each approach.
+    """Compute tangential stiffness, displacement at sliding and slipped load of generated bodies at each approach.
 
     The bodies move in the first direction of the section `[contact]`.
     """
@@ -617,7 +616,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that all tasks of a thread use in turn, because allocation is slow.
+    """Return an uninitialised array that each thread allocates once for all its tasks, because allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """

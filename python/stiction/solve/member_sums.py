@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import check_callable, check_instance, make_read_only, parse_names, parse_path
 from stiction._units import short_repr
-from stiction.solve.layout import compute_members_per_piece, share
+from stiction.solve.layout import compute_members_per_piece, share_read_only
 from stiction.solve.store import StoredResult, export
 from stiction.study.study import Study, parse_study_of_dataset
 
@@ -38,7 +38,7 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Convert a dataset, a stored result or other member sums to an object of this class."""
+        """Wrap a dataset, a stored result or other member sums in an instance of this class."""
         import xarray
 
         if isinstance(sums, cls):
@@ -51,7 +51,7 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same contact sums with another study, for evaluation with other inputs."""
+        """Return the same contact sums with another study, for example with other mu0 and tau0."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
@@ -63,7 +63,7 @@ class MemberSums:
 
     @cached_property
     def study(self) -> Study:
-        """Study that the sums belong to."""
+        """Study with which the contact sums are evaluated."""
         return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
 
     @property
@@ -91,8 +91,8 @@ class MemberSums:
     @cached_property
     def _first_member(self) -> xarray.Dataset:
         assert isinstance(self.source, StoredResult)
-        # Reading `StoredResult.dataset` raises an error if the result has no members.
-        return share(self.source.first_member() if self.source.num_finished else self.source.dataset())
+        # Without finished members, call `StoredResult.dataset`, which raises the appropriate error.
+        return share_read_only(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property
     def members(self) -> NDArray[np.intp]:
@@ -141,7 +141,7 @@ class MemberSums:
         for piece in self.pieces(names):
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                # Make the repetitions contiguous in memory, so that they are summed quickly.
+                # Make the repetitions contiguous in memory, because such sums are faster.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
                 is_solved = ~np.isnan(values)
                 piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))
@@ -159,10 +159,10 @@ class MemberSums:
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
         """Mean elastic load (mN) at each loading step, over all solved members."""
-        return share(self.means(["normal_elastic"]))["normal_elastic"]
+        return share_read_only(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Load data that is stored in the directory of the result, with the function `read`, and cache the data.
+        """Load data from the directory of the stored result with the function `read`, and cache the data.
 
         Returns None for results in memory. The arrays of datasets are read-only. The value None is not cached, because
         an unfinished run may add the data later.
@@ -175,17 +175,17 @@ class MemberSums:
             if value is None:
                 return None
             self._companions[read] = value
-        return share(self._companions[read])  # type: ignore[no-any-return]
+        return share_read_only(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`. The value is cached for later calls with the same function.
+        """Return `compute(self)`, and cache the returned value for later calls with the same function.
 
         The arrays of datasets are read-only.
         """
         check_callable("compute", compute)
         if compute not in self._computed:
             self._computed[compute] = compute(self)
-        return share(self._computed[compute])  # type: ignore[no-any-return]
+        return share_read_only(self._computed[compute])  # type: ignore[no-any-return]
 
     def to_netcdf(self, path: str | Path) -> None:
         """Write the result with all variables, coordinates and attributes to a new netCDF file."""

@@ -1,4 +1,4 @@
-"""Members that are being computed: progress, and finished steps on disk.
+"""Members whose computation has started: their progress, and their finished steps on disk.
 
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/00007.npz     step 7 of member 3, for example the contact at one load
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/state.npz     state in the middle of the next step
@@ -33,8 +33,8 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
-STORAGE_INTERVAL = 15.0  # time (s) after which the finished steps of a member are written to its file again
-MAX_STEP_BYTES = 2**32  # maximum size (bytes) of a file with finished steps of a member
+STORAGE_INTERVAL = 15.0  # minimum time (s) between two writes of a member's newly finished steps to disk
+MAX_STEP_BYTES = 2**32  # maximum size (bytes) of the file of one step
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
@@ -47,7 +47,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing, with the progress of each member and its finished steps on disk.
+    """Members that a run is computing, with the progress of each member and the finished steps on disk.
 
     `estimate_iterations` returns the expected number of iterations of a member.
     """
@@ -63,13 +63,13 @@ class MembersInProgress:
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Return the record of a member whose computation starts, with the steps that an interrupted run has stored."""
+        """Return a new record for a member, including the steps that an interrupted run of the member has stored."""
         record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record
 
     def remove(self, members: range) -> None:
-        """Remove the records and files of members whose results have been stored in a block."""
+        """Remove the records and the step files of members whose results are stored in a block."""
         for member in members:
             if record := self._records.pop(member, None):
                 self._finished_counts.append(record.counter.count)
@@ -77,7 +77,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Estimate the progress of all members in computation: the sum of the finished fraction of each member."""
+        """Estimate the progress of all members in computation, as the sum of their finished fractions."""
         if not self._records:
             return 0.0
         counts = [count for count in self._finished_counts if count > 0]
@@ -89,7 +89,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str) -> str:
-    """Compute a checksum of a study, the software and the machine, all of which can affect the bits of a result."""
+    """Compute a checksum of study, software and machine, which together determine every bit of a stored step."""
     import scipy
 
     all_inputs = (
@@ -100,7 +100,7 @@ def compute_steps_key(inputs: str) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that reads and writes the finished steps of a member in a result directory."""
+    """Return a record that writes a member's steps to a result directory, and reads the steps of an earlier run."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
@@ -158,7 +158,7 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
         self._last_time = time.monotonic()
-        self._first_count = 0  # number of solver iterations in the steps before the current one
+        self._first_count = 0  # number of solver iterations in all steps before the current step
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
         self._step += 1

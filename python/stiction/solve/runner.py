@@ -56,8 +56,8 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block.
-# A crash loses little work, and writing a block takes only a few per cent of this time.
+# Target computing time (s) of a block: short, so that a crash loses little work, but long compared with the time for
+# writing the block, which is a few per cent of it.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
@@ -68,7 +68,8 @@ MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if workers write
 MAX_RETURNED_TASKS = 256
 PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
 SHUTDOWN_TIMEOUT = 3.0  # time (s) that an interrupted run waits for unfinished blocks
-MAX_BYTES_IN_MEMORY = 2**34  # maximum size (bytes) of a result that is not stored, and of one repetition
+# Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
+MAX_BYTES_IN_MEMORY = 2**34
 
 
 def choose_block_size(study: Study) -> int:
@@ -86,7 +87,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute the contact sums of all members of a study, and keep the sums in memory or store them in a directory."""
+    """Compute the contact sums of all members of a study, in memory or stored in a directory."""
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -154,11 +155,10 @@ def complete_blocks(
     """Compute the missing blocks of a stored result, and return the complete result.
 
     `update` receives a new estimate of the run time after the first block, if much time remains and the first estimate
-    was too low. `meanwhile` is called once while the workers
-    compute. Raises the errors of `compute_missing_blocks`.
+    was too low. `meanwhile` is called once while the workers compute. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
-    # After a killed run, a member with a stored block may still have its file of finished steps.
+    # A run that was killed may have left the step files of members whose block it had stored.
     remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
@@ -194,7 +194,7 @@ def _compute_blocks(
     pool: Executor, advance: Callable[[int], None], announce: Callable[[str], None] | None,
     update: Callable[[str], None] | None, meanwhile: Callable[[], object],
 ) -> None:  # fmt: skip
-    """Compute the missing blocks of a stored result, and write a file for each block.
+    """Compute the missing blocks of a stored result, and write one file per block.
 
     Workers that can access the directory write the block files.
     """
@@ -252,7 +252,7 @@ def _compute_blocks(
 
 @contextlib.contextmanager
 def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
-    """Create a file in the result directory that exists until the end of the run, and thereby marks the run as active.
+    """Create a file in the result directory that marks the run as active, and remove it when the run ends.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
@@ -385,7 +385,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first = block * self.block_size
             is_finished = self._is_finished[first : first + self.block_size]
-            # Find the first index of each range of missing members, and the index after its last.
+            # Find the first index of each range of missing members, and the index after its last member.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first + start, first + end)
@@ -399,8 +399,8 @@ def _submit_member_ranges(
     """Submit a task for each range of missing members to a pool, and pass each result to `accept`.
 
     `meanwhile` is called after the first tasks are submitted. While tasks run, `advance` is called with 0, which
-    updates the displayed progress. At most `max_tasks` tasks are
-    queued at a time. An error cancels the remaining tasks.
+    updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
+    tasks.
     """
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
@@ -441,10 +441,10 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory to which workers write block files themselves, provided that they can access it."""
+    """Result directory in which workers write block files themselves, if they can access the directory."""
 
     path: Path
-    token: str  # name of the file that marks the run and exists in the blocks directory until its end
+    token: str  # name of the file in the blocks directory that exists until the run ends
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the directory, and the run is still active."""
@@ -455,11 +455,11 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write the block file, or return the content if the directory is not accessible."""
+    """Compute a block of members, and write the block file or, without access to the directory, return its content."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
-    # If the run has ended, another study may use the directory.
+    # Do not write the block if the run has ended, because another study may use the directory by then.
     if directory is None or not directory.is_accessible():
         return content
     write_block(directory.path, members[0], content, len(members))

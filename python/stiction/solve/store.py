@@ -50,7 +50,7 @@ from stiction.solve.layout import (
     compute_bytes_per_member,
     compute_members_per_piece,
     coordinate_specs_and_values,
-    share,
+    share_read_only,
     variable_specs,
 )
 from stiction.solve.members_in_progress import remove_stored_steps
@@ -86,14 +86,14 @@ STUDY_FILE = "study.toml"
 BLOCKS_DIRECTORY = "blocks"
 AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of true areas at other hardnesses, which earlier versions stored
 CONTACT_PICTURE_FILE = "picture.nc"  # file of the contact map of a typical member
-ONSET_FILE = "onset.nc"  # file of the curves from rest to sliding
-ONSET_TABLE_FILE = "onset.csv"  # mean curve from rest to sliding, as a table for a Masing model
+ONSET_FILE = "onset.nc"  # file of the onset of sliding, with the curves of tangential load against displacement
+ONSET_TABLE_FILE = "onset.csv"  # file of the mean onset curve as a table, the backbone curve of a Masing model
 STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file that stiction writes
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
-# matches the first line of a study file without a checksum
+# matches the first line that earlier versions wrote to a study file, without a checksum
 _OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory in one piece
-MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a file of an onset or a contact map
+MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a file that stores an onset or a contact map
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_WRITE_ATTEMPTS = 3
 
@@ -104,7 +104,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Name of a block file: first and last member, and the checksum of the file."""
+    """Block file, identified by the parts of its name: first member, last member, and checksum of the content."""
 
     first: int
     last: int
@@ -122,8 +122,8 @@ class StoreInfo:
 
     study: Study
     finished: int  # number of finished repetitions, out of `study.ensemble.repetitions`
-    size: int  # size of a result on disk, in bytes
-    versions: dict[str, str]  # software versions with which a result was computed
+    size: int  # size (bytes) of all block files together
+    versions: dict[str, str]  # version of each program with which the result was computed, by program
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Block files of the result, each with the first member to read and the member after the last.
+        """Block files of the result, each with the first member to read from it and the member after the last.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -184,7 +184,7 @@ class StoredResult:
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Members in the first block file, and the study with which they were computed.
+        """Content of the first block file: members, and the study with which these members were computed.
 
         This study may differ from the study file, for example in inputs that do not affect the members.
         """
@@ -236,10 +236,10 @@ class StoredResult:
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:
         """Dataset with all finished members. The arrays are read-only, because all tables and figures share them."""
-        return share(self._read_member_range(0, self.num_finished))
+        return share_read_only(self._read_member_range(0, self.num_finished))
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
-        """Read some finished members, `self.finished_members[first:last]`, and return them as a dataset.
+        """Read the finished members `self.finished_members[first:last]` as a dataset.
 
         `names` lists the variables of the dataset; by default, the dataset has all variables.
         """
@@ -269,7 +269,7 @@ class StoredResult:
         return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Read arrays of a block of members, at least those in `names`.
+        """Read the arrays of a block of members, at least the arrays in `names`.
 
         The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
@@ -287,7 +287,7 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that were checked completely, so that single variables can be read without another check."""
+        """Block files that passed a complete check, so that single variables can be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
@@ -516,7 +516,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
             claim.acquire()
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
-    except (OSError, RuntimeError) as error:  # a symbolic link to itself raises a RuntimeError
+    except (OSError, RuntimeError) as error:  # a symbolic link that refers to itself raises a RuntimeError
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -538,7 +538,8 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
-        # List the blocks after the claims of other runs, because a run writes all its blocks before its claim ends.
+        # List the blocks only after the search for other runs' claims, because a run's claim outlasts the writing of
+        # its blocks.
         _check_resumable(stored_result.reload())
         _check_replaceable(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -567,7 +568,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if the stored blocks do not belong to the study, or cannot be completed by this version."""
+    """Raise a `StoreError` if the stored blocks do not belong to the study, or if this version cannot complete them."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -627,7 +628,7 @@ def check_unedited(path: Path) -> None:
 
 
 def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
-    """Return whether a study file was written by an earlier version, which added no checksum.
+    """Return whether a study file was written by an earlier version of stiction that added no checksum.
 
     The version in the file must be the version of the blocks. Such a result can be extended, although a changed value
     in the study file would not be noticed.
@@ -644,7 +645,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_replaceable(path: Path, study: Study) -> None:
-    """Raise a `StudyMismatchError` if the study file in a directory was edited and must not be replaced."""
+    """Raise a `StudyMismatchError` if the study file in a directory was edited, and must therefore not be replaced."""
     try:
         check_unedited(path)
     except EditedStudyError:
@@ -700,12 +701,12 @@ class StudyMismatchError(StoreError):
         self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
-        """Return a copy of the error whose message ends with other advice."""
+        """Return a copy of the error whose message ends with `advice` instead of its original advice."""
         return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
 
 
 def write_block(path: Path, first_member: int, content: bytes, num_members: int) -> None:
-    """Write a block file for `num_members` members, the first of which has the index `first_member`.
+    """Write a block file that contains `num_members` members, starting with the member `first_member`.
 
     Raises a `StoreError` if the file cannot be written.
     """
@@ -723,7 +724,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# Attributes of a result that do not describe the bodies.
+# Attributes of a result's dataset that do not describe the bodies.
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
@@ -760,7 +761,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
     file_image = io.BytesIO(template)
     with h5py.File(file_image, "r+") as file:
         for name, values in {"repetition": np.asarray(numbers), **arrays}.items():
-            # These low-level calls of h5py take a third of the time of its classes.
+            # These low-level functions of h5py take a third of the time that its classes would take.
             identifier = h5py.h5d.open(file.id, name.encode())
             if identifier.shape != values.shape:
                 raise ValueError(f"{name} must have the shape {identifier.shape}, got {values.shape}")
@@ -784,7 +785,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import the packages that encode blocks, so that the first block need not wait for them.
+    """Import the packages that encode blocks in advance, so that the first block does not wait for the import.
 
     The import takes 0.3 s, in which other threads compute.
     """
@@ -815,7 +816,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
                 scale = scales[str(dim)] = _create_variable(output, str(dim), np.zeros(size, ">f4"))
                 scale.make_scale(f"{NON_VARIABLE_DIMENSION_TEXT}{size:10}")
                 scale.attrs["_Netcdf4Dimid"] = np.int32(numbers[str(dim)])
-        # The scales of the dimensions must exist before other variables refer to them.
+        # Write the coordinates of the dimensions first, because all other variables refer to them.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             netcdf_variable = _create_variable(output, str(name), variable.values)
             dims = [str(dim) for dim in variable.dims]
@@ -873,7 +874,7 @@ def append_checksum(file: io.BytesIO) -> None:
 
 
 def decode_members(content: bytes) -> BlockFileContent:
-    """Decode the bytes of a block file to members.
+    """Decode the bytes of a block file, and check the decoded arrays and attributes.
 
     Raises a `DamagedFileError` if the arrays do not match the study in the file, or if an array or an attribute has
     values that no computation returns.
@@ -968,7 +969,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # For a file that is not HDF5, h5py raises several classes of errors.
+        # If the file is not an HDF5 file, h5py may raise any of these errors.
         raise DamagedFileError("is not a readable netCDF file") from None
 
 
@@ -981,7 +982,10 @@ def _parse_stored_study(text: str) -> Study:
 
 
 def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Read a variable of a block, or return NaN if the version that wrote the block did not compute this variable."""
+    """Read a variable of a block.
+
+    The values are NaN if the version that wrote the block did not compute the variable.
+    """
     if name in QUANTITIES and QUANTITIES[name].is_optional and name not in file:
         return np.full(shape, np.nan)
     return _read_variable(file, name, shape)
@@ -991,7 +995,8 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     """Read a variable of an HDF5 file. Variables that are links to other data are rejected."""
     import h5py
 
-    # These low-level calls of h5py take half the time of its classes, which matters for many small variables.
+    # These low-level functions of h5py take half the time that its classes would take, which matters for small
+    # variables.
     key = name.encode()
     links = file.id.links
     is_stored_here = links.exists(key) and links.get_info(key).type == h5py.h5l.TYPE_HARD
@@ -1000,7 +1005,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     if creation is None or creation.get_external_count() or creation.get_layout() == h5py.h5d.VIRTUAL:
         raise DamagedFileError(f"has no variable {name}")
     dtype, stored_shape = identifier.dtype, identifier.shape
-    # A damaged small file may declare a huge array.
+    # Check the stored size before memory is allocated, because a small damaged file may declare a huge array.
     if identifier.get_storage_size() < math.prod(stored_shape) * dtype.itemsize:
         raise DamagedFileError(f"declares {name} but does not store it")
     if shape not in (None, stored_shape):
