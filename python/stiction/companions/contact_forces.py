@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
-    """Compute the force at each contact of one typical profile pair of a study in the asperity model.
+    """Compute the force at each contact of one typical pair of profiles, for a study with the asperity model.
 
     For measured profiles, the pair is the first member with contacts at the first load of the study. For generated
     profiles, it is the first pair at the middle fractal dimension and the first amplitude, at the median approach with
@@ -55,7 +55,7 @@ def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
 def build_contact_forces(
     upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
 ) -> xarray.Dataset:
-    """Compute the force on the upper of two profiles at each contact, at a given approach (µm).
+    """Compute the force that acts on the upper of two profiles at each contact, at a given approach (µm).
 
     Parameters
     ----------
@@ -104,11 +104,11 @@ def build_contact_forces(
 
 
 _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, float]]
-"""Upper and lower profile, their approach (µm), and the coordinates and attributes that describe the pair."""
+"""Upper and lower profile, approach (µm), and the coordinates and attributes that describe this pair in a dataset."""
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first measured pair that has contacts at the study's first load, or None if no pair has contacts."""
+    """Return the first measured pair that has contacts at the first load of the study, or None if no pair has any."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")
@@ -125,7 +125,7 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
 
 
 def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Generate the first pair of profiles at the middle fractal dimension, for an approach with contacts.
+    """Generate the first pair of profiles at the middle fractal dimension, and choose an approach with contacts.
 
     The approach is the median of the approaches at which at least one pair has contacts. Returns None if there is no
     such approach.

@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored contact map
-# loads in the figure of an adhesive contact, in multiples of the pull-off force
+# loads in the figure of an adhesive loading cycle, as multiples of the pull-off force
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Side of a map divided by the side of the window that magnifies the largest contact of the map.
+# Side length of a map, divided by the side length of the magnified window around the contact with the largest load.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -59,12 +59,12 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# Suffix with a unit that turns the name of a dimension into a column name.
+# Suffix with the unit of a dimension, which is appended to its name in the column title of a table.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Compute heights, contacts and pressures of the member whose true area is closest to the mean over members.
+    """Compute heights, contacts and pressures of a typical member, whose true area is closest to the mean over members.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = No
 
 
 def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
-    """Compute load, true area and approach of a typical adhesive member while it is loaded and then unloaded.
+    """Compute load, true area and approach of a typical adhesive member during loading and subsequent unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.
     """
@@ -168,7 +168,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "member": AttributeSpec(dtype=int, bounds=(0, ANY_STORED_VALUE[1])),
     "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE),
-    # Surrogates have no position, so their shift is NaN.
+    # The shift is NaN for surrogates, which have no position.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),
 }
@@ -234,7 +234,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return the contact number at each grid point of a map. Each asperity contact is a disc of the contact's area."""
+    """Return a map of contact numbers, in which each asperity contact is a disc with the area of the contact."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         low, high = (
@@ -253,7 +253,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table with one row for each contact of selected members at given elastic loads (mN).
+    """Return a table of contacts, one per row, for selected members at given elastic loads (mN).
 
     `Result.contacts` describes the columns.
     """
@@ -301,7 +301,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield pairs of load (mN) and member: all selected members or, by default, one typical member at each load."""
+    """Yield each load (mN) with each selected member or, if none are selected, with the typical member at that load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -45,15 +45,15 @@ if TYPE_CHECKING:
     import xarray
 
 HEIGHT_SCALE_DIRECTORY = "height_scale"
-"""Name of the subdirectory of a result directory that contains a study for each factor."""
+"""Name of the subdirectory of a result directory that contains one companion study per height factor."""
 
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
-"""Largest difference of log2(factor) between two computed factors, between which friction may be interpolated."""
+"""Largest difference of log2(factor) between two computed height factors that allows interpolation between them."""
 
 NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
 
 ScaledBodies = Literal["both", "upper", "lower"]
-"""Bodies whose heights are multiplied by the factor: both, the upper or the lower body."""
+"""Bodies whose heights are multiplied by a height factor: both bodies, the upper body or the lower body."""
 
 _INTERPOLATED_VARIABLES = (
     "mean_friction", "friction_by_axis", "friction_combined", "friction_prediction", "spread_low", "spread_high",
@@ -61,7 +61,7 @@ _INTERPOLATED_VARIABLES = (
     "stiffness_per_area", "closure", "closure_stiffness", "tangential_stiffness_per_area", "rms_gradient",
     "rms_slope", "pull_off", "pull_off_pressure",
 )  # fmt: skip
-"""Variables of `at_load` that are interpolated between computed height factors."""
+"""Variables of an `at_load` dataset that are interpolated between computed height factors."""
 
 
 class MissingHeightFactorsError(ArgumentError):
@@ -142,9 +142,10 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors that must be computed before friction at all requested factors can be interpolated.
+    """Return the height factors that must be computed to allow interpolation at all requested factors.
 
-    These are the missing factors or, if they are fewer, the powers of 2 that enclose the missing factors.
+    These are the requested factors that cannot be interpolated or, if they are fewer, the powers of 2 that enclose
+    those factors.
     """
     missing_factors = np.array(
         [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
@@ -192,7 +193,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study of a pair with scaled heights, and the directory in which the study is stored."""
+    """Return the companion study of a pair in which the heights of the chosen bodies are multiplied by a factor."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
@@ -216,9 +217,9 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
 
 
 def group_stored_factors(result: StoredResult) -> dict[ScaledBodies, list[float]]:
-    """Return the height factors with stored results, by the bodies whose heights are scaled: both, upper or lower.
+    """Return the height factors with stored results, keyed by the scaled bodies: both, upper or lower.
 
-    A choice of bodies without results at factors other than 1 is omitted.
+    A key is missing if the only stored factor is 1.
     """
     study = result.study
     if not study.is_measured or result.num_finished < study.ensemble.repetitions:
@@ -240,7 +241,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the missing results of a pair with scaled heights, so that friction can be evaluated at given factors.
+    """Compute the results of a pair with scaled heights that are missing for an evaluation at given height factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
@@ -346,7 +347,7 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        if "statistic" in unscaled_point[name].dims:  # in every variable, `statistic` is the last dimension
+        if "statistic" in unscaled_point[name].dims:  # `statistic` is the last dimension of every variable
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *unscaled_point[name].dims), interpolated, unscaled_point[name].attrs)
@@ -370,7 +371,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return the values of a quantity in each member, with the members on the first axis, followed by `dims`.
+    """Return a quantity of all members as an array with the members on the first axis, followed by `dims`.
 
     Returns None if members have no values of the quantity.
     """
@@ -390,7 +391,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of both bodies of the first member by side, or {} if scan files are missing."""
+    """Return the rms heights (µm) of the first member's bodies by side, or {} if scan files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):

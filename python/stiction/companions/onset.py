@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-# first bytes of the file of an onset table, by which an existing file is recognised
+# first bytes of an onset table, by which a file of an earlier run is recognised
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
@@ -51,7 +51,7 @@ NUM_SOLUTIONS_PER_ONSET = 8  # computing time of an onset curve, divided by the 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""
 
-# relative tolerance of tractions, with which displacements have relative errors of about 1e-7
+# relative tolerance of tractions, which gives displacements with a relative error of about 1e-7
 TRACTION_TOLERANCE = 1e-5
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
@@ -67,7 +67,7 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
 def import_fit_packages() -> None:
-    """Import the packages that fit presliding models to the onset, which takes 0.2 s."""
+    """Import the packages that fit presliding models to the onset in advance. The import takes 0.2 s."""
     import scipy.optimize  # noqa: F401
 
 
@@ -134,7 +134,8 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    except (NoSolutionError, ValueError):  # the solver failed, or the contact law has no onset of sliding
+    # The solver failed, or the contact law does not describe the onset of sliding.
+    except (NoSolutionError, ValueError):
         return None
     curve: dict[str, Any] = {
         name: getattr(onset, name) for name in (*_CURVE_TITLES, *_ONSET_SCALAR_NAMES[:-1]) if name != "energy_lost"
@@ -162,7 +163,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
             member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
-    # Replace the default name "tangential load at the onset of sliding", because the curve contains smaller loads too.
+    # Replace the name "tangential load at the onset of sliding", because the curve also has smaller tangential loads.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -186,7 +187,7 @@ PRESLIDING_PARAMETERS = {
     "iwan": ("sliding_load_mN", "stiffness_mN_per_um", "chi", "beta", "largest_residual"),
     "lugre": ("sigma0_mN_per_um", "largest_residual"),
 }
-"""Names of the fitted parameters of the Iwan and LuGre models.
+"""Names of the fitted parameters of the Iwan and LuGre models, by model.
 
 The dataset of the onset stores the parameters as attributes, such as "iwan_chi".
 """
@@ -200,7 +201,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
-    except ValueError:  # the curve of a free half-plane has no displacements
+    except ValueError:  # a free half-plane has no displacements, so no model can be fitted
         return {}
     chi = round(iwan.chi, 12) + 0.0  # adding 0.0 turns -0 into 0
     values = {
@@ -217,7 +218,7 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
 # ---- Values to report ------------------------------------------------------------------------------------------------
 
 _MODEL_FORCE_PARAMETERS = ("iwan_sliding_load_mN",)
-"""Parameters of the fitted models that are proportional to the sliding load."""
+"""Parameters of the fitted presliding models that are proportional to the sliding load."""
 
 
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
@@ -248,7 +249,7 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
 
 
 _LOAD_INTERVAL_KIND = "load_interval_kind"
-"""Name of the attribute that specifies the kind of interval of the tangential loads in a scaled onset."""
+"""Name of the dataset attribute that states the interval kind of the tangential loads in a scaled onset."""
 
 
 @dataclass(frozen=True)
@@ -281,7 +282,7 @@ class OnsetValues:
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
     curve: dict[float, OnsetCurvePoint]  # points of the onset curve, by tangential load divided by sliding load
-    models: dict[str, dict[str, float]]  # parameters of each model fitted to the onset curve; empty if the fit failed
+    models: dict[str, dict[str, float]]  # fitted parameters by presliding model; empty if the fit failed
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
@@ -341,7 +342,10 @@ _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
         for name in ("slip", "x", "y", "area")
     },
 }
-"""Specifications of the variables in `ONSET_FILE`. Only contacts of maps have a slip map."""
+"""Specifications of the variables in `ONSET_FILE`.
+
+The variables of a slip map are optional, because profiles lack them.
+"""
 
 _ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "load_mN": AttributeSpec(),
@@ -403,11 +407,11 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return a map of the tangential load at which each grid point starts to slip, as a fraction of the sliding load.
+    """Return a map of the tangential load at which each grid point starts to slip, relative to the sliding load.
 
-    For asperities, the loads belong to contacts instead of grid points. The variables include the heights of the lower
-    body. In large maps, each block of neighbouring points is represented by the point that slips first. For profiles,
-    the dictionary is empty.
+    In the asperity model, each contact has such a load instead of each grid point. The variables include the heights of
+    the lower body. In large maps, each block of neighbouring points is represented by the point that slips first. For
+    profiles, the dictionary is empty.
     """
     lower = pressed_pair.lower
     if not isinstance(lower, Surface):
@@ -442,7 +446,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each square block of a map, ignoring NaN, or NaN if a block contains only NaN."""
+    """Return the minimum of each square block of a map, ignoring NaN. The minimum of a block of NaN is NaN."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded = np.full((rows, columns), np.inf)
     padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

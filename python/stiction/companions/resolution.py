@@ -42,16 +42,16 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-CUTOFF_STUDY_DIRECTORY = "resolution"  # subdirectory of a result for the study of cutoffs
-NUM_AREAL_MEMBERS = 4  # maximum number of members in a study of cutoffs of height maps
-NUM_LINE_MEMBERS = 16  # maximum number of members in a study of cutoffs of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs above 0; each cutoff is twice the previous cutoff
-FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number due to rounding to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff, as a fraction of the shortest side of the scans
+CUTOFF_STUDY_DIRECTORY = "resolution"  # name of the subdirectory of a result directory that contains the cutoff study
+NUM_AREAL_MEMBERS = 4  # maximum number of members in the cutoff study of height maps
+NUM_LINE_MEMBERS = 16  # maximum number of members in the cutoff study of profiles
+MAX_CUTOFFS = 4  # maximum number of cutoffs above 0 in a cutoff study; each is twice the one before
+FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number that is rounded to four digits
+MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff in a cutoff study, as a fraction of the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the cutoff study of a measured pair: a few members at several cutoffs, with only the requested loads.
+    """Return the cutoff study of a measured pair: a few members at several cutoffs, and only the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -98,7 +98,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair and its directory, or None if a second cutoff is impossible."""
+    """Return the cutoff study of a measured pair as a companion study, or None if the pair allows only one cutoff."""
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
@@ -139,14 +139,14 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap between two bodies at resolved wavelengths, with an extrapolation to shorter wavelengths."""
+    """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
     shortest: float  # shortest resolved wavelength (µm): the cutoff, or two grid spacings
     two_points: float  # two grid spacings, the shortest wavelength of unfiltered scans (µm)
-    longest: float  # longest side of the pressed bodies, µm
+    longest: float  # longest side of the pressed bodies (µm)
     gradient: float  # rms gradient of the gap of the first member
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # Hurst exponent of the gap, or None if the gap has no self-affine band
+    estimate: HurstEstimate | None  # fit of the gap's Hurst exponent, or None if no band is self-affine
 
     @property
     def shortest_octave_fraction(self) -> float:
@@ -212,7 +212,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds of mu_s and of the area fraction that apply to all finer scans.
+    """Return the lower bounds of mu_s and of the area fraction for all finer scans, which follow from yielding.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -226,10 +226,10 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Estimates for a hardness H: the wavelength (µm) at which the elastic pressure reaches H, and mu0 + tau0/H."""
+    """Cutoff wavelength (µm) at which the elastic pressure reaches a given hardness H, and friction mu0 + tau0/H."""
 
     hardness: float
-    wavelength: Estimate  # wavelength at which the elastic pressure reaches the hardness; NaN if no wavelength does
+    wavelength: Estimate  # cutoff wavelength (µm); NaN if the pressure reaches the hardness at none
     friction: float
 
 
@@ -269,7 +269,7 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return friction at several cutoffs and limits for finer scans, which show the effect of the scan resolution.
+    """Return the effect of the scan resolution: friction at several cutoffs, and limits of friction for finer scans.
 
     `cutoffs` is the dataset that `evaluate_at_cutoffs` or, for several cutoffs, `Result.at` returned. Without this
     dataset, the function returns None if the roughness of the gap is not known either.
@@ -305,7 +305,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 def estimate_yield_wavelengths(
     point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
 ) -> tuple[YieldWavelengthEstimate, ...]:
-    """Estimate the wavelengths (µm) at which the elastic contact pressure would reach several typical hardnesses.
+    """Estimate the cutoffs (µm) at which the elastic contact pressure would reach each of several typical hardnesses.
 
     At such a wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
@@ -386,7 +386,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate friction in closed form from joined spectra, or return None if neither body has a joined spectrum."""
+    """Estimate friction in closed form from the joined spectra of several scans, or return None if no body has one."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]
