@@ -113,9 +113,11 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` compares the coefficient at a given elastic load with that at an equal normal load.
+        # `load_definition_effect` compares the coefficient at an elastic load with the coefficient at an equal normal
+        # load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Means over an ensemble neglect that contacts grow or lose area under shear.
+        # Ensemble means neglect that contacts grow or lose area under shear, so the compared coefficient neglects it,
+        # too.
         other_result = (
             result
             if load_definition != "mean"
@@ -124,7 +126,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
-        # without friction, avoid the quotient 0/0
+        # a coefficient of 0 would give the quotient 0/0
         coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
@@ -134,7 +136,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find the computed loads (mN) between which requested loads are interpolated, or return None if all were computed.
+    """Find the computed loads (mN) on both sides of each requested load, or return None if no load is interpolated.
 
     Returns the computed loads, the indices of the computed loads below and above each requested load, and its position
     between them, as a fraction of the distance in ln F.
@@ -157,7 +159,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Return the small-slope estimate of the coefficient, from the rms gradients and rms slopes of the gaps.
+    """Return small-slope estimates of the coefficient for gaps with given rms gradients and rms slopes.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

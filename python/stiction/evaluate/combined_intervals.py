@@ -32,26 +32,29 @@ if TYPE_CHECKING:
 POSITIONS_INPUT_NAME, UNRESOLVED_ROUGHNESS_INPUT_NAME = "positions", "unresolved roughness"
 UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part", "which piece of the lower part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
-"""Sources of uncertainty that are not inputs of the study: the choice of scans and of positions."""
+"""Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
-INTERFACE_INPUT_NAME = "interface"  # name of the input that stands for mu0 and tau0 together
-# For the uncertainty budget, an input is fixed at each of these quantiles.
+INTERFACE_INPUT_NAME = "interface"  # name under which mu0 and tau0 of a calibrated interface count as one input
+# Quantiles at which the uncertainty budget fixes an input, in order to average the remaining interval widths.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
-"""Percentiles of the coefficient of a single test in `Result.at`. Design codes use the lowest one as a minimum."""
+"""Percentiles of the coefficient of a single test in `Result.at`.
 
-# Limit of ln(coefficient of a single test / mean coefficient): the exponential of a larger number could overflow.
+Design codes use the lowest percentile as a minimum.
+"""
+
+# Largest ln(coefficient of a single test / mean coefficient), which prevents an overflow of the exponential.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-MAX_CACHED_AREAS = 64  # maximum number of arrays of true areas that are cached
-# maximum number of cached arrays of pressure samples, enough for all mu0 and tau0 of a report
+MAX_CACHED_AREAS = 64  # maximum number of cached samples of the true area
+# maximum number of cached samples of the yield pressure, enough for all mu0 and tau0 of a report
 MAX_CACHED_PRESSURES = 256
 
 StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Samples of mu0, tau0 (GPa), hardness (GPa) and junction growth. The hardness and the junction growth may be None."""
+"""Joint samples of mu0, tau0 (GPa), hardness (GPa) and junction growth; the last two may be None."""
 
 _Value = TypeVar("_Value")
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
@@ -71,16 +74,16 @@ COMBINED_QUANTITIES: Mapping[str, RatioName] = MappingProxyType({
     "tangential_stiffness_per_area": "unloading_closure_stiffness", "friction_at_no_load": "friction_at_no_load",
     "contact_hardness": "contact_hardness",
 })  # fmt: skip
-"""Quantities of a contact besides friction whose intervals include the uncertain inputs.
+"""Names of the quantities besides friction that have combined intervals, each with a ratio.
 
-The inputs change each quantity by the named ratio.
+The ratio states by which factor uncertain inputs change the quantity.
 """
 
 
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return all quantities of a contact except its closure, relative to the same quantities at the central inputs.
+    """Return the quantities of a contact except its closure, each divided by its amount at the central inputs.
 
     `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
     """
@@ -90,7 +93,7 @@ def compute_quantity_ratios(
     )
     area_ratio = values.area / central.area
     loading, unloading, closure_loading, closure_unloading = response.stiffness_ratios(inputs, values.area)
-    with np.errstate(invalid="ignore"):  # if contacts seize, both areas at the onset of sliding are infinite
+    with np.errstate(invalid="ignore"):  # at seizure, the areas at the onset of sliding are infinite
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
         "area": area_ratio, "area_at_onset": onset_area_ratio, "pressure": 1 / area_ratio,
@@ -103,7 +106,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of uncertain inputs: cumulative probabilities, normal scores of sampling errors, and input values."""
+    """Samples of uncertain inputs: cumulative probabilities, normal scores of the sampling errors, and input values."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -113,7 +116,7 @@ class _InputSamples:
 
 
 class InputSampler:
-    """Sampler of a study's uncertain inputs. All coefficients are evaluated with the same samples."""
+    """Sampler of the uncertain inputs of a study, which returns the same samples for all coefficients."""
 
     def __init__(self, study: Study) -> None:
         self._inputs = Inputs.from_study(study)
@@ -122,12 +125,12 @@ class InputSampler:
         self._areas: dict[Any, AreasBeforeShear] = {}
         self._pressures: dict[Any, Any] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
-        self.intervals: dict[Any, Interval] = {}  # cached intervals of the coefficient, computed from samples
+        self.intervals: dict[Any, Interval] = {}  # cached intervals of coefficients
 
     def draw(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Draw samples of the named inputs and sources of error.
+        """Draw samples of the named inputs and sampling errors, or return the samples of an earlier call.
 
         Inputs in `fixed` have the value at the given quantile.
         """
@@ -137,11 +140,14 @@ class InputSampler:
         return self._cache[key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear for samples of the inputs. The areas are cached for other mu0 and tau0."""
+        """Return the true areas before shear for samples of the inputs.
+
+        The areas are cached, because all mu0 share them.
+        """
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
     def find_yield_pressure(self, key: Any, response: ContactResponse, inputs: InputValues) -> Any:
-        """Return the yield pressures for samples of the inputs.
+        """Return the yield pressures (GPa) for samples of the inputs.
 
         The pressures are cached for other loads with the same `key`.
         """
@@ -176,7 +182,7 @@ class InputSampler:
 
 
 def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
-    """Return the cached value of a key, or compute and store it. A full cache loses its oldest value."""
+    """Return the cached value of a key, or compute and cache the value. A full cache drops its oldest value."""
     if key not in cache:
         if len(cache) == max_size:
             cache.pop(next(iter(cache)))
@@ -185,7 +191,7 @@ def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Call
 
 
 class CombinedIntervals:
-    """Combined intervals of the quantities of `at_load` at one load, μ0 and τ0, under one sliding rule.
+    """Combined intervals of the quantities in an `at_load` dataset, for one load, μ0, τ0 and sliding rule.
 
     `central` contains the quantities at the central inputs of `response`. `names` lists the uncertain inputs and
     sources of sampling uncertainty; it is empty if there is no coefficient or no interval. `drifts` contains, by source
@@ -200,25 +206,25 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        # coefficient of friction, and limits of its interval of the mean
+        # mean coefficient of friction, and limits of the interval of the mean
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The first element of `strengths` has joint samples of mu0 and tau0. In the other elements of `strengths`, mu0
-        # or tau0 is 0.
+        # The first element of `strengths` contains joint samples of mu0 and tau0. In further elements, mu0 or tau0 is
+        # 0.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central
         self._scan_mean = scan_mean
         value, lower, upper = self.sampling_estimate.tolist()
-        if study.is_gap:  # a gap between two faces has only one relative position
+        if study.is_gap:  # two faces that form a gap have a single relative position
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Range of the coefficients that finer scans could give.
+        # Range of coefficients that finer scans could give.
         self.finest: tuple[float, float] | None = None
-        # Range of the coefficients that finer scans could give, widened by the interval of the mean.
+        # The same range, widened by the interval of the mean.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -237,7 +243,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Return the relative standard error of a mean, split by source: upper and lower scans, or positions.
+        """Return the relative standard error of a mean by source: upper scans, lower scans and positions.
 
         Zeros are omitted.
         """
@@ -264,7 +270,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 at the central inputs, and the limits of its 95 % interval.
+        """Return a coefficient that is 0 at the central inputs, followed by the limits of its 95 % interval.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -284,7 +290,7 @@ class CombinedIntervals:
         return value, max(low, 0.0), high
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the coefficient, with some inputs fixed at given quantiles.
+        """Return the combined 95 % interval of the coefficient, with the inputs in `fixed` held at the given quantiles.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -297,9 +303,10 @@ class CombinedIntervals:
         return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
 
     def remaining_interval_width(self, name: str) -> float:
-        """Return the mean width of the interval that would remain if a named input were exact.
+        """Return the width of the combined interval that would remain if the named input were exact.
 
-        Widths are compared as differences of the friction angle, which stays finite if samples seize.
+        The width is a mean over quantiles at which the input is fixed. Widths are compared as differences of the
+        friction angle, which stays finite if samples seize.
         """
         friction_angle_widths = [
             _compute_friction_angle_difference(self._compute_sampled_interval({name: quantile}))
@@ -317,25 +324,25 @@ class CombinedIntervals:
 
     @property
     def unlimited_fraction(self) -> float:
-        """Fraction of the input samples for which the coefficient has no upper limit."""
+        """Fraction of input samples for which friction has no upper limit."""
         if "junction_growth" not in self.inputs and not np.any(self.response.central.junction_growth):
             return 0.0
         return float(np.isinf(self._sample_friction({})[1]).mean())
 
     def predict_next_test(self) -> Interval:
-        """Return the 95 % prediction interval of one more test in one direction of motion."""
+        """Return the 95 % prediction interval of the coefficient in one more test in one direction of motion."""
         first, *others = (compute_equal_tailed_interval(*each) for each in self._next_tests)
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
-        """Return the percentiles `FRICTION_PERCENTILES` of single tests, extended to include the coefficient."""
+        """Return the percentiles `FRICTION_PERCENTILES` of single tests, widened to enclose the coefficient."""
         by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Draw samples of the coefficient that one more test in one direction would give, and of its upper limit.
+        """Samples of the coefficient that one more test in one direction would give, and of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -348,7 +355,7 @@ class CombinedIntervals:
         return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s), and the limits of its 95 % interval.
+        """Return the coefficient after a dwell time (s), followed by the limits of its combined 95 % interval.
 
         The coefficient is NaN if the nominal pressure reaches the hardness.
         """
@@ -368,7 +375,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Return the quantities of the contact with their combined intervals.
+        """Return quantities of the contact with combined intervals, in which uncertain inputs are included.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -414,12 +421,13 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of the sampled coefficients, extended to samples with mu0 = 0 or tau0 = 0.
+        """Return the 95 % interval of sampled coefficients, widened to include samples with mu0 = 0 or tau0 = 0.
 
-        The interval is cached, and also used if the same coefficient is evaluated again together with others.
+        The interval is cached for further evaluations of the same coefficient, possibly together with other
+        coefficients.
         """
         response = self.response
-        # Round the coefficient, whose round-off depends on which coefficients are evaluated together.
+        # Round the coefficient for the cache key, because its round-off depends on the coefficients evaluated with it.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         key = coefficient, self.names, (*fixed.items(),), dwell_time
@@ -432,14 +440,14 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """One interval without upper limit if the central inputs give no upper limit; otherwise an empty list."""
+        """One interval without upper limit in a list if friction has none at the central inputs, or an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient and of its upper limit, times a factor, for each element of `strengths`."""
+        """Return samples of the coefficient and of its upper limit, times `factor`, for each element of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -447,7 +455,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the coefficient, and samples of its upper limit, some of which may be infinite.
+        """Return samples of the coefficient, and samples of its upper limit, which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
@@ -481,7 +489,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return cached areas before shear and yield pressures. Both are None if mu0 and tau0 are sampled jointly.
+        """Return areas before shear and yield pressures from the cache, or None for both if samples are joint samples.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
         depends on the depth of the contacts. Neither is cached for joint samples, which may include the hardness.
@@ -519,7 +527,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Replace mu0 and tau0 in samples of the inputs by joint samples, sorted by the resulting coefficient.
+        """Replace mu0 and tau0 in input samples by joint samples, which are sorted by the resulting coefficient.
 
         Quantiles of the joint samples are therefore also quantiles of the coefficient.
         """
@@ -545,14 +553,14 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return samples of Student's t distribution, converted from the last coordinate of the Sobol points."""
+    """Return samples of Student's t distribution, computed from the last coordinate of Sobol points."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
 
 
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
-    """Return the difference (rad) between the friction angles at the two limits of an interval."""
+    """Return the difference (rad) between the friction angles at both limits of an interval of coefficients."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
@@ -570,7 +578,7 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples along an axis. Infinite samples may give infinite quantiles.
+    """Return quantiles of samples along an axis. Samples may be infinite.
 
     If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 
@@ -599,7 +607,7 @@ def compute_quantiles(
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
-    """Extend low percentiles downwards and high percentiles upwards to enclose the percentiles of other samples.
+    """Lower the low percentiles and raise the high percentiles so that they enclose the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -1,4 +1,4 @@
-"""Loads at which a result was computed, and requested loads at which it has no coefficient."""
+"""Comparison of requested loads with the loads of a result: the computed range, and loads without a coefficient."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _MEAN_LOAD_ROUND_OFF = 1e-6  # relative round-off of the mean of a load over members
 
 NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)
-"""Statuses that mean that a requested load was not computed. All other statuses are properties of the contact."""
+"""Statuses of requested loads that were not computed. All other statuses describe the contact."""
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:

@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     import xarray
 
 FALLBACK_YIELD_EXPONENT = 1.15
-"""Exponent of the yielding area if a result stores only capped areas. The exponent only scales these areas."""
+"""Exponent m of `yielded_area` for results without elastic areas, in which it only scales stored areas."""
 
 AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
-"""Names of the stored sums that are proportional to the true area."""
+"""Names of the stored contact sums that are proportional to the true area."""
 
 
 @dataclass(frozen=True, eq=False)
 class AreaFunction:
-    """True contact area as a function of load and uncertain inputs, averaged over members, for one cutoff of a result.
+    """True contact area of a pair at one cutoff, as a function of load and uncertain inputs; a mean over members.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class AreaFunction:
     def contact_hardness(
         self, load: ArrayLike, hardness: ArrayLike | None = None, size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH
     ) -> Any:
-        """Return the hardness (GPa) of the contacts at a load (mN), or None if the bodies do not yield.
+        """Return the hardness (GPa) of the contacts at a load (mN), or None if the study has no hardness.
 
         `hardness` is the measured hardness, by default the hardness of the study. `size_effect` is the length h* (µm)
         of the indentation size effect, which has no effect if the depth of the indentation is unknown.
@@ -85,7 +85,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) of elastic bodies at a load (mN), with E* multiplied by the ratio `modulus`.
+        """Return the true area (µm²) at a load (mN) if the bodies stayed elastic, with E* multiplied by `modulus`.
 
         Above and below the computed loads, the area is proportional to the load.
         """
@@ -95,7 +95,7 @@ class AreaFunction:
         return np.asarray(np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area))
 
     def _contact_load(self, load: ArrayLike) -> Floats:
-        """Return the load (mN) on the contacts: the applied load plus the attraction."""
+        """Return the load (mN) that the contacts carry: the applied load plus the attraction."""
         loads = np.asarray(load, dtype=np.float64)
         if self.attractions is None:
             return loads
@@ -129,7 +129,7 @@ class AreaFunction:
     def _area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or that are elastic if it is None."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or the elastic area if it is None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -141,7 +141,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding. The arguments are those of `__call__`.
+        """Return the state of the contacts at the onset of sliding, for the same arguments as `__call__`.
 
         `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before.
         """
@@ -156,11 +156,11 @@ class AreaFunction:
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
-    """True areas (µm²) at the loading steps for each cutoff, averaged over members."""
+    """True areas (µm²) that a result stores, averaged over members, as arrays over cutoffs and loading steps."""
 
     all_members: Floats  # true areas, averaged over all members
     elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
-    elastic: Floats  # mean elastic areas, or estimates of them; NaN for a study without elastic areas
+    elastic: Floats  # elastic areas, averaged over the latter members or estimated; NaN if the study needs none
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -187,7 +187,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = sums / counts
-    # An unfinished result may lack all members whose elastic area is stored.
+    # An unfinished result may lack all members with a stored elastic area. Estimate their elastic areas.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
@@ -196,12 +196,12 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
 
 
 def build_area_functions(result: MemberSums) -> list[AreaFunction]:
-    """Return the true area as a function of load and inputs for each cutoff of a result."""
+    """Return the true area as a function of load and inputs, one function for each cutoff of a result."""
     study, areas = result.study, result.compute_once(_average_solved_areas)
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
     hardness = None if contact.hardness is None else float(contact.hardness)
-    # neglect yielding of adhesive contacts, because few contacts yield under the attraction alone
+    # Adhesive contacts are treated as elastic, because few contacts yield under the attraction alone.
     if hardness is None or contact.adheres:
         elastic_areas = areas.all_members
     elif contact.yield_exponent is not None:
@@ -231,11 +231,12 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 
 
 def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-    """Return the true area at the onset of sliding divided by the area before shear, and the friction fraction.
+    """Return two factors at the onset of sliding: growth of the true area under shear, and friction fraction.
 
-    The friction fraction is `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The
-    ratio is infinite at seizure. The pressure at the onset is also applied to contacts that do not oppose the motion,
-    so that the ratio is an upper bound under the sliding rule "opposing".
+    The growth is the true area divided by the area before shear. The friction fraction is
+    `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at
+    seizure. The pressure at the onset is also applied to contacts that do not oppose the motion, so that the growth is
+    an upper bound under the sliding rule "opposing".
     """
     law = Inputs.from_study(result.study).friction_law(mu0[:, np.newaxis], tau0)
     loads = loads[:, np.newaxis, np.newaxis]
@@ -249,7 +250,7 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depths (µm) of indentations with the size of the contacts, per cutoff and loading step.
+    """Return the depths (µm) of indentations that are as large as the contacts, over cutoffs and loading steps.
 
     It is None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area at
     the measured hardness.
@@ -265,14 +266,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on contacts, the load plus the attraction, per cutoff and loading step."""
+    """Return the mean load (mN) on the contacts, including the attraction, over cutoffs and loading steps."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas (µm²) of a result that stores only areas limited by the hardness.
+    """Estimate the elastic areas (µm²) of a result that stores only areas with the pressure limited to the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -287,7 +288,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return the exponent d ln(q) / d ln F of a stored quantity q, averaged over members, at given loads F (mN)."""
+    """Return the exponents d ln(q) / d ln F at given loads F (mN), where q is the mean of a stored quantity."""
     steps = result.study.contact.loading_steps()
     values = result.means([name])[name]
     mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
@@ -295,7 +296,7 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return the exponent d ln(q) / d ln F at each load F, or 1 if q is known at fewer than two loads."""
+    """Return the exponent d ln(q) / d ln F at each load F, or 1 if fewer than two values of q are known."""
     is_known = np.isfinite(values) & (values > 0)
     if is_known.sum() < 2:
         return np.ones(loads.size)
@@ -305,9 +306,9 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the true area divided by the area that the hardness limits, per cutoff and load.
+    """Return the true area divided by the stored capped area, as an array over cutoffs and loading steps.
 
-    It is None if both areas are equal, because the bodies are elastic or the result has no elastic areas.
+    The result is None if both areas are equal, because the bodies are elastic or the result has no elastic areas.
     """
     if "elastic_area" not in result.head.variables:
         return None
@@ -319,7 +320,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the true area at a hardness (GPa) divided by the area that the hardness limits, per cutoff and load."""
+    """Return the true area at a hardness (GPa) divided by the stored capped area, over cutoffs and loading steps."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -327,7 +328,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
         # In complete contact, round-off may raise the elastic area above the nominal area.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    for cell_factors in factors:  # at loads without an elastic area, interpolate the factor
+    for cell_factors in factors:  # Interpolate the factor at loads without an elastic area.
         is_known = np.isfinite(cell_factors)
         if is_known.any():
             log_loads = np.log(loads)
@@ -338,9 +339,9 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the members of a result in groups. Sums over areas are scaled to the true area of yielding contacts.
+    """Yield groups of members in which sums over areas are scaled to the true area of yielding contacts.
 
-    The scaled sums are `AREA_SUMS`. All others are the sums of the half-space solution.
+    The scaled sums are `AREA_SUMS`. All other sums are those of the half-space solution.
     """
     factors = result.compute_once(compute_yield_factors)
     for piece in result.pieces(names):

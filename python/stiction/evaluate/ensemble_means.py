@@ -29,13 +29,13 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads from which a normal stiffness is computed
+MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads that a normal stiffness requires
 
 
 def average_ensemble(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, names: Collection[str] | None
 ) -> xarray.Dataset:
-    """Return means of friction and other quantities over an ensemble at given mean normal loads, with 95 % intervals.
+    """Return ensemble means of friction and other quantities at given mean normal loads, with 95 % intervals.
 
     `names` lists quantities to evaluate besides friction; None stands for all.
     """
@@ -45,7 +45,7 @@ def average_ensemble(
     ratio_names = [name for name in RATIO_QUANTITIES if is_requested(name, names)]
     evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_ratios=bool(ratio_names))
     quantities = [name for name in _list_ensemble_quantities(head) if is_requested(name, names)]
-    # Area and stiffness depend slightly on mu0 and tau0, because friction contributes to the normal load.
+    # Area and stiffness at a normal load depend slightly on mu0 and tau0, because friction contributes to that load.
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
         means = evaluate(["friction_coefficient", *quantities], all_directions)
@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate quantities at given mean normal loads, averaged over each group of directions.
+    """Evaluate quantities at given mean normal loads, one mean for each group of directions of motion.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """
@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average over members: pull-off force, fraction of forces that are lower bounds, and friction at zero load."""
+    """Average the pull-off force, the indicator of lower bounds, and friction at zero load over the members."""
     import xarray
 
     variables = {}
@@ -125,7 +125,7 @@ def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, ta
 
 
 def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variable:
-    """Combine a quantity and its interval limits in one variable with the dimension `statistic`."""
+    """Combine a mean and its interval limits in one variable with the dimension `statistic`."""
     import xarray
 
     variable = table[name]
@@ -136,7 +136,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return the coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
+    """Return the coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with jackknife intervals.
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and statistic.
     The coefficient is NaN if mean(F_N) is not above 0.

@@ -19,28 +19,28 @@ import stiction._core as _core
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-# a mean and the limits of its interval: labels of the dimension `statistic` in datasets
+# labels along the dimension `statistic` of datasets: a mean and the limits of its interval
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-NUM_SLOPE_FIT_STEPS = 4  # number of steps on each side of a load from which the slope of a curve is fitted
+NUM_SLOPE_FIT_STEPS = 4  # number of loading steps on each side of a load to which the slope of a curve is fitted
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
-"""Largest ratio of two successive computed loads between which quantities are interpolated."""
-NUM_BATCH_VALUES = 2**17  # maximum number of values that are processed together; larger batches are not faster
-MIN_SAMPLE_SIZE = 3  # minimum number of repetitions from which an interval is computed
-MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions from which an interval of the mean is computed
+"""Largest ratio of two successive computed loads that allows interpolation between them."""
+NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are not faster
+MIN_SAMPLE_SIZE = 3  # minimum number of repetitions that an interval requires
+MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions that an interval of the mean requires
 MIN_RELATIVE_CHANGE = -1 + 1e-12
-"""Minimum relative change of a mean for which the mean keeps its sign if one repetition is left out.
+"""Relative change of a mean on leaving out one repetition, above which the mean certainly keeps its sign.
 
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
 """
 MAX_RELATIVE_ROUND_OFF = 1e-12
-"""Largest half width of a symmetric interval that counts as round-off, relative to |mean| + |slope| · load.
+"""Largest half width of a symmetric interval that counts as round-off, as a fraction of |mean| + |slope| · load.
 
 Friction up to this fraction of the load or of the pull-off force counts as round-off, too.
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # skewness below which an interval is computed as symmetric
-MAX_DEGREES_OF_FREEDOM = 1e6  # above this number of degrees of freedom, Student's t distribution counts as normal
+_MIN_SKEWNESS = 1e-9  # largest skewness of a sample whose interval is computed as symmetric
+MAX_DEGREES_OF_FREEDOM = 1e6  # number of degrees of freedom above which Student's t distribution counts as normal
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -61,7 +61,7 @@ class LoadCrossings:
     fraction: Floats  # position of each load between two steps, from 0 to 1; shape (..., loads)
     reached: NDArray[np.bool_]  # True for loads that the curve reaches; shape (..., loads)
     below: NDArray[np.bool_]  # True for loads below the first step; shape (..., loads)
-    # Loads of the curves and requested loads, by which interpolated quantities are divided; None without division.
+    # Loads of the curves and requested loads, if the ratio of a quantity to the load is interpolated, or else None.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -102,7 +102,7 @@ class LoadCrossings:
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the numbers of a curve at the loading steps below and above each requested load."""
+        """Return what a curve gives at the loading step below and at the loading step above each requested load."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -136,12 +136,12 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads (mN), which are known only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads (mN). They are known only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative by ln(load), with cubics between the loading steps.
+        """Interpolate an increasing quantity and its derivative d/d ln(load), with cubics between the loading steps.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -172,7 +172,7 @@ class LoadCrossings:
         )
 
     def interpolate_smoothly(self, values: Floats) -> Floats:
-        """Interpolate a quantity over ln(load) with monotonic cubics.
+        """Interpolate a quantity at the requested loads with monotonic cubics in ln(load).
 
         The slope at a step is the weighted harmonic mean of the slopes of the adjacent chords (Fritsch & Butland 1984),
         and at the first and last step the slope of the parabola through three steps. The crossings must have been found
@@ -195,11 +195,11 @@ class LoadCrossings:
         return self.interpolate_with_slopes(values, slopes)[0]
 
     def min_at_bracketing_steps(self, values: Floats) -> Floats:
-        """Return the smaller of a quantity's two numbers at the steps below and above each requested load."""
+        """Return the smaller of the two values of a quantity at the steps below and above each requested load."""
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, over: Floats) -> Floats:
-        """Return the slope d(values)/d(over) of one quantity over another at each requested load."""
+        """Return the slope of one quantity with respect to another, between the steps around each requested load."""
         index = np.maximum(self.index, 1)
         value_change, over_change = (
             np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
@@ -224,7 +224,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # Each of the p points is a pair of a curve and a load that this curve reaches.
+        # Each of the p points is the crossing of one curve with one load that the curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -237,7 +237,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add further repetitions: normal loads and each quantity, as arrays (curves, steps, repetitions)."""
+        """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of each quantity."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -279,7 +279,7 @@ class _QuantityAtLoads:
         self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
     def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
-        """Add further repetitions: normal loads and the quantity, as arrays (curves, steps, repetitions)."""
+        """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of the quantity."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -290,7 +290,10 @@ class _QuantityAtLoads:
         self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the limits of the interval at each crossing, given the index of the crossing's curve."""
+        """Return the limits of the interval at each crossing.
+
+        `curve` contains the index of the curve of each crossing.
+        """
         mean = self.mean
         half_width = self._logarithms.half_width()
         with np.errstate(invalid="ignore", over="ignore"):
@@ -308,7 +311,7 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Sums of the first four powers of jackknife values, which give the half width of an interval."""
+    """Sums of the first four powers of jackknife values, from which the half width of an interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -377,7 +380,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
 
 
 def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average independent numbers along the first axis, ignoring NaN. Return the mean and its Student's t interval.
+    """Average independent values along the first axis, ignoring NaN, and return the mean with its Student's t interval.
 
     If no number is negative, the interval is symmetric in the logarithm of the mean, so that it is above 0.
     """
@@ -393,7 +396,7 @@ def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the lower and the upper limit of an interval, from the mean and the half width.
+    """Return the lower and the upper limit of an interval with a given mean and half width.
 
     The interval is symmetric in the logarithm of the mean, unless `is_signed` is true or the mean is not positive.
     """
@@ -419,9 +422,9 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 
 
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average numbers at neighbouring positions (first axis).
+    """Average values at neighbouring positions (first axis), and return the mean with an interval.
 
-    Return the mean and an interval that allows for correlation.
+    The interval allows for correlation between neighbours.
 
     The values are transformed to remove their skewness. The model is a mixture of autoregressive processes with
     correlations ρ from 0 to 0.95: Student's t intervals are averaged with the posterior probability of ρ as weight,
@@ -429,7 +432,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
-    # Sum each row of numbers separately, so that its sum does not depend on the other rows.
+    # Sum each row separately, so that its round-off does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -442,19 +445,19 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of each row's mean, or NaN if all numbers in the row are equal.
+    """Return the interval limits of each row's mean, or NaN for rows of equal values.
 
     The values have the shape (c, r).
     """
     from scipy.special import stdtr
 
-    # Divide the deviations from the mean by their standard deviation, to avoid overflow.
+    # Divide deviations from the mean by their standard deviation, because squares of large values would overflow.
     count, deviations = values.shape[1], values - mean[:, np.newaxis]
     deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, count)
-    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y need only a few sums over y.
+    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over y.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -491,13 +494,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average a quantity along each line of positions. Return the mean over all lines and its 95 % interval."""
+    """Average a quantity along each line of positions, and return the mean over lines with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Replace the values on each line by one number, such that the mean over lines equals the mean over all
+        # Replace the values on each line by one number such that the mean of these numbers equals the mean over
         # positions.
         counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         sums = np.zeros((first_indices.size, *values.shape[1:]))
@@ -513,12 +516,12 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
 
 @dataclass(frozen=True)
 class ScanPairMean:
-    """Mean of a quantity over all pairs of scans, with its variance components."""
+    """Mean of a quantity over all pairs of an upper and a lower scan, with its variance components."""
 
     mean: float
-    # Variances of the mean due to upper scans, due to lower scans and due to positions.
+    # Variances of the mean that are due to upper scans, lower scans and positions.
     variances: tuple[float, ...]
-    freedom: float  # degrees of freedom of the variance of a mean (Satterthwaite, 1946)
+    freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
     test: float  # standard deviation of a single new test about the mean
     test_freedom: float  # degrees of freedom of the variance of a single new test
 
@@ -529,7 +532,7 @@ class ScanPairMean:
 
 
 def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
-    """Return the mean over all pairs of scans with its variance components, or None if there are fewer than two pairs.
+    """Return the mean over pairs of scans with its variance components, or None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.
@@ -561,7 +564,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # Subtract the residual mean square once for each mean square that is not pooled.
+    # Weights of the mean squares in the variance, in which the residual is subtracted once per unpooled mean square.
     weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()
@@ -581,7 +584,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of a single test's variance, the sum of the variance components.
+    """Return the degrees of freedom of the variance of a single test, which is a sum of variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

@@ -14,11 +14,11 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-NUM_DEFAULT_LOADS = 3  # number of loads that a result shows if the study specifies none
+NUM_DEFAULT_LOADS = 3  # number of loads that are evaluated if the study specifies none
 
 
 def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:
-    """Return a geometric series of loads (mN) over the load range of a result."""
+    """Return a geometric series of `steps` loads (mN) between the smallest and the largest load of a result."""
     elastic_loads = MemberSums.of(result).mean_elastic_loads
     highest_load = float(elastic_loads.max())
     if not highest_load > 0:
@@ -53,14 +53,14 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
 
 
 def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
-    """Return the different loads (mN) in ascending order. For adhesive bodies, a negligible load replaces 0."""
+    """Return loads (mN) in ascending order, without duplicates. For adhesive bodies, a negligible load replaces 0."""
     if result.study.contact.adheres and 0 in loads:
         loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
     return np.unique(loads)
 
 
 def find_negligible_load(result: MemberSums) -> float:
-    """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest loading step."""
+    """Return a load (mN) that is negligible relative to the pull-off force: if possible, the smallest loading step."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load

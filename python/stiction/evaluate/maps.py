@@ -32,18 +32,18 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of curve points of one map cell that are in memory together.
+# Maximum number of points of load curves that are in memory together for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
-# Dimensions of a result besides members and steps.
+# Dimensions of a result that distinguish its cells.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
-MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of a result with several sliding rules or directions
+MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results for several sliding rules or directions
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
 _VARIABLES_BY_QUANTITY = {
     "friction_coefficient": ("contact_count", *friction.LOAD_SUM_NAMES),
     "normal_stiffness": _LOAD_VARIABLES,
 }
-"""Contact sums from which each derived quantity is computed. All other quantities are stored directly."""
+"""Contact sums from which each derived quantity is computed. Quantities without an entry are stored directly."""
 
 _RATIO_SUM_NAMES = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERANDS))
 """Contact sums from which ratios are computed, such as the mean pressure and the validity indicators."""
@@ -211,19 +211,19 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a result that distinguish its surfaces: fractal dimension, amplitude, or cutoff."""
+    """Return the dimensions of a dataset that distinguish its cells: fractal dimension, amplitude, or cutoff."""
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
 def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with the repetitions on its last axis, contiguous in memory, so that sums are fast."""
+    """Return an array with the repetitions on the last axis. The array is contiguous, so that sums are fast."""
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the members of a result in groups, omitting members for which the solver failed at some load."""
+    """Yield groups of the members for which the solver succeeded at all loads."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece["normal_elastic"]
         is_solved = np.isfinite(
@@ -244,7 +244,7 @@ def evaluate_ensemble_quantities(
     result: MemberSums, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, names: Sequence[str],
     transform: DatasetTransformation | None = None, *, includes_ratios: bool = True,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate means over an ensemble at given mean normal loads, and return one dataset per quantity.
+    """Evaluate ensemble means at given mean normal loads, and return one dataset per quantity.
 
     Each dataset has the structure of a dataset that `friction_map` returns. `transform` is applied to the members
     first. Without `includes_ratios`, the ratios of contact sums are omitted. Each piece of the result is read twice.
@@ -266,8 +266,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which the mean loads reach the requested loads.
-    # The second pass over the members computes the intervals at these loading steps.
+    # The first pass over the members finds the loading steps at which mean loads reach the requested loads. The second
+    # pass computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -302,7 +302,7 @@ def evaluate_ensemble_quantities(
 
 
 class _EnsembleQuantities:
-    """Means of quantities over an ensemble at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Ensemble means of quantities at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
@@ -326,7 +326,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return the normal load (mN) and each quantity along the loading steps, for some members of one result cell.
+        """Return normal load (mN) and each quantity at all loading steps, for selected members of one result cell.
 
         `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
         each array runs over all pairs of mu0 and tau0.
@@ -356,13 +356,13 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store the means, intervals and statuses of one cell, and return the ratios of its contact sums."""
+            """Store means, intervals and statuses of one cell, and return the ratios of contact sums in this cell."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
             normal = self.compute_curves(cell, averages)[0][..., 0]
-            # Friction is self-locked if the normal load is not positive even at the largest approach.
+            # Friction locks the bodies if the normal load is not positive even at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
@@ -421,12 +421,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table (curves, loads) to an array with axes for load, mu0 and tau0."""
+    """Reshape a table (curves, loads), in which curves run over mu0 and tau0, to an array (loads, mu0, tau0)."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums of all members, followed by the sums from which each named quantity is computed.
+    """Return the contact sums of all members, followed by the sums that give each named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -480,7 +480,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average the sums of `_compute_sums`, and the operands of ratios, over the members, and count the members.
+    """Average the sums of `_compute_sums`, and the operands of ratios, over all members, and count the members.
 
     The averages of sums have an axis of length 1 for the members.
     """
@@ -505,7 +505,7 @@ def _average_sums(
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays, by default mu0 and tau0 of the study."""
+    """Return mu0 and tau0 (GPa) as arrays. They default to mu0 and tau0 of the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

@@ -33,7 +33,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class LoadNeighbors:
-    """Quantities of members at the computed loads around each requested load, for interpolation.
+    """Quantities of all members at the computed loads below and above each requested load, for interpolation.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -88,8 +88,8 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # If the body slides by itself in one direction, a mean over directions has no meaning.
-    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions has no meaning if the body slides by itself in one direction. If mu0 and tau0 are 0, the
+    # coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -135,7 +135,7 @@ def average_members(
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
     low, high = compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
-    )  # the mean is NaN if no member has a coefficient
+    )  # NaN if no member has a coefficient
     statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
         # A member that slides by itself needs no tangential load, so its coefficient counts as 0.
@@ -152,7 +152,7 @@ def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
     names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the means of all quantities over the members. The loads are averaged only if `names` includes them.
+    """Return the means of all quantities over the members. Loads are averaged only if `names` includes them.
 
     `find_limit` returns the largest upper limit of the interval of a quantity.
     """
@@ -178,7 +178,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the inverse of the mean compliance of the members: the stiffness dF/dδ at the mean displacement.
+    """Return the inverse of the members' mean compliance, which is the stiffness dF/dδ at the mean displacement.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -197,7 +197,7 @@ def include_interpolation_error(
     means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
     mean_with_interval: Callable[[Floats], Floats],
 ) -> Floats:  # fmt: skip
-    """Widen the intervals of means that are interpolated between two computed loads by the interpolation error.
+    """Widen the intervals of means by the error of interpolating between two computed loads.
 
     The error has two parts, which are combined with the interval in quadrature. The random part is due to members whose
     quantities jump when contacts appear or merge: if the changes between the computed loads have the half width h, it
@@ -246,10 +246,10 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return the common status of all members (first axis).
+    """Return the status that represents all members (first axis).
 
-    If any member has a coefficient, it is a status with a coefficient, such as "ok". Otherwise, it is the most frequent
-    status.
+    If any member has a coefficient, this is a status with a coefficient, such as "ok". Otherwise, it is the most
+    frequent status.
     """
     counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
@@ -261,7 +261,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fraction, which is at most 1.
+    """Return the contact status for each true area fraction, and the fractions with an upper limit of 1.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -277,7 +277,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Set masked means and limits to NaN. Set negative means, which are due to round-off, to 0.
+    """Replace masked means and their limits by NaN. Replace negative means, which are round-off, by 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -287,20 +287,20 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace round-off in coefficients averaged over opposite directions by 0 if mu0 and tau0 are 0.
+    """Replace coefficients that are round-off by 0, which occur for mu0 = tau0 = 0 in means over opposite directions.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # Comparisons ignore limits of the interval that are NaN because there are few members.
+    # The limits of an interval are NaN if there are few members; comparisons with NaN are False.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (0 to 180 degrees) along which both opposite directions were computed, and their indices.
+    """Return the axes (0 to 180 degrees) along which both directions were computed, with the indices of the directions.
 
     The indices have the shape (axes, 2).
     """
@@ -317,7 +317,7 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
 
 @dataclass(frozen=True, eq=False)
 class MemberDependence:
-    """Statistical dependence of members: none, between neighbours on a line, or through shared scans."""
+    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -339,7 +339,7 @@ class MemberDependence:
         return cls(order, lines[order])
 
     def mean_with_interval(self, values: Floats) -> Floats:
-        """Average a quantity over the members, ignoring NaN. Return the mean and its 95 % interval.
+        """Average a quantity over the members, ignoring NaN, and return the mean with its 95 % interval.
 
         The values have the shape (members, ...), and the result has the shape (..., 3).
         """
@@ -353,8 +353,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # To save time, evaluate all columns with the same missing members together.
-        # In most columns, no member is missing.
+        # Evaluate all columns with the same missing members together, which saves time: most columns miss no member.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
@@ -372,7 +371,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean over pairs of scans and its interval limits, which are above 0 if no number is negative."""
+    """Return the mean over pairs of scans and its interval limits, which are positive unless a value is negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

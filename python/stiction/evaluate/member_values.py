@@ -56,7 +56,7 @@ _FRICTION_VARIABLES = (
     "contact_count",
     *GAP_QUANTITIES,
 )
-"""Quantities that are always evaluated, because intervals of friction depend on them."""
+"""Names of the quantities that are always evaluated, because intervals of friction depend on them."""
 
 LoadDefinition = Literal["mean", "elastic", "normal"]
 MemberKind = Literal["shifts", "surrogates"]
@@ -120,7 +120,7 @@ def evaluate_members(
 
 
 def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
-    """Return the loads (mN), mu0 and tau0 (GPa) of a study. Generated studies return no loads."""
+    """Return loads (mN), mu0 and tau0 (GPa) of a study by name. A study of generated surfaces has no loads."""
     settings = result.study.friction
     loads = np.array([float(load) for load in settings.load] if result.study.is_measured else [])
     return {
@@ -272,7 +272,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) at the onset of sliding, and a mask of the loads that members reach.
+    """Normal and tangential loads (mN) of members at the onset of sliding, and masks of reached and of small loads.
 
     The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """
@@ -286,7 +286,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Return normal and tangential loads from contact sums that are interpolated at elastic loads."""
+        """Compute normal and tangential loads from contact sums that are interpolated at elastic loads."""
         is_reached, is_below = (
             each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
         )
@@ -296,7 +296,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate the normal and tangential loads of members at given normal loads (mN)."""
+        """Interpolate normal and tangential loads of members at given normal loads (mN)."""
         # Move the loading steps to the last axis, along which loads are interpolated.
         normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
         normal = np.broadcast_to(normal, tangential.shape)
@@ -312,7 +312,7 @@ class _MemberForces:
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-    """Return normal and tangential loads (mN) from contact sums, with axes for mu0 and tau0."""
+    """Compute normal and tangential loads (mN) from contact sums. The last two axes of the loads are mu0 and tau0."""
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
     return law.load("normal", columns), law.load("tangential", columns)
 
@@ -321,7 +321,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return the loads and statuses of members after contacts have grown or lost area under shear.
+    """Return loads and statuses of members after contacts have grown, or have lost area, under shear.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
     and tau0 multiply. `growth` and `fraction` come from `compute_onset_factors`.
@@ -361,7 +361,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the requested quantities and the elastic load at the requested loads. Return variables by name."""
+    """Interpolate the requested quantities and the elastic load at the requested loads, and return them by name."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -401,7 +401,7 @@ def has_grooves(study: Study) -> bool:
 
 
 ELASTICITY_EXPONENT = 4
-"""Power of the ratio of loading to unloading stiffness that gives the weight of elastic contacts.
+"""Exponent with which the ratio of loading to unloading stiffness is the weight of elastic contacts.
 
 For a pair of profiles that yields at 2 to 70 % of its contacts, interpolated unloading stiffnesses deviate by 1.3 %
 (rms) and at most 3 %.
@@ -411,13 +411,13 @@ _STIFFNESSES_BY_DISPLACEMENT = {
     "closure": ("closure_stiffness", "unloading_closure_stiffness"),
     "approach": ("normal_stiffness", "unloading_stiffness"),
 }
-"""Displacements, each with the stiffnesses that are its derivatives during loading and unloading."""
+"""Names of displacements, each with its derivatives: the stiffness during loading and during unloading."""
 
 
 def _interpolate_by_stiffness(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements and stiffnesses together, so that they are derivatives of each other.
+    """Interpolate displacements and stiffnesses consistently, so that stiffnesses are derivatives of displacements.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
     displacements and stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted
@@ -458,8 +458,8 @@ def _interpolate_by_stiffness(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return pull-off force (mN) and friction at zero load of each member, and whether the force is a lower bound."""
-    # Store 1 for a member whose pull-off force is only known to exceed a lower bound, and 0 otherwise.
+    """Return pull-off force (mN), whether it is a lower bound, and friction at zero load (mN) of each member."""
+    # Store 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
@@ -480,7 +480,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
 
 
 def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _MemberForces) -> NDArray[Any]:
-    """Return the status of each member by sliding rule, direction, load, mu0 and tau0."""
+    """Return the status of each member for each sliding rule, direction, load, mu0 and tau0."""
     is_known = np.isfinite(forces.normal)
     is_locked = is_known & (forces.normal <= 0)
     status = friction.choose_statuses(
@@ -489,7 +489,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # If a coefficient is missing, store the status of the first step at or above the load, unless this step is
+        # For a missing coefficient, store the status of the first loading step at or above the load, unless that is
         # "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
@@ -509,7 +509,7 @@ def _find_load_crossings(
     """Return the contact sums of members, and the crossings at which their load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Variables have no coordinates, so they are accessed much faster than data arrays.
+    # Access variables instead of data arrays, which is much faster because variables have no coordinates.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (
@@ -527,7 +527,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for sliding rule and direction, if the result does not have them as dimensions."""
+    """Return coordinates for sliding rule and direction, for results that lack these dimensions."""
     values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
     return {
         name: ((name,), values[name][:1], quantity_attributes(name))
@@ -537,7 +537,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add the ratios of contact sums to the variables, and remove the sums that no output shows."""
+    """Add ratios of contact sums to the variables, and remove the sums that only serve to compute ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
@@ -552,7 +552,7 @@ def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dic
 
 
 def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return a variable as a float array with dimensions in a given order.
+    """Return a variable as an array of floats, with its dimensions in the given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 UNKNOWN_INTERVAL = Interval(math.nan, math.nan)
 NEGLIGIBLE_LOAD_RATIO = 0.01
-"""Ratio of load to pull-off force below which the load is negligible and a coefficient has no meaning."""
+"""Ratio of load to pull-off force below which the load is negligible, so that a coefficient has no meaning."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class SlidingRuleCoefficient(Estimate):
     """
 
     _: KW_ONLY
-    rule: str  # contacts at which friction acts: "all" or "opposing"
-    status: str = STATUS_OK  # "ok", or the reason why the coefficient is missing in some direction
+    rule: str  # sliding rule, that is, the contacts at which friction acts: "all" or "opposing"
+    status: str = STATUS_OK  # "ok", or the status of a direction without a coefficient
     interval_of_mean: Interval = UNKNOWN_INTERVAL  # interval of the mean coefficient over positions
     # interval that contains the coefficient of one more test in one direction
     prediction_interval: Interval = UNKNOWN_INTERVAL
@@ -71,9 +71,9 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 SLIDING_RULE_ORDER = ("all", "opposing")
-"""Sliding rules, starting with the rule that is reported for measured bodies without an interface.
+"""Sliding rules in the order of output, if measured bodies have no interface.
 
-Under the reported rule, friction acts at all contacts, because mu0 is measured on smooth faces.
+The first rule is reported. It lets friction act at all contacts, because mu0 is measured on smooth faces.
 """
 
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of a study besides load, mu0 and tau0
@@ -81,13 +81,13 @@ MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
-    """Return the symbol and the number of the roughness exponent: H for self-affine surfaces, D for all others."""
+    """Return symbol and value of the roughness exponent: H for self-affine surfaces, D for all other surfaces."""
     has_hurst = getattr(study.surfaces, "generator", "") == "self-affine"
     return ("H", round(2 - dimension, 12)) if has_hurst else ("D", dimension)
 
 
 def select_sliding_rule(table: Any, rule: str) -> Any:
-    """Select one sliding rule in an array. Without the dimension `sliding`, return the array unchanged."""
+    """Select one sliding rule in an array. An array without the dimension `sliding` is returned unchanged."""
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
@@ -98,7 +98,7 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Return the estimate (value and limits) in an array whose other dimensions have size 1."""
+    """Return the value and the interval limits in an array as an estimate. All other dimensions must have size 1."""
     fields = _get_estimate_fields(table.name, table.attrs)
     if "statistic" not in table.dims:
         return Estimate(table.item(), **fields | {"kind": ""})
@@ -106,14 +106,14 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return name, unit and interval kind of an estimate, from the name and attributes of its variable."""
+    """Return name, unit and interval kind of an estimate, as stated in the attributes of its variable."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates in an array with the axes `dimension` and `statistic`, by the coordinate of `dimension`."""
+    """Return the estimates in an array along one dimension, keyed by the coordinate of this dimension."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     fields = _get_estimate_fields(table.name, table.attrs)
     return {
@@ -131,12 +131,12 @@ class PointQuantities:
 
     estimates: dict[str, Estimate]
     numbers: dict[str, float]  # quantities of a result that have no interval
-    # quantiles of each distribution, by the probability of numbers below the quantile
+    # quantiles of each distribution, by their probability
     distributions: dict[str, dict[float, Estimate]]
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return the quantities at a result point under one sliding rule that do not vary with the direction.
+    """Return all quantities at a result point that do not vary with the direction, under one sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
@@ -165,7 +165,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """Return a quantity at a result point, averaged over all directions, or NaN if the quantity is missing."""
     if name not in point.variables:
         return math.nan
-    # Indexing the NumPy array is much faster than selecting from an `xarray.DataArray`.
+    # Index the NumPy array, which is much faster than a selection from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:
@@ -191,7 +191,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_sliding_rules_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, beginning with the reported rule.
+    """Return the sliding rules of a study. The reported rule is the first.
 
     With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, it is
     the first rule of the study.
@@ -202,14 +202,14 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return a table of measured bodies with the reported sliding rule first. Other tables are returned unchanged."""
+    """Return the table of measured bodies with the reported sliding rule first. Other tables are returned unchanged."""
     rules = list_sliding_rules_reported_first(study)
     is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the contact model has a nominal area."""
+    """Return whether the bodies at a result point have a nominal area in their contact model."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 
@@ -234,7 +234,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the adhesion range (µm) of the study, and the adhesion range (µm) of the computation.
+    """Return two ranges of attraction (µm): the adhesion range of the study, and the range that was computed.
 
     The range of the computation is larger if the grid does not resolve the range of the study.
     """
@@ -269,7 +269,7 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the friction coefficient that contacts would have if they all yielded, with friction at all contacts.
+    """Return the coefficient for friction at all contacts if all of them yielded, or None if contacts cannot yield.
 
     The coefficient is a lower limit if the interface is stronger than the softer body. The coefficient is NaN at
     seizure, and None if the study has no hardness.
@@ -282,7 +282,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the interface of yielding contacts is stronger than the softer body."""
+    """Return whether the shear strength of the interface of yielding contacts exceeds that of the softer body."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))

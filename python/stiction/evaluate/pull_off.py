@@ -31,12 +31,12 @@ class PullOffValues:
     pressure: Estimate
     friction: Estimate
     is_bound: bool  # True if the pull-off force of some members is only known to exceed a lower bound
-    # labels of the uncertain inputs that affect friction only through the contact area
+    # labels of the uncertain inputs that affect friction at zero load only through the area
     area_inputs: tuple[str, ...] = ()
 
     @property
     def sticking_assessment(self) -> Literal["yes", "no", "uncertain"]:
-        """Assessment of whether the bodies stick together: "yes", "no" or "uncertain".
+        """Assessment of whether the bodies stick together without a load: "yes", "no" or "uncertain".
 
         The assessment is "yes" if the interval of the pull-off pressure is above `MIN_STICKING_PRESSURE`, "no" if the
         interval is below, and "uncertain" if it contains this pressure.

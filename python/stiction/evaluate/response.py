@@ -20,16 +20,17 @@ from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.solve.member_sums import MemberSums
 
 UNLOADING_STIFFNESS_EXPONENT, LOADING_STIFFNESS_EXPONENT = 0.55, -0.4
-"""Exponents of the stiffness as powers of the area added by yielding, fitted to solutions at other hardnesses.
+"""Exponents of unloading and loading stiffness, as powers of the factor by which yielding changes the true area.
 
-The exponent of the loading stiffness is multiplied by the yielded fraction of the area. For hardnesses from half to
-double and E* within 25 %, the unloading stiffness is within 10 % of these solutions, the loading stiffness within 20 %.
+The exponents were fitted to solutions at other hardnesses. The exponent of the loading stiffness is multiplied by the
+yielded fraction of the area. For hardnesses from half to double and E* within 25 %, the unloading stiffness is within
+10 % of these solutions, the loading stiffness within 20 %.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Inputs of a contact, such as hardness, mu0 and tau0: numbers, or arrays of samples that are broadcast.
+    """Inputs of a contact, such as hardness, mu0 and tau0. Each is a number or an array of samples.
 
     Attributes
     ----------
@@ -65,17 +66,17 @@ class InputValues:
 
     @property
     def law(self) -> FrictionLaw:
-        """Friction law of the contacts with these inputs."""
+        """Friction law with the mu0, tau0, junction growth and area loss of these inputs."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
-def _area_inputs(inputs: InputValues) -> dict[str, Any]:
+def _get_area_inputs(inputs: InputValues) -> dict[str, Any]:
     return {name: getattr(inputs, name) for name in ("hardness", "yield_exponent", "size_effect")}
 
 
 @dataclass(frozen=True, eq=False)
 class ClosureCurve:
-    """Closure of a pair at its computed loads, averaged over members.
+    """Closure of a pair as a function of load: closures at the computed loads, averaged over members.
 
     Attributes
     ----------
@@ -99,7 +100,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures (µm) after multiplying the closure stiffness at each computed load by a ratio.
+        """Return closures (µm) for a closure stiffness that is multiplied by a given ratio at each computed load.
 
         The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
         """
@@ -109,7 +110,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures at loads (mN) by power laws, which are continued beyond the computed loads."""
+        """Interpolate closures at given loads (mN) by power laws, which also extrapolate beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
@@ -118,7 +119,7 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return the closure curve at each cutoff of a result, or None if fewer than two closures are known."""
+    """Return the closure curve for each cutoff of a result. A curve is None if fewer than two closures are known."""
     num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
     names = ["closure", "closure_stiffness", "unloading_closure_stiffness"]
     if any(name not in result.head.variables for name in names):
@@ -151,7 +152,7 @@ class AreasBeforeShear(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseValues:
-    """Quantities of a contact for given inputs, as arrays of equal shape.
+    """Quantities of a contact that follow from given inputs, as arrays of equal shape.
 
     Attributes
     ----------
@@ -174,14 +175,14 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select(self, *indices: int) -> ResponseValues:
-        """Return the quantities of a single sample of the inputs."""
+        """Return the quantities for a single sample of the inputs, selected by its indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False)
 class ContactResponse:
-    """Response of a pair to changed inputs, at one load under one sliding rule; a mean over members and directions.
+    """Response of a pair at one load and sliding rule to changed inputs; a mean over members and directions.
 
     Attributes
     ----------
@@ -207,12 +208,14 @@ class ContactResponse:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas (µm²) before shear, without and with yielding, for given inputs."""
+        """Return the true areas (µm²) before shear for given inputs: the elastic area, and the area with yielding."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
-        return AreasBeforeShear(elastic_area, self.area(self.load, elastic_area=elastic_area, **_area_inputs(inputs)))
+        return AreasBeforeShear(
+            elastic_area, self.area(self.load, elastic_area=elastic_area, **_get_area_inputs(inputs))
+        )
 
     def yield_pressure(self, inputs: InputValues) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or None if the bodies are elastic.
+        """Return the pressure (GPa) on yielding contacts at the onset of sliding, or None if the study has no hardness.
 
         The pressure does not depend on the load, unless the depth of the indentation is known.
         """
@@ -222,7 +225,7 @@ class ContactResponse:
     def evaluate(
         self, inputs: InputValues, known_areas: AreasBeforeShear | None = None, known_pressure: Any = None
     ) -> ResponseValues:
-        """Return all quantities of the contact for given inputs.
+        """Return all quantities of the contact that follow from given inputs.
 
         `known_areas` and `known_pressure` are the areas before shear and the yield pressure, if computed before.
         """
@@ -231,11 +234,11 @@ class ContactResponse:
         law = inputs.law
         if self.area.hardness is None or np.any(inputs.junction_growth):
             known_values = {"elastic_area": elastic_area, "yield_pressure": known_pressure}
-            onset = self.area.onset(law, self.load, **known_values, **_area_inputs(inputs))
+            onset = self.area.onset(law, self.load, **known_values, **_get_area_inputs(inputs))
         else:
             hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
             onset = OnsetState(law.plastic_coefficient(np.asarray(hardness)), area, np.ones(()))
-        # If tau0 is 0, contacts cannot seize, because friction does not depend on the area.
+        # Contacts with tau0 = 0 cannot seize, because their friction does not depend on the area.
         is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(onset.area), area, onset.area)
         coefficient = law.coefficient(self.sums, sliding_area / central_area, onset.friction_fraction)
@@ -272,7 +275,7 @@ class ContactResponse:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the friction at zero load, relative to the friction at zero load with the central inputs.
+        """Return friction at zero load for given inputs, divided by friction at zero load for the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -286,7 +289,7 @@ class ContactResponse:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all computed loads for given inputs, between which `closure_ratio` interpolates.
+        """Return the closures (µm) at all computed loads for given inputs, as nodes for `closure_ratio`.
 
         E* and the heights are those of the study. The hardness is divided by their changes instead.
         """
@@ -302,7 +305,7 @@ class ContactResponse:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure at the load, relative to the closure with the central inputs.
+        """Return the closure at the load for given inputs, divided by the closure for the central inputs.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
         heights. `closures` comes from `closures_at_computed_loads`.
@@ -314,5 +317,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact at the central inputs, after replacing the inputs in `changes`."""
+        """Return all quantities of the contact at the central inputs, some of which `changes` may replace."""
         return self.evaluate(replace(self.central, **changes))

@@ -1,4 +1,4 @@
-"""Intervals of a shear test, due to uncertain inputs and to scatter between strips of the faces.
+"""Intervals of a shear test that include uncertain inputs and the scatter between strips of the faces.
 
 Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
 the contacts, so the test is repeated at the limits of each, and the curves are interpolated.
@@ -27,24 +27,24 @@ from stiction.study.interfaces import InterfaceStrength
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_INPUT_SAMPLES = 2**10  # minimum number of samples of the inputs, however many displacements a curve has
-MAX_CURVE_VALUE_COUNT = 2**21  # maximum number of samples times displacements, for which memory is allocated
+MIN_INPUT_SAMPLES = 2**10  # minimum number of input samples, regardless of the number of displacements
+MAX_CURVE_VALUE_COUNT = 2**21  # maximum number of samples times number of displacements, which limits the memory
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
-"""Inputs that change the contacts. The test is repeated at the limits of these inputs."""
+"""Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
 
 CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
-"""Quantities that have an interval at each displacement."""
+"""Names of the quantities that have an interval at each displacement of a shear test."""
 
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
-"""Attributes of a shear test dataset that have an interval."""
+"""Names of the dataset attributes of a shear test that have an interval."""
 
-_Samples = dict[str, Floats]  # an array of each quantity, whose first axis contains samples or strips
+_Samples = dict[str, Floats]  # array of each quantity, with samples or strips on the first axis
 
 
 @dataclass(frozen=True)
 class ShearInputSamples:
-    """Samples of the inputs of a shear test: an array of n numbers for each input.
+    """Samples of the inputs of a shear test: n values of each input.
 
     `contact_inputs` contains the uncertain inputs among `CONTACT_INPUTS`, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
@@ -57,7 +57,7 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one for each sample. Many displacements reduce the number of samples."""
+    """Return points of a Sobol sequence, one per sample. The number of samples is smaller for many displacements."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -65,7 +65,7 @@ def _draw_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the inputs of a shear test. For an interface, further samples have mu0 = 0 or tau0 = 0."""
+    """Draw samples of a shear test's inputs and, for a calibrated interface, more samples with mu0 = 0 or tau0 = 0."""
     uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
@@ -96,19 +96,19 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Lower or upper limit, relative to the central value, of an input that changes the contacts."""
+    """Lower or upper limit of an input that changes the contacts, relative to the central value of the input."""
 
     name: str
     ratio: float
 
     def apply(self, box: ShearBox) -> ShearBox:
-        """Return the shear test with the input at this limit."""
+        """Return the shear test with the input set to this limit."""
         changes: Any = {self.name: getattr(box, self.name) * self.ratio}
         return replace(box, **changes)
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return both limits of each uncertain input that changes the contacts. The test is repeated at these limits."""
+    """Return both limits of each uncertain input that changes the contacts, as variations of the shear test."""
     if not samples:
         return []
     return [
@@ -120,7 +120,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for samples of the inputs, from tests with central inputs and with input limits.
+    """Curves of a shear test for samples of its inputs, derived from tests at the central inputs and at input limits.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements).
@@ -139,7 +139,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return one curve of the shear test, selected by `get_curve`, for each sample (first axis)."""
+        """Return the curve of the shear test that `get_curve` selects, for each sample of the inputs (first axis)."""
         central = get_curve(self._test)
         return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
 
@@ -168,7 +168,10 @@ def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return the curves and peak values of all samples. The peak is found among displacements with status "ok"."""
+    """Return curves and peak values of all samples.
+
+    A peak is the largest value among displacements with status "ok".
+    """
     displacement, is_ok = test["displacement"].values, test["status"].values == STATUS_OK
     values = {"friction_coefficient": coefficient, "shear_stress": stress, "dilation": dilation}
     if is_ok[-1]:
@@ -184,13 +187,13 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripMeanErrors:
-    """Standard error of each quantity's mean over strips, and number of strips in which the quantity has a solution."""
+    """Standard error of each quantity's mean over strips, and the number of strips with a solution."""
 
     errors: _Samples
     counts: _Samples
 
     def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return deviations of a mean over strips at given probabilities (first axis), by Student's t distribution.
+        """Return the deviations of a mean over strips at given probabilities (first axis), by Student's t distribution.
 
         The deviations are NaN if fewer than two strips have a solution.
         """
@@ -266,14 +269,14 @@ def _compute_limits(values: Floats) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Extend limits so that they enclose the computed number, and raise negative limits to 0 except for dilation."""
+    """Widen limits so that they enclose the computed value, and raise negative limits to 0 except for dilation."""
     first, *other_limits = limits
     extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of the shear test with intervals: variables for curves, attributes for single numbers."""
+    """Return a copy of a shear test with interval limits: variables for curves, attributes for single values."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SHEAR_INTERVAL_ATTRIBUTES:
@@ -281,7 +284,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # all samples peak at the same computed displacement, but the true peak may lie between two displacements
+            # all samples peak at one computed displacement, but the true peak may lie between two of them
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
