@@ -1,1 +1,1 @@
-"""Coefficients to report, with their caveats and an assessment of whether they may be quoted."""
+"""Coefficients to report, with caveats and an assessment that states whether a coefficient may be quoted."""

@@ -45,25 +45,25 @@ if TYPE_CHECKING:
 Severity = Literal["caution", "fault"]
 
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
-"""Ratios of mean contact pressure to E*. Above the first, every material has yielded; above the second, most metals."""
+"""Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
-MIN_TOTAL_CONTACTS = 10  # minimum number of contacts in all members together for a mean that may be quoted
+MIN_TOTAL_CONTACTS = 10  # minimum number of contacts in all members together for quoting a mean
 MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
-"""Minimum mean contact counts per member for quoting a coefficient, and for quoting it without a caveat."""
+"""Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# Largest fraction of the load on a single contact at which a coefficient may be quoted.
+# Largest fraction of the load that a single contact may carry if the coefficient is quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# the result has a caveat if contacts at the edge carry more than this fraction of the load
+# largest load fraction on contacts at the edge without a caveat
 CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # a result has a caveat if a single contact carries more than this load fraction
+CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest load fraction on a single contact without a caveat
 
-# Above this ratio of true to nominal area, contacts are assumed to have merged.
+# Ratio of true to nominal area above which contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
-# A problem causes a caveat if more than this fraction of the load, the members or the scan length is affected.
+# Largest fraction of the load, the members or the scan length that a problem may affect without a caveat.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # a result has a caveat if more than this fraction of a scan is interpolated
+MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated points in a scan without a caveat
 MAX_SCATTERED_MISSING_FRACTION = 0.02
-"""Maximum fraction of scattered missing points. Above it, a caveat warns of holes in contacts."""
+"""Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
@@ -72,68 +72,68 @@ of both maps are missing at random, this is 1.3 times the fraction of points tha
 With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
-"""Relative standard error of the coefficient due to roughness drift, above which there is a caveat."""
-MAX_SPACING_RATIO = 3.0  # a result has a caveat if the ratio of the spacings of two scans exceeds this limit
+"""Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
+MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans without a caveat
 
-# Above this ratio of τ0 to H/√α, the interface counts as nearly as strong as the bulk.
+# Ratio of τ0 to H/√α above which the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# The interval of a result has no upper limit if more than this fraction of the samples has no upper limit of friction.
+# Fraction of input samples without an upper limit of friction above which the interval has no upper limit.
 MAX_UNLIMITED_FRACTION = 0.025
 MIN_UNLIMITED_FRACTION = 0.01
-"""Minimum fraction of input samples without an upper limit of friction for which there is a caveat.
+"""Fraction of input samples without an upper limit of friction above which the result has a caveat.
 
 The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
 be the 96.5 % quantile or a higher one.
 """
 
 MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
-"""Minimum load fraction on yielding contacts at which τ0 is compared with the softer body's shear strength."""
+"""Minimum load fraction on yielding contacts for a comparison of τ0 with the softer body's shear strength."""
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
-"""Typical length h* (µm) of the indentation size effect, used if the depth of the indentation is unknown."""
+"""Typical length h* (µm) of the indentation size effect, for hardnesses measured at an unknown depth."""
 
 MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
-"""Smallest ratio of E* to the hardness for which h* of metals is within its range; h* falls as (G/H)²."""
+"""Smallest ratio of E* to the hardness for which the assumed range of h* holds for metals; h* falls as (G/H)²."""
 MIN_METAL_MODULUS = 20.0
-"""Minimum E* (GPa) for which a body that yields and has no name is taken for a metal."""
+"""Minimum E* (GPa) for which a yielding body of unknown material is assumed to be a metal."""
 
-# A result without adhesion has a caveat if adhesion would add more than this fraction of the applied load.
+# Largest load that neglected adhesion may add, as a fraction of the applied load, without a caveat.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
-"""Factor in the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
+"""Factor of the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
 
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # a coefficient that differs from mu0 by less than this fraction counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # factor that makes ties such as 2.25 round up, as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which the result has a caveat
+MAX_DEVIATION_FROM_MU0 = 0.02  # largest relative difference of a coefficient that counts as equal to mu0
+ROUND_UP_FACTOR = 1 + 1e-12  # factor by which ties such as 2.25 are raised, so that they round up as in the report
+MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval without a caveat
 
 
 @dataclass(frozen=True)
 class Caveat:
-    """Caveat: a reason not to quote a coefficient, or to quote it only with care, and a remedy."""
+    """Reason not to quote a coefficient, or to quote it only with care, together with a remedy."""
 
     text: str
     remedy: str
     severity: Severity
     cut_off: float = math.inf
-    """Shortest cutoff wavelength (µm) for which the caveat does not apply."""
+    """Shortest cutoff wavelength (µm) at which the caveat no longer applies."""
     has_second_cutoff: bool = False
-    """True if the interval covers the results with and without the wavelengths that the caveat is about."""
+    """True if the interval covers the results with and without the wavelengths that cause the caveat."""
     name: str = ""
-    """Name of the number that exceeds its limit, such as the name of a quantity; "" for other caveats."""
+    """Name of the number that exceeds its limit, often a quantity; "" if the caveat is not due to a limit."""
     value: float = field(default=math.nan, compare=False)
     """The number that exceeds its limit, in core units."""
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
     interval_note: str = ""
-    """Clause about the interval. It is appended to the text if the coefficient has an interval."""
+    """Clause about the interval, which is appended to the text if the coefficient has an interval."""
 
 
 class LimitCheck(NamedTuple):
-    """Check of a number against an upper limit, with the caveat that applies if the number exceeds the limit.
+    """Check of a number against an upper limit, with the text and the remedy of the caveat for a failed check.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -143,17 +143,17 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    shown: str = "digits"  # kind of the printed number, as in `list_number_formats`
-    # Name of the number that the text contains, if another number is compared with the limit.
+    shown: str = "digits"  # format of the number in the text: a key of `list_number_formats`
+    # Name of the number in the text, if it differs from the number that is compared with the limit.
     about: str = ""
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that the text of the caveat contains."""
+        """Name of the number that appears in the text of the caveat."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat of a failed check, with the number that its text contains."""
+        """Return the caveat of a failed check, with the number inserted in its text."""
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
@@ -165,7 +165,7 @@ class LimitCheck(NamedTuple):
 CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; a group reports only its first failed check
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
-"""Text of the assessment by the severity of the worst caveat."""
+"""Text of the assessment, by the severity of the worst caveat ("" without caveats)."""
 
 STATUS_EXPLANATIONS = {
     "not-reached": (
@@ -194,9 +194,9 @@ STATUS_EXPLANATIONS = {
     ),
     "no-contact": ("the bodies do not touch", "use a larger load or a larger approach"),
 }
-"""Meaning and remedy of each status of a result point that lacks a coefficient or an upper limit."""
+"""Meaning of, and remedy for, each status of a result point without a coefficient or without an upper limit."""
 
-WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check for a wide interval of the mean
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check whether the interval of the mean is too wide
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -236,7 +236,7 @@ _EDGE_LOAD_CHECK = _build_fraction_check(
 LARGEST_CONTACT_LOAD_TEXT = "one contact carries {} of the load"
 _MORE_CONTACTS_REMEDY = "use larger surfaces or a higher load"
 FEW_CONTACTS_CHECK_NAMES = ("contacts_missing", "share_on_separate")
-"""Names of the checks that fail if members have few contacts on average."""
+"""Names of the checks that fail if members have too few contacts on average."""
 _FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
 EQUALS_MU0_CHECK = LimitCheck(
@@ -266,7 +266,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks of a coefficient and its interval. Only the first check that fails is reported."""
+    """Return the checks of a coefficient and its interval as one group, which reports only its first failed check."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -286,7 +286,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks for too few contacts. Only the first check that fails is reported."""
+    """Return the checks for too few contacts as one group, which reports only its first failed check."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -309,7 +309,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the checks of the contacts and of the pull-off force at a result point."""
+    """Return the groups of checks of the pull-off force and of the contacts at a result point."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:  # a gap between two faces has only one relative position
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -319,7 +319,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
-    """Return the caveat for the status of a result point without a coefficient or without an upper limit."""
+    """Return the caveat for the status of a result point that lacks a coefficient or an upper limit."""
     other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a value"
     return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
 
@@ -327,7 +327,7 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats of a result point that follow from its status, coefficient and contact statistics."""
+    """Yield the caveats of a result point that follow from its status, its coefficient and its contacts."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -344,7 +344,7 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # Number of solved members in the direction with the fewest.
+    # Number of solved members in the direction in which this number is smallest.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
@@ -367,7 +367,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit that any contact check sets for a number, or None if no check limits it."""
+    """Return the lowest limit that any check of the contacts sets for the named number, or None if no check has one."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
@@ -386,7 +386,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers that checks compare with limits, as arrays over result points, by name.
+    """Compute the numbers that checks compare with their limits: an array over result points for each name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -412,7 +412,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the numbers that the checks of contacts, pull-off force and rms gradient compare."""
+    """Return the names of the numbers that are compared by checks of contacts, pull-off force and rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -481,7 +481,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return the assessment of each result point of generated bodies, from statuses and checked numbers.
+    """Return the caveats of each result point of generated bodies, which follow from statuses and checked numbers.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
@@ -516,7 +516,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Give each combination of reasons a code, because sorting rows of numbers takes much longer.
+    # Encode each combination of reasons as one number, because sorting rows of numbers takes much longer.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -529,13 +529,13 @@ def assess_ensemble_points(
 
 
 def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
-    """Return the assessment, such as "Quote it", that the most severe of several caveats or failed checks requires."""
+    """Return the assessment, such as "Quote it", that follows from the most severe of some caveats or failed checks."""
     severities = {reason.severity for reason in reasons}
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about contacts that grow under shear, and about interfaces that are stronger than a body."""
+    """Yield caveats about neglected junction growth, and about interfaces that are stronger than the softer body."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -570,13 +570,13 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         f"body; junction growth, which is taken as 0, {effect_text}"
     )
     remedy = "use --junction-growth slip-line"
-    if study.contact.adheres:  # in the model, adhesive contacts do not grow under shear
+    if study.contact.adheres:  # in the model, contacts with adhesion do not grow under shear
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if the hardness of small metal contacts may be above or below the assumed hardness."""
+    """Yield a caveat if small metal contacts may be harder, or less hard, than the study assumes."""
     contact, softer_material = study.contact, softest_material(*find_materials(study))
     if contact.yield_exponent is None:
         return
@@ -612,7 +612,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if the coefficient of soft bodies may be lower, because contacts lose area under shear."""
+    """Yield a caveat if contacts of soft bodies may lose area under shear, which would lower the coefficient."""
     contact = study.contact
     is_soft = contact.hardness is None and effective_modulus_at(point, study) < MAX_RUBBER_MODULUS
     if not (study.is_measured and is_soft) or contact.area_loss is not None:
@@ -637,7 +637,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction has no upper limit, or almost has none, for some samples of the inputs."""
+    """Yield a caveat if friction has no upper limit for some samples of the inputs, or nearly none."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -648,7 +648,7 @@ def _find_unlimited_caveats(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
-        # At a smaller load, contacts yield at the same pressure, but do not grow over the whole nominal area.
+        # A smaller load can help: contacts yield at the same pressure, but do not grow over the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
@@ -662,10 +662,10 @@ def _find_unlimited_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected or unresolved adhesion, and about inputs that the interval ignores."""
+    """Yield caveats about neglected or unresolved adhesion, and about inputs whose effect the interval leaves out."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
-        # The asperity model always neglects adhesion: its results have a caveat only if adhesion would double the load.
+        # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"about {100 * added_load:.2g} %" if added_load < 1 else "more than 100 %"
@@ -702,7 +702,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
-    """Return the load that typical adhesion would add to the contacts, divided by the applied load.
+    """Return the load that adhesion of typical strength would add to the contacts, divided by the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the ratio is
@@ -720,7 +720,8 @@ def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
         DEFAULT_ADHESION_RANGE,
         min_resolved_adhesion_range(TYPICAL_WORK_OF_ADHESION, spacing, effective_modulus_at(point, study)),
     )
-    are_strips = has_nominal_area(point, study) and not study.is_areal  # profiles are assumed to be 1 µm wide
+    # Contacts of profiles are strips with an assumed width of 1 µm.
+    are_strips = has_nominal_area(point, study) and not study.is_areal
     contact_width = area / count if are_strips else math.sqrt(area / count)
     rim_factor = RIM_ATTRACTION_FACTOR * (attraction_range / (slope * contact_width)) ** (2 / 3)
     return float(TYPICAL_WORK_OF_ADHESION / attraction_range / mean_contact_pressure(point) * (1 + rim_factor))
@@ -741,7 +742,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
-    # In a study of a gap, both bodies have the same map.
+    # A gap has a single map, which stands for both bodies.
     for side, name in [("upper", "gap")] if study.is_gap else zip(sides, sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
@@ -774,7 +775,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat for each body with a single scan whose roughness drift along the scan affects the coefficient.
+    """Yield a caveat for each body with one scan, if the drift of its roughness along the scan affects friction.
 
     The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
     """
@@ -794,20 +795,20 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, but the study specifies neither an orientation nor positions.
+    """Yield a caveat if both maps have a lay, but the study specifies neither their orientation nor positions.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # Use a short text that fits in one line.
+        # Keep the text short enough for one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 
 
 MIN_YIELDING_PRESSURE_FRACTION = 0.45
-"""Minimum ratio of mean pressure to hardness for which yielding below the surface adds some per cent of area."""
+"""Ratio of mean pressure to hardness above which yielding below the surface adds some per cent of area."""
 
 
 def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
@@ -837,7 +838,7 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the true area divided by the nominal area, or NaN for generated profiles, which have no nominal area."""
+    """Return the ratio of true to nominal area, or NaN for generated profiles, which have no nominal area."""
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

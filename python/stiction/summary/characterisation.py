@@ -30,15 +30,15 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-ASSUMED_MU0 = 0.4  # molecular friction coefficient mu0 assumed in the small-slope estimate
+ASSUMED_MU0 = 0.4  # friction coefficient mu0 of the interface that small-slope estimates assume
 RADIAL_BINS_PER_DECADE = 20  # number of wave number bins per decade in the spectrum of a surface
-# After a Hann window, the variance of ln(density) in a bin is this number divided by the number of harmonics.
+# Variance of ln(spectral density) in a bin times the number of harmonics in the bin, after a Hann window.
 _HANN_LOG_VARIANCE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface. Each property is computed when it is first used.
+    """Characterisation of a levelled profile or surface, whose properties are computed when they are first used.
 
     Attributes
     ----------
@@ -68,20 +68,20 @@ class Characterisation:
     tip_radius: float | None = None
     periodic: bool = False
     textured: bool = False
-    """True if the body was machined, so that lines and humps in its spectrum are attributed to the surface."""
+    """True if the body was machined, so that lines and humps of its spectrum count as part of the surface."""
     lc: float | None = None
     ls: float | None = None
     robust: bool = False
 
     @cached_property
     def parameters(self) -> RoughnessParameters | SurfaceParameters:
-        """Amplitude and slope parameters of the body, such as Sq or Rq."""
+        """Amplitude and slope parameters of the profile or surface, such as Rq or Sq."""
         body = self.scale_limited_body
         return roughness_parameters(body) if isinstance(body, Profile) else surface_parameters(body)
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body from which the roughness parameters are computed: the profile itself, or the filtered surface."""
+        """Body that gives the roughness parameters: the profile itself, or the surface after its filters."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -97,7 +97,7 @@ class Characterisation:
 
     @cached_property
     def neighbour_slope(self) -> float:
-        """Rms slope of a profile, or rms gradient of a surface, from height differences of neighbouring points."""
+        """Rms slope of a profile, or rms gradient of a surface, from the height differences of neighbours."""
         body = self.scale_limited_body
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -105,7 +105,7 @@ class Characterisation:
 
     @cached_property
     def section_parameters(self) -> SectionParameters | SectionLengthError | None:
-        """R- and W-parameters of a profile, or the error that prevents their computation; None for a surface."""
+        """R- and W-parameters of a profile, or the error that prevents them; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -117,17 +117,17 @@ class Characterisation:
 
     @property
     def defects(self) -> ScanDefects:
-        """Defects of the scan: spikes, and wavelengths that instrument or tip do not resolve."""
+        """Defects of the scan: spikes, and wavelengths that the instrument or its tip does not resolve."""
         return find_scan_defects(self.body, self.tip_radius, textured=self.textured, periodic=self.periodic)
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body whose outliers are interpolated, from which the spectrum is computed."""
+        """Body with interpolated outliers, which gives the spectrum."""
         return self.defects.body_without_outliers
 
     @property
     def excluded_outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers that `body_without_outliers` interpolates."""
+        """Mask of the outliers, at which `body_without_outliers` is interpolated."""
         outliers = self.defects.outliers
         return outliers if self.body_without_outliers is not self.body else np.zeros_like(outliers)
 
@@ -139,7 +139,7 @@ class Characterisation:
 
     @cached_property
     def areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, profile moments along x and y, and direction of steepest slope (degrees)."""
+        """Radial spectrum of a surface, its profile moments along x and y, and its steepest direction (degrees)."""
         assert isinstance(self.body_without_outliers, Surface)
         spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -147,18 +147,18 @@ class Characterisation:
 
     @cached_property
     def binned_spectrum(self) -> PowerSpectrum | RadialSpectrum:
-        """Power spectrum averaged in bins of ln(wave number)."""
+        """Power spectrum of the body, averaged in bins of ln(wave number)."""
         return self.areal_analysis[0] if self.spectrum is None else self.spectrum.in_bins()
 
     @cached_property
     def line_roughnesses(self) -> tuple[LineRoughness, ...]:
-        """Roughness of the lines of a surface along x, and along y; empty for a profile."""
+        """Roughness of the lines of a surface, first along x, then along y; empty for a profile."""
         body = self.body_without_outliers
         return () if isinstance(body, Profile) else lines_along_both(body, band=self.band)
 
     @cached_property
     def power_law_fit(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, however large the misfit, or None if no wavelength band is suitable."""
+        """Power law fitted to the spectrum regardless of the misfit, or None if no band of wavelengths is suitable."""
         try:
             return estimate_hurst_exponent(self.body_without_outliers, band=self.band, periodic=self.periodic)
         except ValueError:
@@ -168,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def power_law_misfit(self) -> float:
-        """Rms factor by which the spectrum deviates from the fitted power law, or NaN if there is no power law."""
+        """Rms factor by which the spectrum deviates from the fitted power law, or NaN without a fit."""
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
@@ -179,29 +179,29 @@ class Characterisation:
 
     @property
     def valid_power_law(self) -> HurstEstimate | None:
-        """Power law fitted to the spectrum, or None if the spectrum deviates too much from a power law."""
+        """Power law fitted to the spectrum, or None if the spectrum deviates too much from any power law."""
         return None if self.power_law_misfit > MAX_POWER_LAW_MISFIT else self.power_law_fit
 
     @cached_property
     def roughness(self) -> ScaleDependentRoughness:
-        """Rms slope and rms curvature as functions of the shortest included wavelength."""
+        """Rms slope and rms curvature of the body as functions of the shortest included wavelength."""
         return scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength according to pixels and noise, without the tip."""
+        """Shortest reliable wavelength with regard to pixels and noise, without regard to the tip."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength according to pixels, noise and tip, or None if the tip radius is unknown."""
+        """Shortest reliable wavelength with regard to pixels, noise and tip, or None if the tip radius is unknown."""
         return self.defects.limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of the coefficient along x and y if both bodies had this roughness; empty if flat."""
-        # The gap between two equally rough bodies has twice the mean square slope of one body.
-        # Reverse the slopes, so that the estimate along x comes first.
+        """Small-slope estimates of friction along x and y for two bodies with this roughness; empty for a flat body."""
+        # The gap between two equally rough bodies has twice the mean square slope of one body. Reverse the order of the
+        # slopes (y, x), so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

@@ -1,4 +1,4 @@
-"""Evaluation of a result: friction and other quantities from the contact sums of its members, cached."""
+"""Evaluation of a result: friction and other quantities from the contact sums of its members, with a cache."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# Number of fractal dimensions that an overview of a range of fractal dimensions shows.
+# Number of fractal dimensions that are shown for a study with a range of fractal dimensions.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Result of a study: contact sums of the members, from which friction is evaluated, and companion results."""
+    """Result of a study, which evaluates friction from the contact sums of its members and finds companion results."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -68,7 +68,7 @@ class Evaluation(MemberSums):
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair, at the first load, mu0 and tau0 of the study.
+        """Onset of sliding of a measured pair, at the first load, mu0 and tau0 of its study.
 
         The tangential loads are scaled so that the sliding load is μ_s F. None if the onset is not stored, or if the
         result has no coefficient.
@@ -80,7 +80,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset of sliding so that the sliding load agrees with the coefficient for the rule "all".
+        """Scale a computed onset of sliding to the sliding load that follows from the coefficient for the rule "all".
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -102,22 +102,22 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, computed for a few members; None if no cutoff study is stored."""
+        """Friction at several cutoffs for a few members, or None if no cutoff study is stored."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results of alternative preparations of the scans, by the name of the alternative."""
+        """Stored results for alternative preparations of the scans, by the name of the preparation."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, or None if they are not stored."""
+        """Heights, contacts and pressures of a typical member, or None if no contact map is stored."""
         return self.load_companion(load_contact_picture)
 
     @property
     def loading_cycle(self) -> xarray.Dataset | None:
-        """Load, contact area and approach of a typical adhesive member during loading and unloading.
+        """Load, contact area and approach of a typical adhesive member during loading and subsequent unloading.
 
         None for other results. The cycle is computed on first use.
         """
@@ -125,7 +125,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact in the asperity model, with the force on the upper profile at each contact.
+        """Pair of profiles in contact in the asperity model, with the force on the upper profile at each contact.
 
         It is None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first
         use.
@@ -134,12 +134,12 @@ class Evaluation(MemberSums):
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Height factors with stored results: factors of both bodies, of the upper body, and of the lower body."""
+        """Height factors for which results are stored, by the bodies whose heights are scaled: both, upper or lower."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the measured bodies, which apply at all loads.
+        """Caveats about the scans and other inputs of measured bodies, which apply at all loads.
 
         The files are read on first use.
         """
@@ -157,7 +157,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study, or a few loads in the range of the result if the study lists no loads.
+        """Loads (mN) of the study or, if the study lists no loads, a few loads in the range of the result.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -165,7 +165,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_study_loads(self) -> xarray.Dataset:
-        """Result at the loads, mu0 and tau0 of the study, with intervals and uncertainty budget.
+        """Quantities at the loads, mu0 and tau0 of the study, with intervals and the uncertainty budget.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` of them are evaluated.
         """
@@ -173,7 +173,7 @@ class Evaluation(MemberSums):
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Result at the loads, mu0 and tau0 of the study for all fractal dimensions."""
+        """Quantities at the loads, mu0 and tau0 of the study for all fractal dimensions of the result."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -186,8 +186,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return values
-        # For a range of fractal dimensions, show only a few, which are enough for a curve.
-        # For a list of fractal dimensions, show all of them.
+        # If the study has a range of fractal dimensions, show only a few, which suffice for a curve. If the study lists
+        # fractal dimensions, show all of them.
         num_dimensions = values.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -196,7 +196,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_report_loads(self) -> xarray.Dataset:
-        """Result for measured bodies at the loads of the study and at all computed loads, with intervals.
+        """Quantities of measured bodies at the loads of the study and at all computed loads, with intervals.
 
         mu0 and tau0 are those of the study. At the loads of the study, the dataset agrees with `at_study_loads`, which
         also contains predictions and the uncertainty budget. The arrays are read-only.
@@ -221,7 +221,7 @@ class Evaluation(MemberSums):
         budget: bool = False, height_scale: str | ArrayLike | None = None,
         scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate the result at any loads, mu0 and tau0, with intervals.
+        """Evaluate friction and other quantities at any loads, mu0 and tau0, with intervals.
 
         No contacts are computed again, unless `compute` requires other factors of the heights.
 
@@ -299,7 +299,7 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
-        return values.copy(deep=True)  # the copy protects arrays that other cached results share
+        return values.copy(deep=True)  # return a copy, because other results share the cached arrays
 
     def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
@@ -327,14 +327,14 @@ class Evaluation(MemberSums):
         return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to forces (mN). A pressure is multiplied by the nominal area."""
+        """Convert loads to forces (mN). A load that is given as a pressure is multiplied by the nominal area."""
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a table with one row per contact, for a typical member or for the given members.
+        """Return a table of contacts, one per row, for a typical member or for the given members.
 
         Parameters
         ----------
@@ -363,7 +363,7 @@ class Evaluation(MemberSums):
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         units: UnitSystem = DEFAULT_JOINT_UNITS,
     ) -> JointTable:  # fmt: skip
-        """Return closure, stiffness, friction and true area of a measured pair as functions of the nominal pressure.
+        """Return the joint table of a measured pair: closure, stiffness, friction and true area over nominal pressure.
 
         Finite-element programs describe a joint by these properties.
 
@@ -424,14 +424,14 @@ class Evaluation(MemberSums):
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                # without `with_traceback`, the traceback would grow each time the error is raised
+                # reset the traceback, which would otherwise grow each time the error is raised
                 raise self._study_summary.with_traceback(None)
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def complete_summary(self) -> Summary:
-        """Summarize the result at the loads, mu0 and tau0 of the study for all fractal dimensions.
+        """Summarize the result at the loads, mu0 and tau0 of the study, for all fractal dimensions of the result.
 
         `summary` leaves out most fractal dimensions of a range. Raises a `ValueError` as `summary` does.
         """
@@ -440,7 +440,7 @@ class Evaluation(MemberSums):
         return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset that `at` returned with `budget=True`, or a selection from such a dataset."""
+        """Summarize a dataset that `at` returned with `budget=True`, or a part of such a dataset."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
@@ -452,13 +452,13 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that states why friction is missing.
+        """Summary at the loads of the study, or the error that states why there is no friction.
 
         The error is cached too, because it takes as long to compute as a summary.
         """
         try:
             return self.summarize_dataset(self.at_study_loads)
-        except StoreError:  # do not cache a storage error, because the user may repair the files
+        except StoreError:  # a storage error is not cached, because the user may repair the files
             raise
         except ValueError as error:
             return error
@@ -469,29 +469,29 @@ class Evaluation(MemberSums):
 
     @property
     def value(self) -> float:
-        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN if it is missing."""
+        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN if there is none."""
         return self._first_reported_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, over inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, with inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
     def interval_of_mean(self) -> tuple[float, float]:
-        """Limits of the 95 % interval of the mean over positions, without the uncertainty of the inputs."""
+        """Limits of the 95 % interval of the mean over positions, which leaves out the uncertainty of the inputs."""
         lower, upper = self._first_reported_point.rules[0].interval_of_mean
         return lower, upper
 
     @property
     def prediction_interval(self) -> tuple[float, float]:
-        """Limits of the 95 % prediction interval of a single test at one position in one direction."""
+        """Limits of the 95 % prediction interval of a single test at one position in one direction of motion."""
         lower, upper = self._first_reported_point.rules[0].prediction_interval
         return lower, upper
 
     @property
     def budget(self) -> pandas.DataFrame:
-        """Uncertainty budget: each row has the interval that would remain if one input were exact.
+        """Uncertainty budget: table of inputs, each with the interval that would remain if the input were exact.
 
         The most important input comes first. Columns: input, lower, upper, width (averaged over possible numbers of the
         input) and fraction (of the combined interval's width that would vanish).
@@ -513,5 +513,5 @@ class Evaluation(MemberSums):
 
     @property
     def caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about `value`, each with a remedy, starting with the most severe caveats."""
+        """Caveats about `value` with their remedies, the most severe caveats first."""
         return self._first_reported_point.caveats

@@ -23,20 +23,21 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.surfaces.surface import Surface
 
-MAX_DRAWN_PROFILES = 5  # maximum number of fractal dimensions of the profiles in a figure
-MAX_DRAWN_CURVES = 8  # maximum number of fractal dimensions in the figure of the contact area
-LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)  # multiples of the length scale at which a figure compares surfaces
+MAX_DRAWN_PROFILES = 5  # maximum number of profiles, one per fractal dimension, in a figure
+MAX_DRAWN_CURVES = 8  # maximum number of curves, one per fractal dimension, in the figure of the contact area
+# Length scales of the surfaces that a figure compares, as multiples of the study's length scale.
+LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
 MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
-MAX_DRAWN_STRENGTHS = 2  # maximum number of tau0 in a figure: the lowest and the highest
+MAX_DRAWN_STRENGTHS = 2  # maximum number of tau0 values in a figure: the lowest and the highest
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
-"""Loads at which the onset of sliding is drawn, as fractions of the logarithmic load range."""
+"""Loads for which the onset of sliding is drawn, as fractions of the load range on a logarithmic scale."""
 
 
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the coefficients of single members to one result point of a dataset from `Result.at`.
+    """Return one result point of a dataset from `Result.at`, with the coefficients of single members added.
 
     The added variable `member_friction` has the dimensions repetition, direction and sliding.
     """
@@ -47,14 +48,14 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Return the coefficients of single members at the first load, mu0 and tau0 of the study."""
+    """Return one result point with the coefficients of single members, at the study's first load, mu0 and tau0."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contact points in a contact picture that oppose the motion of the upper body.
+    """Return a mask of the contacts in a contact picture that oppose the motion of the upper body.
 
     The direction of motion is in degrees from +x towards +y.
     """
@@ -65,7 +66,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate a result at its stored height factors, for the first load, mu0 and tau0 of the study.
+    """Evaluate friction at all height factors with stored results, for the first load and one mu0 and tau0.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -77,7 +78,7 @@ def evaluate_height_factors(
 
 
 def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
-    """Remove nominal area and area fraction from a dataset of `Result.at` if the study has no nominal area."""
+    """Remove nominal area and area fraction from a dataset of `Result.at` if the contact model has no nominal area."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 
@@ -107,7 +108,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield the results for a single sliding rule and direction, each with a suffix for file names."""
+    """Yield the results for each single sliding rule and direction, each with a suffix for the names of its files."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -119,7 +120,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces for each mu0, at the lowest and highest tau0 of the study."""
+    """Evaluate friction of generated surfaces over the fractal dimension, for each mu0 and the extreme tau0."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -135,7 +136,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that the surfaces of nine out of ten result cells reach, if possible a power of ten."""
+    """Return a load (mN) that surfaces in nine out of ten result cells reach, a power of ten if possible."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -143,7 +144,7 @@ def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
 
 
 def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
-    """Evaluate the true area of generated surfaces over the load range, at the first mu0 and tau0.
+    """Evaluate the true area of generated surfaces over the load range, for the first mu0 and tau0 of the study.
 
     The dataset contains at most `MAX_DRAWN_CURVES` fractal dimensions.
     """
@@ -156,7 +157,7 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads, at mu0 and tau0 of the study's entry `onset`.
+    """Evaluate the onset of sliding of generated surfaces at a few loads, for mu0 and tau0 in the entry `onset`.
 
     Returns None if the study computes no onset. Raises a `ValueError` if no pair is in contact.
     """
@@ -186,7 +187,7 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), with the same phases."""
+    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), with equal phases."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))
@@ -209,5 +210,5 @@ def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, 
 
 
 def _evenly_spaced_indices(count: int, max_count: int) -> NDArray[np.intp]:
-    """Return at most `max_count` evenly spaced indices from 0 to `count` - 1, with both ends."""
+    """Return at most `max_count` evenly spaced indices from 0 to `count` - 1, including both ends."""
     return np.unique(np.linspace(0, count - 1, min(max_count, count)).round().astype(np.intp))

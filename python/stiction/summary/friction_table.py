@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     import xarray
 
 FRICTION_TABLE_TITLE = "stiction table"  # attribute `title` of a friction table
-MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures from which a stiffness is computed
-# Directions of motion (degrees) over which a coefficient is averaged, because the surfaces are isotropic.
+MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures that a stiffness requires
+# Directions of motion (degrees) over which the coefficient of isotropic surfaces is averaged.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA_FRACTION = 0.1  # largest true area fraction of the results to which laws are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation of the means from a fitted law above which the table has a caveat
+MAX_FITTED_AREA_FRACTION = 0.1  # largest true area fraction to which the laws of area and stiffness are fitted
+MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a mean from a fitted law without a caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -48,7 +48,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study for a friction table, in which self-affine surfaces are periodic half-spaces.
+    """Create the study for a friction table, in which periodic half-spaces with self-affine surfaces are pressed.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _to_hardness_entry(hardness: str | float) -> Any:
 
 
 def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
-    """Check that all numbers of an argument are above 0, and return them as a list."""
+    """Return the numbers of an argument as a list, or raise a `ValueError` if a number is not above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -218,10 +218,10 @@ def friction_table(
     )
     stiffness = np.full(approach.shape, np.nan)
     if pressure_steps.size >= MIN_NUM_PRESSURES_FOR_STIFFNESS:
-        # Differentiate the approach with respect to ln(load), in which it is nearly linear.
+        # Differentiate the approach with respect to ln(load), because it is nearly linear in ln(load).
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # Report only the loads that were requested.
+    # Keep only the requested loads, which are some of the computed loads.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

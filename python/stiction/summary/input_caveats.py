@@ -44,54 +44,53 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
     "roll-up": "the spectrum rises",
     "hump": "the spectrum has a hump",
 }
-"""Explanations of why wavelengths are not attributed to the surface, keyed by the short name of the reason."""
+"""Reasons why wavelengths are not attributed to the surface, as clauses of a caveat, by short name."""
 
-# Largest plausible ratio of height to length of a scan, above which the unit of the heights must be wrong.
+# Ratio of height to length of a scan above which the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-# largest plausible mu0; all published coefficients are smaller, even for clean metals in vacuum
+# largest plausible mu0; published coefficients are smaller, even those of clean metals in vacuum
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_FORM_FRACTION = 0.6
-"""Maximum fraction of the mean square height due to a fitted parabola.
+"""Largest fraction of the mean square height due to a fitted parabola without a caveat about a form error.
 
-If the fraction is larger, the scan has a caveat about a form error. The fraction is about one half if the longest
-wavelengths dominate the heights of a surface without form error.
+The fraction is about one half for a surface without form error if the longest wavelengths dominate its heights.
 """
 
 MAX_STEP_FRACTION = 0.65
-"""Maximum fraction of the mean square height due to a straight step. If the fraction is larger, a scan has a caveat.
+"""Largest fraction of the mean square height due to a straight step without a caveat about a step.
 
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# A spectral peak has a caveat if it contributes more than this fraction of the fourth spectral moment.
+# Largest fraction of the fourth spectral moment that a spectral peak may contribute without a caveat.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # ratio of the spectra of two scans of the same surface above which the result has a caveat
+MAX_SPECTRA_RATIO = 2.0  # largest ratio of the spectra of two scans of one surface without a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
-"""Largest plausible ratio of nominal pressure to E*. A larger load is probably the load on the whole component."""
+"""Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
 
 
 def find_input_caveats(
     upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
     alternatives: Collection[str] = (),
 ) -> tuple[Caveat, ...]:  # fmt: skip
-    """Return the caveats about two scanned bodies, about their study, and about given loads (mN).
+    """Return the caveats about the scans of two bodies, the other inputs of their study, and given loads (mN).
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # A gap between two faces has no caveat about form error, and neither have scans whose form is subtracted.
+    # There is no caveat about form error for a gap between two faces, or for scans with subtracted form.
     surfaces: Any = study.surfaces
     is_form_subtracted = surfaces.level == "quadratic"
     is_vouched = bool(surfaces.vouched)
     quoted_cutoff = surfaces.reported_cut_off()
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about all scans of a body. Caveats of one kind are merged and have the longest cutoff."""
+        """Return the caveats about all scans of a body. Caveats of one kind are merged and keep the longest cutoff."""
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [
@@ -129,7 +128,7 @@ def find_input_caveats(
         [caveat for caveat in body_caveats if caveat not in paired_caveats]
         for body_caveats in (upper_caveats, lower_caveats)
     ]
-    # In a study of a gap, both bodies have the same map.
+    # A gap has a single map, which stands for both bodies.
     names = ("gap" if study.is_gap else "both scans", "upper", "lower")
     named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
@@ -165,9 +164,9 @@ def find_input_caveats(
 
 
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two faces fit into each other, as in a fracture, but their position is not specified."""
+    """Yield a caveat if two faces fit into each other, as in a fracture, but the study specifies no position."""
     surfaces: Any = study.surfaces
-    if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no position
+    if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no relative position
         return
     facing: Any
     if isinstance(upper, Surface) and isinstance(lower, Surface):
@@ -185,18 +184,18 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
 
 
 MIN_GAP_REDUCTION = 2.0
-"""Minimum factor by which mirroring the upper map must reduce the rms gap for a caveat about mirrored faces."""
+"""Minimum factor by which a mirrored upper map must reduce the rms gap for a caveat about mirrored faces."""
 
 _MIRROR_ALTERNATIVES = (
     ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
     ("with neither rows nor columns reversed", "reverse the rows of the upper file", np.s_[::-1, :]),
     ("with rows and columns reversed", "reverse the columns of the upper file", np.s_[:, ::-1]),
 )
-"""Mirror images of the upper map: description, remedy, and the change of the map that `flipped` returns."""
+"""Mirror images of the upper map: description, remedy, and slices that mirror the map that `flipped` returns."""
 
 
 def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if two maps at the position (0, 0) would fit much better after mirroring the upper map."""
+    """Yield a caveat if two maps at the position (0, 0) would fit much better with a mirrored upper map."""
     surfaces: Any = study.surfaces
     if (
         surfaces.press != "areas"
@@ -223,7 +222,7 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
 
 
 def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :]) -> float:
-    """Return the rms height (µm) of the levelled gap between two maps, over points that were measured on both."""
+    """Return the rms height (µm) of the levelled gap between two maps, at points that are measured in both maps."""
     missing = combine_missing_masks(
         facing.changed(facing.heights[mirrored], "mirrored", missing=select_from_mask(facing.missing, mirrored)), lower
     )
@@ -232,7 +231,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or another remedy if it recommends a cutoff above `longest` (µm)."""
+    """Return the remedy of a caveat or, if it recommends a cutoff above `longest` (µm), another remedy."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -250,12 +249,12 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without its numbers, by which caveats of one kind are recognized."""
+    """Return the text of a caveat without its numbers, which identifies caveats of the same kind."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Where the numbers differ, the text has both."""
+    """Merge the texts of two caveats of the same kind. Where numbers differ, the merged text contains both."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -279,7 +278,7 @@ def find_scan_caveats(
     periodic: bool = False,
     cut_off: float = 0.0,
 ) -> list[Caveat]:
-    """Return the caveats about a scan: heights, form error, steps, spikes, and wavelengths not due to the surface.
+    """Return the caveats about a scan: heights, form error, steps, spikes, and wavelengths due to the instrument.
 
     If `form` or `step` is false, the caveat about a form error or about a step is left out. If `textured` is true, the
     spectrum may have lines and humps. `has_second_cutoff` is true if the study also evaluates the filtered scan, and
@@ -298,7 +297,7 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return the caveats about the scans of a study. The tuple is empty if files are missing.
+    """Return the caveats about the scans of a study, or an empty tuple if files are missing.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -313,7 +312,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return the alternative preparations of scans that the interval of a study must cover.
+    """Return the names of the alternative preparations of scans that the interval of a study must cover.
 
     Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
     tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
@@ -349,13 +348,13 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return True if the spectrum of one scan differs significantly, and by a factor of 2, from the other spectra."""
+    """Return True if the spectrum of a scan differs from the others significantly and by at least a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats about scans with different spectra, and about wavelengths that no scan contains."""
+    """Yield caveats about scans of one surface with different spectra, and about wavelengths missing in all scans."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -366,13 +365,13 @@ def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
 def _find_instrument_caveats(
     defects: ScanDefects, has_second_cutoff: bool, elastic: bool, has_tip_estimate: bool, cut_off: float
 ) -> Iterator[Caveat]:
-    """Yield caveats about wavelengths that are due to the instrument, or that the tip does not resolve."""
+    """Yield caveats about wavelengths that come from the instrument, or that its tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
-    except ValueError:  # a flat body raises a ValueError
+    except ValueError:  # a flat body has no spectrum and raises a ValueError
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
-        # At cutoffs of `limit.cut_off` or more, the caveat about the noise does not apply.
+        # Noise causes no caveat at cutoffs of `limit.cut_off` or above.
         limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
@@ -399,10 +398,10 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # Finer scans have ever steeper slopes. Without a hardness, the true area therefore shrinks without limit.
+        # Slopes increase with ever finer scans, so the true area has no lower limit unless there is a hardness.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        # One Gaussian filter at this cutoff equals filters at both cutoffs.
+        # A single Gaussian filter at this cutoff equals the filters at both cutoffs in succession.
         combined_cutoff = math.hypot(cut_off, tip_limit.cut_off)
         yield Caveat(text, remedy, peak_severity, combined_cutoff, interval_note=note)
     body = defects.body_without_outliers
@@ -422,8 +421,8 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Describe the fraction of the mean square slope that is due to unreliable wavelengths, as a clause of a caveat."""
-    # Round the fraction, so that similar scans have the same caveat.
+    """Return a clause of a caveat with the fraction of the mean square slope from unreliable wavelengths."""
+    # Round the fraction, so that similar scans have caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")
@@ -467,7 +466,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height that a parabola explains, or 0 if higher-order terms are large."""
+    """Return the fraction of the mean square height that a parabola fits, or 0 if higher orders are large."""
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights

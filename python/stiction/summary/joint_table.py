@@ -28,15 +28,15 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 MAX_LOAD_RATIO = 10 ** (1 / 16)
-"""Largest ratio of successive loads of a joint table.
+"""Largest ratio of successive loads in a joint table.
 
 Other programs interpolate linearly between the rows. At this ratio, the interpolated closure of two profiles deviates
 by less than 0.1 %.
 """
 MIN_PREDICTION_POSITIONS = 3
-MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant below which the materials of two bodies count as equal
+MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant β below which the materials of two bodies count as similar
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
-"""Consistent systems of units for length, force and pressure, as other programs require."""
+"""Consistent unit systems (length, force, pressure) in which a joint table can be written."""
 
 DEFAULT_JOINT_UNITS: UnitSystem = "mm,N,MPa"
 
@@ -44,7 +44,7 @@ JOINT_QUANTITIES = (
     "closure", "closure_stiffness", "unloading_closure_stiffness", "tangential_stiffness_per_area",
     "contact_area_fraction",
 )  # fmt: skip
-"""Names of the quantities in a joint table, besides friction."""
+"""Names of the quantities besides friction in a joint table."""
 
 JOINT_TITLES = {
     "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "stiffness of closure",
@@ -57,7 +57,7 @@ JOINT_TITLES = {
 
 @dataclass(frozen=True)
 class JointUnits:
-    """Units of length, force and pressure of a joint table."""
+    """Unit system of a joint table: units of length, force and pressure."""
 
     length: str
     force: str
@@ -65,7 +65,7 @@ class JointUnits:
 
     @classmethod
     def parse(cls, text: str) -> JointUnits:
-        """Parse a system of units such as "mm,N,MPa"."""
+        """Parse a unit system, such as "mm,N,MPa"."""
         check_choice("units", text, UnitSystem)
         return cls(*text.split(","))
 
@@ -109,17 +109,17 @@ class JointRow:
 
     @property
     def pressure(self) -> Estimate:
-        """Nominal pressure of the row: load divided by nominal area."""
+        """Nominal pressure of the row, that is, the load divided by the nominal area."""
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Return the 5th, 50th or 95th percentile of the static friction coefficient."""
+        """Return the percentile 5, 50 or 95 of the static friction coefficient in a single test."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
 @dataclass(frozen=True)
 class JointTable:
-    """Joint table: contact properties at several nominal pressures, as returned by `Result.joint_table`.
+    """Joint table: contact properties of a pair at several nominal pressures, as returned by `Result.joint_table`.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class JointTable:
 
 
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
-    """Return the computed loads (mN) of a measured pair, with further loads at ratios up to `MAX_LOAD_RATIO`.
+    """Return the computed loads (mN) of a measured pair, with loads inserted so that no ratio exceeds `MAX_LOAD_RATIO`.
 
     The further loads belong to nominal pressures of four significant digits. Raises a `ValueError` if the bodies were
     generated.
@@ -161,7 +161,7 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
 
 
 def build_joint_study(study: Study, nominal_area: float | None) -> Study:
-    """Return a copy of the study of a measured pair, with the loads of the pair's joint table."""
+    """Return a copy of a measured pair's study in which the loads are those of its joint table."""
     loads = choose_joint_loads(study, nominal_area).tolist()
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
 
@@ -211,8 +211,8 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return the estimates of one row of a joint table by name, in core units."""
-    pressure = float(f"{pressure:.12g}")  # remove round-off from the pressure
+    """Return the estimates in one row of a joint table, by name, in core units."""
+    pressure = float(f"{pressure:.12g}")  # remove the round-off of the pressure
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
         estimate = read_estimate(point[name]) if name in point else Estimate(math.nan, name=name)
@@ -262,7 +262,7 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
 
 
 def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
-    """Describe how the tangential stiffness of a joint table was computed, or why it is missing."""
+    """Describe how the tangential stiffness in a joint table was computed, or why it is missing."""
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
@@ -285,13 +285,13 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return Dundurs' |β| in plane strain, from Poisson's ratios and the lower body's fraction of the compliance."""
+    """Return Dundurs' |β| in plane strain, from Poisson's ratios and the compliance fraction of the lower body."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
-    """Describe in a sentence at how many pressures each assessment occurs."""
+    """Return a sentence that states how many rows of a joint table have each assessment."""
     counts = Counter(row.assessment for row in rows)
     texts = [
         f"{text} ({counts[text]} of {len(rows)} pressures)" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text]

@@ -1,4 +1,4 @@
-"""Data model of a report: the study, the evaluated datasets, and all numbers that the page shows."""
+"""Data model of a report: the study, evaluated datasets, and all numbers that the HTML page shows."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
     from stiction.surfaces.measured.reading import FileReading
 
-MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report shows how their files were read
+MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report describes how the file was read
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportData:
-    """Data that reports on generated and on measured surfaces have in common.
+    """Data that reports on generated surfaces and reports on measured surfaces have in common.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class MeasuredReportData(ReportData):
 
 @dataclass(frozen=True, eq=False)
 class BodyHistory:
-    """Files and processing steps of a measured body.
+    """Scan files and processing steps of one measured body.
 
     Attributes
     ----------
@@ -145,12 +145,12 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate friction and contact quantities of measured surfaces for the sliders of a report."""
+    """Evaluate friction and contact quantities of measured surfaces for all positions of a report's sliders."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
-    """Evaluate friction and contact quantities of generated surfaces for the sliders of a report.
+    """Evaluate friction and contact quantities of generated surfaces for all positions of a report's sliders.
 
     Returns None if no pair is in contact.
     """
@@ -159,14 +159,14 @@ def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | Non
 
 
 def count_coefficients(result: Evaluation) -> int:
-    """Return the number of friction coefficients that a report contains."""
+    """Return the number of friction coefficients that a report of this result contains."""
     return ReportGrid(result).num_coefficients
 
 
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Collect the data of a report except the arrays for its sliders: study, bodies, summary and figure data.
+    """Collect the data of a report except the arrays for its sliders: study, bodies, summary and figure datasets.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

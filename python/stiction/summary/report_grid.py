@@ -30,26 +30,26 @@ if TYPE_CHECKING:
 
 MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Numbers of mu0 that reports show besides those of the study, for measured and for generated surfaces.
+"""Values of mu0 that a report shows besides those of the study, for generated and for measured surfaces.
 
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
-# maximum number of steps of tau0 in a report, for measured (True) and generated surfaces (False)
+# maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False)
 MAX_TAU0_STEPS = {True: 6, False: 5}
-MAX_SHOWN_FRICTION_VALUES = 9  # maximum number of mu0 or tau0 of a study that a report shows; more are thinned out
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger one
+MAX_SHOWN_FRICTION_VALUES = 9  # maximum number of mu0 or tau0 of a study in a report; a longer list is thinned out
+MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
-"""Largest tau0 of a report, as a fraction of the hardness, unless tau0 of the study is larger."""
+"""Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
 NUM_REPORT_LOADS = 40  # number of loads in the report of generated surfaces
-# Quantities of measured surfaces that a report evaluates for all mu0 and tau0, besides friction.
+# Quantities besides friction that a report on measured surfaces evaluates for all mu0 and tau0.
 ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterAxis:
-    """Numbers of mu0 or of tau0 (GPa) that a report shows, in ascending order.
+    """Values of mu0, or of tau0 (GPa), that a slider of a report offers, in ascending order.
 
     `has_range` is true for numbers that the study gives with a range. All other numbers are exact.
     """
@@ -58,12 +58,12 @@ class ParameterAxis:
     has_range: NDArray[np.bool_]
 
     def find_index(self, value: float) -> int:
-        """Return the index of the closest number on the axis."""
+        """Return the index of the value on the axis that is closest to a given value."""
         return int(np.abs(self.values - value).argmin())
 
 
 class ReportGrid:
-    """Grid of loads, mu0 and tau0 that a report shows, with the kinds of members and the motions.
+    """Grid of loads, mu0 and tau0 that a report offers, with its kinds of members and its groups of directions.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class ReportGrid:
 
     @cached_property
     def loads(self) -> Floats:
-        """Loads (mN) that a report shows; empty if no pair of bodies touches."""
+        """Loads (mN) that a report offers; empty if the bodies never touch."""
         if self.study.is_measured:
             return np.asarray(self.study.contact.loading_steps())
         try:
@@ -96,7 +96,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members (shifted scans, surrogates), starting with the reported kind; None for all members."""
+        """Kinds of members in a report (shifted scans, surrogates), the reported kind first; None for all members."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -104,14 +104,14 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of direction indices. For each group, a report shows the coefficient averaged over its directions."""
+        """Groups of direction indices. The coefficient of a group is averaged over its directions."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report, over all kinds of members, cells, motions, loads, mu0 and tau0."""
+        """Number of coefficients in a report: all kinds of members, cells, motions, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
@@ -127,7 +127,8 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # Suppress warnings about large tau0: the report itself marks each tau0 that is large compared with E*.
+                # Suppress warnings about a large tau0, because the report itself marks each tau0 that is large relative
+                # to E*.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"
@@ -136,21 +137,21 @@ class ReportGrid:
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate all quantities of measured bodies for each kind of member, at the study's first mu0 and tau0."""
+        """Evaluate all quantities of measured bodies at the study's first mu0 and tau0, for each kind of member."""
         other_kinds = [at_load(self.result, self.loads, member_kind=kind) for kind in self.member_kinds[1:]]
         tables = [self.result.at_report_loads, *other_kinds]
         return tuple(table.isel(mu0=0, tau0=0).sel(load=self.loads) for table in tables)
 
 
 def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
-    """Return the mu0 and tau0 (GPa) that a report shows: those of the study, and round numbers from 0."""
+    """Return the mu0 and tau0 (GPa) that a report offers: the values of the study, and round numbers from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
     mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    # If a study of generated surfaces has several tau0, the report ends at the largest.
+    # If a study of generated surfaces has several tau0, its largest tau0 is the largest in the report.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
     round_tau0 = _round_steps(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)
@@ -161,7 +162,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
 
 
 def _round_steps(largest: float, max_count: int) -> Floats:
-    """Return multiples of 1, 2 or 5 times 10^n from 0 up to `largest`.
+    """Return the numbers from 0 to `largest` in steps of 1, 2 or 5 times a power of 10.
 
     The step is the smallest for which `largest` is at most `max_count` steps.
     """

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
-"""Status of each code. If several directions have no coefficient, the smallest code is reported."""
+"""Statuses by code. If several directions have no coefficient, the status with the smallest code is reported."""
 
 LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
 
@@ -98,7 +98,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Combined intervals exist only for means over all directions and for the reported kind of member.
+    # Combined intervals exist only for the reported kind of member, and for means over all directions.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return the arrays of all motions: coefficients, means, status codes, member counts and small-slope estimates."""
+    """Return arrays over motions: coefficients, means, status codes, member counts and small-slope estimates."""
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
@@ -155,7 +155,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each coefficient averaged over directions, as an array without the direction axis."""
+    """Return the status code of each coefficient averaged over directions, without the axis for the direction."""
     bulk_shear_code = ORDERED_STATUSES.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
     lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
@@ -169,8 +169,8 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
-# Mean ratio of overlap to radius above which the asperity model is invalid.
-# Fractions of the load have the limit `MAX_AFFECTED_FRACTION` instead.
+# Mean ratio of overlap to radius above which the asperity model is invalid. Indicators that are load fractions have the
+# limit `MAX_AFFECTED_FRACTION` instead.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 GENERATED_STATUSES = (
@@ -178,7 +178,7 @@ GENERATED_STATUSES = (
     (friction.STATUS_OK, False),
     *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
 )
-"""Status of each code, with a flag that is True if the asperity model is valid."""
+"""Statuses of generated surfaces by code, each with a flag that is True if the asperity model is valid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,21 +219,21 @@ class GeneratedReportValues:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessment that each set of caveats requires."""
+        """Assessments that follow from the sets of caveats, one per set."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
 QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area", "stiffness": "normal_stiffness"}
-"""Quantity of generated surfaces that each panel of a report shows with its interval."""
+"""Quantity of generated surfaces that each panel of a report shows, with the interval of the quantity."""
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity: if any of its numbers is known and, for some quantities, not 0."""
+    """Return whether a report shows a quantity: at least one value is known and, for some quantities, not 0."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the upper limit of a validity indicator of the asperity model, or infinity for other quantities."""
+    """Return the limit above which an indicator makes the asperity model invalid, or infinity for other quantities."""
     if QUANTITIES[name].kind != "validity":
         return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
@@ -279,7 +279,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
 
 
 def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask that is True where the load is negligible compared with the pull-off force."""
+    """Return a mask of the points at which the load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -290,7 +290,7 @@ def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute the numbers that the assessment of generated surfaces compares with limits, as arrays, by name."""
+    """Compute the numbers that the assessment of generated surfaces compares with limits, as arrays by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -307,13 +307,13 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, with or without intervals, broadcast to the shape of the report's arrays."""
+    """Return the means of a quantity, given with or without intervals, in the shape of the report's arrays."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Return an array with `LEADING_DIMENSIONS` as its first axes. Missing dimensions have the length 1."""
+    """Return an array with `LEADING_DIMENSIONS` as its first axes. A missing dimension becomes an axis of length 1."""
     table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
     return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)

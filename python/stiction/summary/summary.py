@@ -64,9 +64,9 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
 
-# Budget entry for the short wavelengths that the automatic cutoff removes as possible noise.
+# Label of the budget entry for short wavelengths that the automatic cutoff removes as possible noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# An input is dominant if the interval would be narrower by more than this fraction with an exact value of the input.
+# Fraction by which an exact value of an input must narrow the interval for the input to count as dominant.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -75,7 +75,7 @@ class UncertaintyBudgetEntry(Estimate):
     """Row of the uncertainty budget: the coefficient, and the interval that would remain if one input were exact."""
 
     _: KW_ONLY
-    label: str  # label of an input in the uncertainty budget
+    label: str  # label of the input
     width: float  # mean width of the interval that would remain if the input were exact
 
 
@@ -89,7 +89,7 @@ class DwellTimeCoefficient(Estimate):
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Friction with intervals, caveats and assessment for one roughness or cutoff, at one load, mu0 and tau0.
+    """Friction with intervals, caveats and assessment at one result point: one roughness or cutoff, load, mu0 and tau0.
 
     Attributes
     ----------
@@ -149,13 +149,13 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm; 0 for no filter) of the upper and of the lower scans, or None for generated bodies."""
+        """Cutoffs (µm, 0 without a filter) of the upper scans and of the lower scans; None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Quantities under the reported sliding rule.
+        """All quantities at the point under the reported sliding rule.
 
         The true area of generated bodies depends slightly on the rule.
         """
@@ -173,7 +173,7 @@ class PointSummary:
 
     @property
     def hardness(self) -> float | None:
-        """Hardness of the contacts (GPa), or None if the study has no hardness."""
+        """Hardness (GPa) of the contacts, or None if the study has no hardness."""
         return None if self.study.contact.hardness is None else get_contact_hardness(self.values, self.study)
 
     @property
@@ -193,7 +193,7 @@ class PointSummary:
 
     @property
     def roughness_exponent(self) -> tuple[str, float]:
-        """Symbol and number of the roughness exponent: H for self-affine surfaces, D for all others."""
+        """Symbol and value of the roughness exponent: H for self-affine surfaces, D for all other surfaces."""
         return get_roughness_exponent(self.study, self.at["fractal_dimension"])
 
     @property
@@ -213,19 +213,19 @@ class PointSummary:
 
     @property
     def adhesion_range(self) -> float:
-        """Range of the attraction (µm) with which adhesive bodies were solved."""
+        """Range (µm) of the attraction for which adhesive bodies were solved."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
     @property
     def directions(self) -> tuple[float, ...]:
-        """Directions of motion of the upper body (degrees) over which coefficients are averaged."""
+        """Directions of motion of the upper body (degrees) over which the coefficient is averaged."""
         if "direction" not in self.values.coords:
             return ()
         return tuple(np.atleast_1d(self.values["direction"].values).astype(float).tolist())
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Grid spacings of the surfaces (µm), without repetitions; empty if they are unknown."""
+        """Grid spacings (µm) of the surfaces without duplicates; empty if they are unknown."""
         return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
 
     @property
@@ -237,7 +237,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference of the coefficients at equal normal and equal elastic load, or NaN if it is unknown."""
+        """Relative difference between the coefficients at equal normal load and at equal elastic load; may be NaN."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -257,7 +257,7 @@ class PointSummary:
 
     @property
     def dominant_input(self) -> UncertaintyBudgetEntry | None:
-        """Input that contributes most to the interval, or None if no input dominates."""
+        """Input that contributes most to the interval, or None if no input is dominant."""
         largest_entry, width = self.budget[:1], self.upper - self.lower
         return (
             largest_entry[0]
@@ -275,7 +275,7 @@ class PointSummary:
 
     @property
     def contact_size(self) -> Estimate:
-        """Median contact size (µm): the diameter of a circle of equal area, or the contact length across grooves."""
+        """Median contact size (µm): the diameter of a circle of equal area or, for profiles, the contact length."""
         median = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
         sizes = [
             2 * math.sqrt(area / math.pi) if self.study.is_areal else area / PROFILE_WIDTH
@@ -285,7 +285,7 @@ class PointSummary:
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
-        """Caveats for which `value` must not be quoted."""
+        """Caveats because of which `value` must not be quoted."""
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
@@ -322,11 +322,11 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution on friction, or None if surfaces are generated or files are missing."""
+        """Effect of the scan resolution on friction, or None for generated surfaces and missing files."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return friction at several cutoffs, and its bounds for finer scans, at one load, mu0 and tau0.
+        """Return friction at several cutoffs and its bounds for finer scans, for one mu0 and tau0 at the first load.
 
         The load is the first load of the study or, if the summary does not contain it, the nearest load. Returns None
         if there is only one cutoff.
@@ -339,18 +339,18 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from the result or its cutoff study; None if there is only one cutoff."""
+        """Friction at several cutoffs from the result or from its cutoff study, or None if there is only one cutoff."""
         values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if values is None else sort_sliding_rules(values, self.study)
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
-        """Load, displacement and stiffness at the onset of sliding, or None if no onset has been computed."""
+        """Loads, displacements and stiffnesses of the onset of sliding, or None if no onset has been computed."""
         return None if self.onset is None else find_onset_values(self.onset)
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points to report.
+        """Result points that are reported.
 
         Points at a second cutoff are omitted, because the reported intervals include them.
         """
@@ -358,7 +358,7 @@ class Summary:
 
     @property
     def first(self) -> PointSummary:
-        """First of the reported result points."""
+        """First reported result point."""
         return self.reported_points[0]
 
 
@@ -366,7 +366,7 @@ def summarize(
     at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (),
     alternatives: Mapping[AlternativeName, Summary] | None = None, **alongside: Any,
 ) -> Summary:  # fmt: skip
-    """Summarize a dataset of `Result.at` for a given study.
+    """Summarize a dataset that `Result.at` returned for a study.
 
     Parameters
     ----------
@@ -396,7 +396,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at given coordinates has an interval in all alternative preparations."""
+    """Return whether the coefficient at given coordinates has an interval in every alternative preparation."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -406,7 +406,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point the faults that occur only in an alternative preparation of the scans.
+    """Add to a result point those faults that occur only for an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -425,7 +425,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Extend the intervals at the first cutoff so that they include the intervals at the second cutoff.
+    """Widen the intervals at the first cutoff so that they include the intervals at the second cutoff.
 
     The returned list begins with the points at the first cutoff. The points at the second cutoff are marked as covered.
     """
@@ -444,18 +444,18 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return the coordinates of a result point except its cutoff, as pairs of name and number."""
+    """Return the coordinates of a result point except its cutoff, as pairs of name and value."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
 def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return a reported point whose intervals and caveats also cover another cutoff.
+    """Return a reported result point whose intervals and caveats also cover the point at another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
     rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
     other_budget = {entry.label: entry for entry in other_point.budget}
-    # With one or two positions, the interval is infinite or NaN.
+    # The interval is infinite or NaN if there are only one or two positions.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
@@ -490,7 +490,7 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 
 
 def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
-    """Extend the intervals of a coefficient so that they include its intervals at another cutoff."""
+    """Widen the intervals of a coefficient so that they include the intervals of the coefficient at another cutoff."""
     return replace(
         value.extended_to(other_value),
         prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
@@ -500,7 +500,7 @@ def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRul
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize one result point of a dataset from `Result.at`, with caveats about the bodies.
+    """Summarize one result point of a dataset from `Result.at`, including the caveats about the bodies.
 
     `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
@@ -512,7 +512,7 @@ def summarize_point(
     cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
     rule_with_interval_of_mean = _with_interval_of_mean(rules[0])
     has_interval_note = rules[0].has_interval and covers_alternatives
-    # A cutoff removes caveats only if the user requested it.
+    # A cutoff removes caveats only if the user has specified the cutoff.
     kept_caveats = [
         replace(caveat, text=caveat.text + (caveat.interval_note if has_interval_note else ""), interval_note="")
         for caveat in input_caveats
@@ -541,7 +541,7 @@ def summarize_point(
 
 
 def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
-    """Return the assessment of each coefficient in a dataset of `Result.at` for generated surfaces.
+    """Return the assessment of each coefficient of generated surfaces in a dataset of `Result.at`.
 
     A summary assesses only the coefficient for the reported sliding rule; this array has the dimension `sliding`.
     """
@@ -565,7 +565,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return "ok" if the coefficient has a number that is not only a lower limit, or else the coefficient's status."""
+    """Return "ok" if the coefficient has a value that is more than a lower limit, or else its status."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -576,7 +576,7 @@ def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCo
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient at a result point under one sliding rule, with its intervals."""
+    """Return the coefficient and its intervals at a result point under one sliding rule."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -601,7 +601,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, or else the alphabetically first other status."""
+    """Return "ok" if all directions have this status, or else the first other status in alphabetical order."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -612,7 +612,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along one dimension, by its coordinate, or {} if the dataset lacks the dimension."""
+    """Return the coefficients along one dimension by coordinate, or {} if the dataset does not have the dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -627,7 +627,7 @@ def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
 def _list_budget_entries(
     point: xarray.Dataset, coefficient: SlidingRuleCoefficient
 ) -> tuple[UncertaintyBudgetEntry, ...]:
-    """Return the rows of the uncertainty budget, sorted by the width that remains if an input is exact."""
+    """Return the rows of the uncertainty budget, sorted by the width that would remain if the input were exact."""
     if "remaining_interval" not in point:
         return ()
     budget = select_sliding_rule(point[["remaining_interval", "remaining_width"]], coefficient.rule)
@@ -656,7 +656,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes to a coefficient for the rule "all"; None for other rules."""
+    """Return what mu0, tau0 and slopes contribute to a coefficient under the rule "all", or None under other rules."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
@@ -668,7 +668,7 @@ def _compute_friction_contributions(
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a result point by name, with the Hurst exponent for self-affine surfaces."""
+    """Return the coordinates of a result point by name, including the Hurst exponent of self-affine surfaces."""
     coordinates = {
         name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -681,7 +681,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the contribution of roughness to the coefficient for the sliding rule "all", or None if it is unknown.
+    """Return the part of a coefficient under the rule "all" that is due to roughness, or None if it is unknown.
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also
@@ -698,7 +698,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat makes the bounds for finer scans invalid.
+    """Return whether a caveat means that the bounds for finer scans do not hold.
 
     Each fault does, except too few contacts per member.
     """
@@ -708,7 +708,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return the lowest and highest coefficient that finer scans can give, valid to second order in the slope.
+    """Return the lowest and the highest coefficient that finer scans can give, to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
