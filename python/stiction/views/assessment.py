@@ -1,4 +1,4 @@
-"""Assessment of a result as text: caveats with remedies, and the measurement that would help most."""
+"""Assessment of a result as text: caveats, their remedies, and the measurement that would help most."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, WIDE_INTERVAL_C
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
-COMPLETE_OUTPUT_METHOD = "summary()"  # method of a result that prints all points and all caveats
-MAX_CAVEAT_GROUPS = 6  # maximum number of groups of caveats that are printed for several points
+COMPLETE_OUTPUT_METHOD = "summary()"  # method of `Result` that prints all result points and all caveats
+MAX_CAVEAT_GROUPS = 6  # maximum number of groups of similar caveats that are printed for several result points
 
 
 def assessment_paragraph(
     points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> Paragraph:  # fmt: skip
-    """Return the assessment of result points, the most useful measurement, and the caveats with their remedies.
+    """Return the assessment of result points, the measurement that would help most, and the caveats with remedies.
 
     Similar caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without
     `max_lines`, at most `max_groups` groups. Faults come first and are always printed. `complete_command` names the
@@ -49,7 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the common assessment of result points, and the most useful measurement if there is only one point."""
+    """Return the assessment that all result points share and, for a single point, the most useful measurement."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -58,18 +58,18 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
 
 
 def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
-    """Return how many result points have each assessment, starting with "Do not quote"."""
+    """Return the number of result points with each assessment, starting with "Do not quote"."""
     counts = Counter(point.assessment for point in points)
     return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
-    """Return a text with each assessment and the number of result points that have it."""
+    """Return a list of assessments as text, each with the number of result points that have this assessment."""
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Group the caveats of result points that differ only in their numbers. Groups of faults come first."""
+    """Group the caveats of result points that differ only in their numbers, with groups of faults first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -77,26 +77,26 @@ def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]
 
 
 _CAVEAT_NUMBER_PATTERN = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")
-"""Pattern of a number with its unit. Caveats that are equal apart from such numbers are grouped."""
+"""Pattern of a number with its unit. Caveats whose texts differ only in such numbers are grouped."""
 
 _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
-    """Merge a group of similar caveats into one caveat. Numbers that differ become ranges."""
+    """Merge a group of similar caveats into one, in whose text different numbers become ranges."""
     numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
     range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
     return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return a number in the base unit, given the number and its unit with prefix as texts."""
+    """Return a number in its base unit, given as the texts of the number and of its unit with prefix."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
-    """Return the range of ascending numbers with units as text, as in "95 to 116 MPa"."""
+    """Return the range of numbers with units in ascending order as text, as in "95 to 116 MPa"."""
     (low, low_unit), (high, high_unit) = numbers[0], numbers[-1]
     if (low, low_unit) == (high, high_unit):
         return f"{low}{low_unit}"
@@ -109,12 +109,12 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence on the measurement that would narrow the interval most, with the narrower interval."""
+    """Return a sentence on the measurement that would help most, and on the interval that it would leave."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""
     reduced_limits = str(dominant_input.interval)
-    # If both limits are equal after rounding, the interval is printed as one number.
+    # An interval whose limits are equal after rounding is printed as one number.
     if reduced_limits == str(point.rules[0].interval) or " to " not in reduced_limits:
         return ""
     condition = _CONDITION_TEXTS.get(dominant_input.label, f"If {dominant_input.label} were known")
@@ -130,4 +130,4 @@ _CONDITION_TEXTS = {
     UPPER_SCANS_INPUT_NAME: "With scans of more places of the upper part",
     LOWER_SCANS_INPUT_NAME: "With scans of more places of the lower part",
 }  # fmt: skip
-"""Condition, as a phrase, under which each source other than an uncertain input would contribute little."""
+"""Phrases for the measurement that would remove each source of uncertainty other than an uncertain input."""

@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # values of A/F count as equal if their relative range is at most this number
-# Tests narrow an interval if they move one of its limits by more than this fraction of the interval's width.
+MIN_PRINTED_AREA_RANGE = 1e-6  # largest relative range of values of A/F that count as equal
+# Fraction of an interval's width by which tests must move one limit to count as narrowing the interval.
 MIN_NARROWING = 0.05
-MAX_SHOWN_SAMPLES = 800  # maximum number of pairs of mu0 and tau0 that a figure shows
+MAX_SHOWN_SAMPLES = 800  # maximum number of samples (mu0, tau0) in a figure
 
 
 def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:
-    """Return a calibration as text: mu0 + tau0 A/F, the fits and, if tests determine both, mu0 and tau0.
+    """Return a calibration as text: mu0 + tau0 A/F, the fits and, if the tests separate them, mu0 and tau0.
 
     `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`.
     """
@@ -64,7 +64,7 @@ def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> st
 
 
 def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
-    """Return the caveats that forbid quoting the friction of tested pairs, and notes on the lay of their profiles.
+    """Return the caveats that forbid quoting the friction of tested pairs, and notes on the lay of tested profiles.
 
     A caveat names the pair and the loads of the tests to which it applies.
     """
@@ -90,7 +90,7 @@ def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionT
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return a sentence on A/F of the tests: mean with interval, and range."""
+    """Return a sentence on the ratio A/F in the tests: its mean with interval, and its range."""
     area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
     is_exact = not np.isfinite(area_per_load).all() or _is_constant(area_per_load)
     low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
@@ -128,7 +128,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence on the junction growth α of the tests, with its fitted interval."""
+    """Return a sentence on the junction growth α that the tests determine, with its interval."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
@@ -200,7 +200,7 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
 
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
-    """Return the description of interfaces as text, one paragraph per interface."""
+    """Return a description of interfaces as text, with one paragraph per interface."""
     paragraphs = []
     for record in interfaces:
         kind_and_motion = ", ".join(record[name] for name in ("kind", "motion") if name in record)
@@ -224,7 +224,7 @@ def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:
 
 _FRICTION_LAW_KEYS = ("name", "kind", "motion", "mu0", "tau0")
 _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
-"""Entries of an interface, such as its source, that are printed without their names."""
+"""Keys of an interface whose entries are printed without the name of the key, such as "source"."""
 
 
 def calibration_figure(interface: Interface) -> Figure:

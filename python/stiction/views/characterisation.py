@@ -30,12 +30,12 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-# Unreliable wavelengths are mentioned only if they contribute at least this fraction of the mean square slope.
+# Minimum fraction of the mean square slope from unreliable wavelengths for which they are mentioned.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-_MIN_PEAK_RATIO = 3.0  # minimum density of a reported spectral peak, relative to the density at longer wavelengths
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths of the spectrum that are longer than a reported peak
-_MIN_PEAK_FRACTION = 0.1  # fraction of the fourth spectral moment that a reported peak must contribute
-# The scatter of a spectrum is reported if its dispersion about the fit exceeds this limit.
+_MIN_PEAK_RATIO = 3.0  # minimum spectral density at a reported peak, relative to the density at longer wavelengths
+_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
+_MIN_PEAK_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
+# Dispersion of a spectrum about its fit above which the scatter of the spectrum is reported.
 _MAX_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {
@@ -44,17 +44,17 @@ _UNIT_SYMBOLS = {
     "1/um": " 1/µm",
     "1/um2": " 1/µm²",
     "degrees": "°",
-}  # unit in printed tables for each unit in JSON
+}  # unit in printed tables, by the unit in JSON
 _JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, which `_json_unit` does not convert
 
 
 class TableRow(NamedTuple):
-    """Row of a characterisation: label, text (or one text each for x and y), and numbers for JSON and CSV."""
+    """Row in the table of a characterisation: label, text (or texts for x and y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    is_detail: bool = False  # True for a row that the first screen in a terminal leaves out
+    is_detail: bool = False  # True if the row is printed only with `--verbose`
 
 
 HEADLINE_PARAMETERS = (
@@ -65,13 +65,13 @@ HEADLINE_PARAMETERS = (
 
 @dataclass(frozen=True, eq=False)
 class CharacterisationTable:
-    """Table of the roughness parameters and other results of one scan."""
+    """Table of the roughness parameters of one scan, and of its spectrum, Hurst exponent and instrument limits."""
 
     scan: Characterisation
 
     @cached_property
     def rows(self) -> list[TableRow]:
-        """Rows of the table with the parameters of the whole body."""
+        """Rows of the table that describe the whole profile or surface."""
         points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
@@ -171,7 +171,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return the reason why Sal or Str is missing: the map is too small."""
+        """Return the reason why the parameter Sal or Str is missing, which is that the map is too small."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -306,13 +306,13 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the spectral density at a band's longest wavelength, divided by the density at longer wavelengths.
+        """Return the spectral density at the longest wavelength of a band, relative to still longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
         spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
-        # Exclude wavelengths that the window or levelling affects.
+        # Exclude the longest wavelengths, which the window or levelling affects.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
         if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
@@ -321,7 +321,7 @@ class CharacterisationTable:
 
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
-        """Rows of the table with the parameters of a surface's lines along x and along y."""
+        """Rows of the table that describe the lines of a surface along x and along y."""
         if not self.scan.line_roughnesses:
             return []
         line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
@@ -373,7 +373,7 @@ class CharacterisationTable:
 def find_outlier_caveats(
     scans: Sequence[Characterisation], names: Sequence[str], *, consequence: str, option: str
 ) -> list[Caveat]:
-    """Return one caveat for each scan with outliers that its spectrum excludes.
+    """Return one caveat for each scan with outliers, which are excluded from its spectrum.
 
     `consequence` is a clause about the numbers that exclude the outliers. `option` is the option that removes the
     outliers from the scan.
@@ -403,7 +403,7 @@ def to_characterisation(body: Profile | Surface | Characterisation, **options: A
 def characterisation_text(
     body: Profile | Surface | Characterisation, *, headline_only: bool = False, **options: Any
 ) -> str:
-    """Return history, roughness parameters, spectral moments and Hurst exponent of a scan as text.
+    """Return the processing history, roughness parameters, spectral moments and Hurst exponent of a scan as text.
 
     Parameters
     ----------
@@ -455,7 +455,7 @@ def _json_unit(parameter: ParameterDefinition) -> str:
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Return a sentence on the wavelengths that the tip does not resolve, besides the limits by pixels and noise.
+    """Return a sentence on wavelengths that pixels and noise would allow, but that the tip does not resolve.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """
@@ -470,7 +470,7 @@ def _tip_limit_text(limit: InstrumentLimit) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return the filters and the evaluation length of a characterisation as text."""
+    """Return the filters and the evaluation length of the roughness parameters as text."""
     filters = result.filters
     short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -525,7 +525,7 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # file names with the characterisations of their scans
+CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # file names, each with the characterisation of its scan
 
 
 def _list_estimates(result: Characterisation) -> list[Estimate]:

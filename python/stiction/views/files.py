@@ -1,4 +1,4 @@
-"""File output of results. The file extension selects the format."""
+"""Output of results to files, whose extensions select the formats."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from stiction.views.style import FIGURE_FILE_SIGNATURES
 
 RESULT_TABLE_NAME = "result.csv"
 REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
-"""First bytes of every report, by which the program recognises reports that it may replace."""
+"""First bytes of every report, by which the program recognizes a file that it may replace."""
 
 OUTPUT_FILE_SIGNATURES = {
     RESULT_TABLE_NAME: b"coefficient of static friction: lower",
     "report.html": REPORT_FILE_SIGNATURE.encode(),
     "friction.png": FIGURE_FILE_SIGNATURES[".png"],
 }
-"""Files that `pair` writes into its directory, each with the bytes that identify it as an output of `pair`."""
+"""Names of the files that `pair` writes into its directory, each with bytes that identify output of `pair`."""
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if one of several existing files lacks the bytes that mark it as replaceable."""
+    """Raise a `ValueError` if an existing file lacks the bytes that mark it as a file that may be replaced."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file. Raises a `ValueError` if an existing file lacks `file_mark`."""
+    """Write a text file. Raises a `ValueError` if the file exists and lacks `file_mark`."""
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
@@ -47,7 +47,7 @@ def write_new_text_file(path: Path, text: str) -> None:
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return friction and other quantities of a result, at the loads of its study, as CSV."""
+    """Return friction and other quantities of a result at the loads of its study as CSV."""
     return frame_to_csv(summary_table(result.complete_summary()))
 
 
@@ -56,7 +56,7 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
     ".csv": ("a table", lambda result, path: write_new_text_file(path, result_csv(result))),
     ".tex": ("a LaTeX table", lambda result, path: write_new_text_file(path, latex_table(result.summary()))),
 }
-"""Description and writer of each output format, by file name extension."""
+"""Description and writer of each format in which a result can be written, by file name extension."""
 
 
 CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
@@ -64,10 +64,10 @@ CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
     ".mac": ("Ansys", ansys_card),
     ".liggghts": ("LIGGGHTS", liggghts_card),
 }
-"""Name of the program and writer for each input card of another program, by file name extension."""
+"""Input cards of other programs: name of the program and function that writes the card, by file name extension."""
 
 JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json)} | CARD_FORMATS
-"""Description and writer of each format of a joint table, by file name extension."""
+"""Formats of a joint table: description and function that writes the table, by file name extension."""
 
 
 def write_result(result: Evaluation, path: Path) -> None:
@@ -91,14 +91,14 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Raise the errors of `write_joint_table` about a file name or about units, before the table is computed."""
+    """Raise the errors of `write_joint_table` that a file name or units cause, before the table is computed."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
 
 def is_card(path: Path) -> bool:
-    """Return whether the extension of a file belongs to an input card of another program."""
+    """Return whether a file has the extension of an input card for another program."""
     return path.suffix.lower() in CARD_FORMATS
 
 

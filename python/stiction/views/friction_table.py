@@ -28,7 +28,7 @@ _COLUMN_TITLES = {
     "normal_stiffness": (f"stiffness over area ({STIFFNESS_PER_AREA_UNIT})", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": (f"b of k/A0 = b p^c ({STIFFNESS_PER_AREA_UNIT} at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Titles that replace those of `column_title_and_factor`, each with the conversion factor to its unit."""
+"""Column titles that replace those of `column_title_and_factor`, each with the factor that converts to its unit."""
 
 MAX_LISTED_REMEDIES = 3  # maximum number of remedies that are printed below a table
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
@@ -39,7 +39,7 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return the dataset of `friction_table` as CSV with units, one row per combination of inputs.
+    """Return the dataset of `friction_table` as CSV with units, and one row per combination of inputs.
 
     Tables that an earlier version computed have no column of assessments.
     """
@@ -105,7 +105,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return how many coefficients of a table have each assessment, and the most frequent remedies, as text.
+    """Return the number of coefficients in a table with each assessment, and the most frequent remedies, as text.
 
     `summary` contains the caveats about the coefficients in the table. The text is empty if every coefficient may be
     quoted.

@@ -43,7 +43,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return friction for scaled heights as tables, with one row per height factor."""
+    """Return friction for scaled heights as text: tables with one row per height factor."""
     scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -76,7 +76,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of the table row for one height factor."""
+    """Return the cells of one table row: height factor, friction under each rule, and true area."""
     cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
     if "upper_rms" in point:
         rms_heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CARD_WIDTH = 100  # maximum number of characters in a comment line of a finite-element input card
 CURVE_DIGITS = 6
-"""Significant digits of pressures and closures in cards. Other programs compute stiffnesses from differences."""
+"""Number of significant digits of pressures and closures in cards, from which other programs compute stiffnesses."""
 _ASCII_REPLACEMENTS = {
     "μ": "mu", "τ": "tau", "α": "alpha", "ν": "nu", "±": "+-", "²": "^2", "µ": "u", "–": "-", "′": "'", "×": "x",
 }  # fmt: skip
@@ -49,13 +49,13 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return a joint table as CSV, without source and notes."""
+    """Return a joint table as CSV. Source and notes are left out."""
     del source
     return frame_to_csv(joint_frame(table))
 
 
 def joint_json(table: JointTable, source: str) -> str:
-    """Return a joint table as JSON, with its notes and with the sentence that describes the pair."""
+    """Return a joint table as JSON, with its notes and a sentence that describes the pair."""
     values = []
     for row in table.rows:
         at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
@@ -182,7 +182,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows of a joint table whose closure exceeds that of all earlier rows, as other programs require."""
+    """Return the rows of a joint table in which the closure increases from row to row, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
@@ -206,7 +206,7 @@ def _format_comment(text: str, prefix: str) -> list[str]:
 
 
 def _describe_source(table: JointTable, source: str, prefix: str) -> list[str]:
-    """Return comment lines with version, pair, units and notes of a joint table."""
+    """Return comment lines for an input card: version, pair, units and notes of the joint table."""
     units = table.units
     texts = [
         f"Contact properties of a joint, computed with stiction {__version__}.",
@@ -221,7 +221,10 @@ _CARD_COLUMNS = (
     "nominal_pressure", "closure", "closure_stiffness", "tangential_stiffness_per_area",
     "friction_5", "friction_50", "friction_95",
 )  # fmt: skip
-"""Estimates that a card lists in comments; Abaqus limits lines to 256 characters, so that not all fit."""
+"""Names of the estimates that a card lists in comments.
+
+Others would exceed the line limit of Abaqus (256 characters).
+"""
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:

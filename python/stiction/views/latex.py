@@ -32,7 +32,7 @@ _SYMBOL_PATTERN = re.compile("|".join(map(re.escape, sorted(_LATEX_SYMBOLS, key=
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the reported coefficients of a result as a LaTeX ``table``, with their conditions and assessments.
+    r"""Return the reported coefficients of a result as a LaTeX ``table``, with conditions and assessments.
 
     The caption contains the conditions that all rows share, with the ranges of the inputs. Comments above the table
     contain the central values of the inputs. Numbers have the same digits as on the terminal. The table requires the
@@ -85,7 +85,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
-    """Return the caption of the table: bodies, inputs that all rows share, and the kind of the intervals."""
+    """Return the table caption: bodies, the inputs that all rows share, and the kind of the intervals."""
     version = summary.at.attrs.get("stiction_version")
     intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
     bodies = "" if summary.study.is_measured else " of generated surfaces"
@@ -100,12 +100,12 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
 
 
 def _to_latex(text: str) -> str:
-    """Escape text for LaTeX, as one line in which LaTeX typesets all symbols."""
+    """Convert text to one line of LaTeX, in which special characters are escaped and symbols are commands."""
     return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], printable_text(text, sys.maxsize))
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the cells of a table row: coefficients under all sliding rules, area fraction and assessment."""
+    """Return the cells of a table row: coefficients under all sliding rules, area fraction, and assessment."""
     texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
@@ -115,7 +115,7 @@ def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
 
 
 def _column_heading(name: str) -> str:
-    """Return the heading of a table column, with the unit of the quantity."""
+    """Return the heading of a table column: the name of a quantity with its unit."""
     return _COORDINATE_HEADINGS.get(name, _to_latex(column_title_and_factor(name)[0].replace("tau0", "τ0")))
 
 

@@ -21,12 +21,12 @@ class WrappedText:
 
     text: str
     indent: str = ""
-    hanging_indent: str = ""  # additional indent of all lines of a paragraph except the first
+    hanging_indent: str = ""  # additional indent of all lines except the first
 
 
 @dataclass(frozen=True)
 class Table:
-    """Table with aligned columns, whose first row has the headings.
+    """Table with aligned columns. Its first row contains the headings.
 
     Columns that do not fit are moved to further tables, which repeat the first `num_labels` columns.
     """
@@ -37,7 +37,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ShortenedList:
-    """List whose first lines are printed, followed by the number of omitted lines.
+    """List of which only the first lines are printed, followed by the number of omitted lines.
 
     At most `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines.
     There is no limit if `max_shown` or `max_height` is None.
@@ -47,12 +47,12 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    noun: str  # singular noun for the lines that a shortened list leaves out, such as "caveat"
+    noun: str  # singular noun for an omitted line, such as "caveat"
     complete_command: str  # option, command or method that prints the complete list
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
-"""Lines, wrapped texts, tables and lists of one paragraph, without empty lines between them. A `str` is one line."""
+"""Lines, wrapped texts, tables and lists that are printed without empty lines between them. A `str` is one line."""
 
 
 def terminal_width() -> int:
@@ -61,12 +61,12 @@ def terminal_width() -> int:
 
 
 def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
-    """Return paragraphs as one text, separated by empty lines, within the width of the terminal."""
+    """Return paragraphs as one text that fits the width of the terminal, separated by empty lines."""
     return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
 
 
 def format_paragraph(paragraph: Paragraph) -> str:
-    """Return the lines and tables of a paragraph as one text within the width of the terminal."""
+    """Return the lines and tables of a paragraph as one text that fits the width of the terminal."""
     return "\n".join(filter(None, map(_format_item, paragraph)))
 
 
@@ -92,7 +92,7 @@ def wrap_text(text: str, width: int | None = None, *, indent: str = "", hanging_
 
 
 _NO_BREAK_SPACE_PATTERN = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[kmµn]?[NmgL]|[GMk]Pa|%|°)(?!\w))")
-"""Spaces at which a line must not break: around an equals sign, and between a number and its unit."""
+"""Pattern of spaces at which a line must not break: beside an equals sign, and between number and unit."""
 
 
 def _format_shortened_list(shortened_list: ShortenedList) -> str:
@@ -106,13 +106,13 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     lines = texts[:num_shown]
     if num_omitted > 0:
         noun = shortened_list.noun + "s" * (num_omitted > 1)
-        # Do not wrap this line, because the user may copy the command.
+        # Do not wrap a line with a command, because the user may copy the command.
         lines.append(f"  {num_omitted} more {noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 
 
 def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 1) -> str:
-    """Format rows as a table with aligned columns, by default within the width of the terminal.
+    """Format rows as a table with aligned columns that fits a width, by default the width of the terminal.
 
     Rows may have different lengths. Columns that do not fit are moved to further tables, which repeat the first
     `num_labels` columns. Rows that are empty in a table are omitted. A first column that is too wide is wrapped.
@@ -145,7 +145,7 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width, and return the rows into which the row is split."""
+    """Wrap the first cell of a row to a width, and return the rows that result, with empty other cells."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 

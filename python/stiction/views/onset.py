@@ -19,7 +19,7 @@ CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loads, as fract
 
 
 def onset_text(onset: OnsetValues) -> str:
-    """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and stiffness."""
+    """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and initial stiffness."""
     phrases = []
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     if math.isfinite(displacement.value):
@@ -34,7 +34,7 @@ def onset_text(onset: OnsetValues) -> str:
 
 
 def onset_rows(onset: OnsetValues) -> list[list[str]]:
-    """Return means and intervals of the onset of sliding as rows of a table, of which the first contains headings."""
+    """Return means and intervals of the onset of sliding as rows of a table. The first row contains the headings."""
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     stiffness = onset.stiffness.in_prefixed_unit()
     unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()
@@ -63,7 +63,7 @@ PICOJOULE = 1e-3  # one picojoule in mN µm
 
 
 def onset_note(onset: OnsetValues, study: Study) -> str:
-    """Return a note on the onset of sliding: how many members are averaged, and what is assumed."""
+    """Return a note on the onset of sliding: number of averaged members, and assumptions."""
     count_text = study.member_names.with_count(onset.num_members)
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
@@ -72,7 +72,7 @@ def onset_note(onset: OnsetValues, study: Study) -> str:
 
 
 def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Paragraph:
-    """Return the sentence on the onset of sliding and, if `verbose`, also the note and the table."""
+    """Return the sentence on the onset of sliding and, if `verbose`, the note and the table."""
     if not verbose:
         is_reported_rule = list_sliding_rules_reported_first(study)[0] == "all"
         return [onset_text(onset) + ("" if is_reported_rule else " These values assume friction at all contacts.")]

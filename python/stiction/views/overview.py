@@ -52,12 +52,12 @@ def overview_text(
 
 OUTSIDE_MODEL_NOTE = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
 
-# Maximum number of rows of an overview. A longer overview shows only some mu0 and tau0.
+# Maximum number of rows of an overview, above which the overview shows only some mu0 and tau0.
 MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Select the result points of an overview: if there are many, the middle mu0, and the first and last tau0."""
+    """Select the result points of an overview: all or, if there are many, the middle mu0 and the extreme tau0."""
     names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
     if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
         return points
@@ -68,7 +68,7 @@ def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSum
 
 
 def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Sequence[str]) -> Table:
-    """Return a table of coefficients under one sliding rule, with rows by mu0, tau0 and D, and columns by load."""
+    """Return a table of coefficients under one sliding rule: rows for mu0, tau0 and D, columns for loads."""
     row_names = ("mu0", "tau0", "fractal_dimension")
     cells_by_row: dict[tuple[float, ...], list[str]] = {
         key: [] for key in itertools.product(*(dict.fromkeys(point.at[name] for point in points) for name in row_names))
@@ -90,7 +90,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return a sentence on omitted coefficients and the command that prints them, or "" if none is omitted."""
+    """Return a sentence on the omitted coefficients and the command that prints them, or "" if none are omitted."""
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [
@@ -119,5 +119,5 @@ def _overview_cell(point: PointSummary, rule: str) -> str:
 
 
 def _is_marked(coefficient: SlidingRuleCoefficient) -> bool:
-    """Return whether the overview marks a coefficient with an asterisk."""
+    """Return whether the overview marks a coefficient with an asterisk, because the asperity model is invalid."""
     return coefficient.status == STATUS_OK and coefficient.is_outside_asperity_model

@@ -25,18 +25,21 @@ SLIDING_RULE_TITLES = {"all": "all contacts", "opposing": "opposing contacts"}
 """Short descriptions of the sliding rules, for column headings."""
 
 COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ0", "tau0": "τ0", "cut_off": "cutoff"}
-"""Labels of the coordinates of a result point. The label of any other coordinate is its name."""
+"""Printed labels of the coordinates of a result point. Other coordinates are printed with their names."""
 
 _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
 def coordinate_text(name: str, value: float) -> str:
-    """Return a coordinate of a result point with its unit as text, as in "50 MPa"."""
+    """Return the value of a coordinate of a result point with its unit as text, as in "50 MPa"."""
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a result point as text, or both cutoffs if the bodies have different cutoffs."""
+    """Return the value of a point's coordinate as text.
+
+    For the cutoff, both bodies are named if their cutoffs differ.
+    """
     if name == "cut_off" and point.cutoffs is not None:
         return cutoff_text(point.cutoffs)
     return coordinate_text(name, point.at[name])
@@ -80,12 +83,12 @@ def load_text(load: float, nominal_pressure: float) -> str:
 
 
 def point_load_text(point: PointSummary) -> str:
-    """Return the load of a result point with its nominal pressure as text, or "no load" if the load is negligible."""
+    """Return the load at a result point with its nominal pressure as text, or "no load" if the load is negligible."""
     return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return the coefficient of a result point with its interval, or the reason why the coefficient is missing.
+    """Return the coefficient at a result point with its interval as text, or the reason why it is missing.
 
     The text starts with "≥" if the coefficient is only a lower limit.
     """
@@ -95,7 +98,7 @@ def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -
 
 
 def averaged_directions_text(directions: Any) -> str:
-    """Describe in words the directions (degrees) over which a coefficient is averaged."""
+    """Return a phrase for the directions of motion (degrees) over which a coefficient is averaged."""
     degrees = np.sort(np.asarray(directions, dtype=float) % 360)
     if degrees.size == 1:
         return f"the upper body moves {motion_direction_text(float(degrees[0]))}"
@@ -110,6 +113,6 @@ def averaged_directions_text(directions: Any) -> str:
 
 
 def motion_direction_text(direction: float) -> str:
-    """Describe a direction of motion (degrees) in words, as in "to +x" or "at 30°"."""
+    """Return a phrase for a direction of motion (degrees), as in "to +x" or "at 30°"."""
     axis_names = {0.0: "+x", 90.0: "+y", 180.0: "\N{MINUS SIGN}x", 270.0: "\N{MINUS SIGN}y"}
     return f"to {axis_names[direction]}" if direction in axis_names else f"at {direction:g}°"

@@ -11,7 +11,7 @@ from stiction.evaluate.pull_off import MIN_STICKING_PRESSURE, PullOffValues
 
 
 def pull_off_text(estimate: PullOffValues, inputs: str = "") -> str:
-    """Return a sentence on adhesion at zero load: pull-off force, pull-off pressure and friction.
+    """Return a sentence on adhesion at zero load: pull-off force, pull-off pressure, and friction.
 
     `inputs` describes mu0 and tau0 of the friction if the result has several mu0 or tau0.
     """
@@ -47,6 +47,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 
 def _text_with_unit(estimate: Estimate) -> str:
-    """Return a quantity with its interval as text, in the unit with the fewest zeros."""
+    """Return an estimate with its interval as text, in the unit that needs the fewest zeros."""
     scaled_estimate = estimate.in_prefixed_unit()
     return "none" if math.isnan(estimate.value) else f"{scaled_estimate.text()} {scaled_estimate.unit}"

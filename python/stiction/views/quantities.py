@@ -31,18 +31,18 @@ _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """One quantity at several result points, in core units."""
+    """Quantity at several result points, as one row of a table, in core units."""
 
     name: str
     label: str
     estimates: Sequence[Estimate]
-    # digits of numbers that are printed without their intervals; None to print the intervals
+    # number of digits for numbers without intervals; None if intervals are printed
     num_digits: int | None = None
-    statuses: Sequence[str] = ()  # statuses other than "ok", each printed instead of its number
+    statuses: Sequence[str] = ()  # statuses of the points; a status other than "ok" replaces the number
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return the quantities under the reported sliding rule, with 95 % intervals, as a sentence or a table.
+    """Return the quantities under the reported sliding rule, with 95 % intervals, as a sentence or as a table.
 
     A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
     per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.
@@ -68,7 +68,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield each quantity to print, with its estimates at all result points."""
+    """Yield each quantity to print with its estimates at all result points."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -91,10 +91,11 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
 
 
 def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence: bool) -> list[str]:
-    """Return the names of the quantities to print, in the order of `QUANTITIES`."""
+    """Return the names of the quantities that are printed for a result point, in the order of `QUANTITIES`."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        "mean_pressure": is_sentence,  # a sentence leaves out the mean pressure, which follows from load and area
+        # The sentence leaves out the mean pressure, because it follows from load and area.
+        "mean_pressure": is_sentence,
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),
         **dict.fromkeys(LOAD_INDEPENDENT_QUANTITIES, not verbose),
@@ -112,13 +113,13 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the computed quantile of a distribution whose probability is closest to `fraction`."""
+    """Return the quantile of a distribution at the stored probability that is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity in a study's output.
+    """Return the label of a quantity in the output of a study.
 
     Quantities of the onset of sliding are labelled with mu0 and tau0.
     """
@@ -134,7 +135,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return the label, unit and numbers of a table row, in the unit with the fewest zeros.
+    """Return the label, unit and numbers of a table row as texts, in the unit that needs the fewest zeros.
 
     A missing interval is stated only in tables.
     """
@@ -151,6 +152,6 @@ def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
 
 
 def _wrap_headings(headings: Sequence[str]) -> TextRows:
-    """Wrap column headings into several rows, so that columns are as narrow as their numbers."""
+    """Wrap column headings into several rows, so that columns are only as wide as their numbers."""
     lines = [textwrap.wrap(heading, MAX_HEADING_WIDTH, break_long_words=False) for heading in headings]
     return list(itertools.zip_longest(*lines, fillvalue=""))

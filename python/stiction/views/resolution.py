@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, yield wavelengths."""
+    """Return paragraphs on resolved wavelengths, friction at cutoffs and, for studies without a hardness, yielding."""
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
     if scan is not None:
@@ -36,7 +36,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, with the shortest octave's contribution to h'²."""
+    """Return a sentence on the resolved wavelengths, and on the fraction of h'² in the shortest octave."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -49,7 +49,7 @@ def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
-    """Return a table of friction at each cutoff, at the first load, mu0 and tau0.
+    """Return a table of friction at each cutoff, for the first load, mu0 and tau0 of the study.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
@@ -82,7 +82,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note below the table of cutoffs."""
+    """Return the note below the table of friction at cutoffs."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
@@ -97,7 +97,7 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table of yield wavelengths, one row per hardness, or an empty list if there are no estimates."""
+    """Return a table of yield wavelengths with one row per hardness, or an empty list without estimates."""
     rows = []
     for estimate in estimates:
         wavelength = estimate.wavelength
@@ -123,7 +123,7 @@ ELASTIC_RESULT_CAVEAT = (
 
 
 def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
-    """Return resolved wavelengths, friction at cutoffs and, without a hardness, yield wavelengths as JSON."""
+    """Return resolved wavelengths, friction at cutoffs and, without a hardness, yield wavelengths as JSON fields."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
         record["wavelengths"] = {

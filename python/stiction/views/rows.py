@@ -1,4 +1,4 @@
-"""Results as CSV and JSON for other programs, from the same data frame.
+"""Results as CSV and JSON for other programs, built from the same data frame.
 
 Records of results have the schema of `json_record`, and also contain ``points``: the coefficient to quote at each
 result point, with its caveats.
@@ -38,7 +38,8 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")  # columns of a CSV file that identify a row
+# Columns of a CSV file that identify the result point of a row.
+_POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")
 
 COORDINATE_ORDER = (
     "height_scale",
@@ -51,14 +52,14 @@ COORDINATE_ORDER = (
     "dwell_time",
     "percentile",
 )
-"""Coordinates of a number in a result, in the order of their columns."""
+"""Coordinates on which numbers of a result may depend, in the order of their columns."""
 
 _COEFFICIENT_COLUMNS = {
     "mean_friction": "all directions",
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Coefficients that have rows in a CSV file, each with the name of its motion coordinate or a fixed motion label."""
+"""Coefficients in rows of a CSV file, each with its coordinate, or a fixed text, for the column of the motion."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 
@@ -69,7 +70,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row per number of a dataset: name, number, interval, status and coordinates.
+    """Return a data frame with one row per number in a dataset: name, number, interval, status and coordinates.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a data frame of one quantity, with a row for each combination of its coordinates.
+    """Return a data frame of one quantity, with one row per combination of its coordinates.
 
     The rows are created from NumPy arrays, because xarray datasets are ten times slower.
     """
@@ -108,7 +109,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Return a variable of the dataset as a flat array with one element per row."""
+        """Return a variable of the dataset as a flat array with one element per row of the data frame."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -135,7 +136,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction, which is a scalar coordinate, becomes a column too.
+        # A single sliding rule or direction is a scalar coordinate, which becomes a column, too.
         is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -146,7 +147,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table of coefficients, with one row per result point, sliding rule and motion.
+    """Return a table of coefficients with one row per result point, sliding rule and motion.
 
     The column titles contain the units. Each row has the coefficient of static friction for its motion (all directions,
     an axis or a direction), the quantities at its load, and the assessment and caveats. The combined interval exists
@@ -160,7 +161,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            # if there is a single direction, the coefficients of the direction equal the means over all directions
+            # A single direction has the same coefficients as the mean over all directions.
             continue
         selected_rows = _quantity_rows(dataset, name)
         coordinate_names = coordinate_names or [each for each in _POINT_COORDINATES if each in selected_rows]
@@ -201,7 +202,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add columns for the quantities of a CSV file to a table of coefficients.
+    """Add the columns of all quantities in a CSV file to a table of coefficients.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -230,7 +231,7 @@ def _merge_quantities(
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the quantities in a CSV file: all that do not depend on the direction."""
+    """Return the names of the quantities in a CSV file, which are those that do not depend on the direction."""
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -239,7 +240,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns for coefficients after dwell times, and for the contribution of roughness, by column title.
+    """Return columns for coefficients after dwell times and for the contribution of roughness, by column title.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -283,7 +284,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns with the longest cutoff (µm) of each body, or {} if the cutoffs of both bodies are the same."""
+    """Return columns with the longest cutoff (µm) of each body, or {} if both bodies have the same cutoffs."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
@@ -296,7 +297,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a command: result points, caveats, cutoff study and onset of sliding."""
+    """Return the JSON record of a command with result points, caveats, cutoff study and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
@@ -313,23 +314,23 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
-    """Convert the rows of a data frame to the field `values` of a JSON record."""
+    """Convert the rows of a data frame to records for the field `values` of a JSON record."""
     values = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        # leave out coordinates that are NaN
+        # a coordinate is NaN if the quantity does not depend on it
         coordinates = {name: value for name, value in row.items() if value == value}
         values.append(Estimate(**selected_values).to_record(coordinates))
     return values
 
 
 def point_record(point: PointSummary) -> dict[str, Any]:
-    """Return the JSON record of a result point: reported friction, intervals, assessment and caveats."""
+    """Return a result point as JSON fields: reported friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        # Cutoffs (µm) of all scans of each body.
+        # cutoffs (µm) of all scans of the upper and of the lower body
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a point at a variant of the filter, if the interval of another point covers the variant.
+        # False for a point whose cutoff is already covered by the interval of a reported point
         "reported": not point.covered,
         "status": point.status,
         "rules": [
@@ -370,12 +371,12 @@ def point_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the rate-and-state parameters b and D_c as JSON, or None if the study has no dwell times."""
+    """Return the parameters b and D_c of rate-and-state friction as JSON, or None if the study has no dwell times."""
     if not math.isfinite(point.ageing):
         return None
     return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return a property of the upper and the lower body as two fields of a JSON record."""
+    """Return a property of both bodies as two fields of a JSON record, one for the upper and one for the lower body."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

@@ -1,4 +1,4 @@
-"""Joined spectrum of several scans, and noise of two scans of the same area, as text, JSON and figure."""
+"""Joined spectrum of several scans, and noise of two repeated scans, as text, JSON and figure."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in a printed table of slopes
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
-"""Materials for which the figure shows a line at hardness / E*, where E* is for two bodies of the material."""
+"""Materials for which the figure draws a line at hardness / E*, with E* of two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figure
@@ -49,7 +49,7 @@ MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figu
 
 
 def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> str:
-    """Return a joined spectrum as text: slopes, caveats, and the contribution of each scan."""
+    """Return a joined spectrum as text: slopes, caveats, and what each scan contributes."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -83,7 +83,7 @@ def _caveat_lines(caveats: Sequence[Caveat]) -> str:
 
 
 def joined_spectrum_record(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> dict[str, Any]:
-    """Return a joined spectrum and its caveats as the fields of a JSON record, with lengths in µm."""
+    """Return a joined spectrum and its caveats as fields of a JSON record, with lengths in µm."""
     roughness = joined.roughness()
     scans = [
         {
@@ -260,7 +260,7 @@ def octave_noise_csv(comparison: RepeatedScans) -> str:
 
 
 def repeated_scans_figure(comparison: RepeatedScans) -> Figure:
-    """Draw a figure 85 mm wide: spectra of the noise, and of the roughness that two scans have in common."""
+    """Draw a figure 85 mm wide: spectra of the noise of two scans, and of the roughness that both scans contain."""
     import matplotlib as mpl
 
     with mpl.rc_context(MATPLOTLIB_STYLE):

@@ -1,4 +1,4 @@
-"""Sentences on a result: the sentence to quote, its phrases, and details of one result point."""
+"""Sentences on a result: the sentence to quote, its clauses, and details of one result point."""
 
 from __future__ import annotations
 
@@ -30,33 +30,33 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The printed sentence states how the load is defined if another definition of the load would change the coefficient by
-# more than this fraction.
+# The sentence states how the load is defined if another definition would change the coefficient by more than this
+# fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# The range for finer scans is printed only if its width is at least this fraction of the interval's width.
+# Minimum width of the range for finer scans, as a fraction of the interval's width, for which the range is printed.
 MIN_STATED_BRACKET_WIDTH = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
-"""Largest relative deviation of A E* h'/F from its usual value at which the small-slope estimate still applies."""
+"""Largest relative deviation of A E* h'/F from its usual value for which the small-slope estimate applies."""
 
 DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
-"""Usual value of A E* h'/F, which `gentle_friction` assumes."""
+"""Usual value of A E* h'/F, which `gentle_friction` assumes by default."""
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a phrase on the coefficient that finer scans would give, or "" if it is unknown."""
+    """Return a clause on the coefficient that finer scans would give, or "" if it is unknown."""
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    # due to the indentation size effect, small contacts may be harder
+    # small contacts may be harder because of the indentation size effect
     bounds_text += ", unless small contacts are harder"
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
 
 def quotable_sentence(point: PointSummary) -> str:
-    """Return the sentence to quote, with all inputs, or the reason why the coefficient must not be quoted."""
+    """Return the sentence to quote, including all inputs, or the reason why the coefficient must not be quoted."""
     assumptions = list_all_assumptions(point)
     if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [
@@ -67,7 +67,7 @@ def quotable_sentence(point: PointSummary) -> str:
     if point.assessment == "Do not quote":
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
-    # The coefficient for the other sliding rule does not apply to the interface.
+    # An interface was calibrated for one sliding rule, so the coefficient under the other rule is left out.
     rules = point.rules[:1] if _has_values_of_interface(point) else point.rules
     coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", point_note_text(point)]
@@ -85,9 +85,10 @@ def quotable_sentence(point: PointSummary) -> str:
 
 
 def quotable_sentences(summary: Summary) -> list[str]:
-    """Return the sentences to quote: one per result point or, for generated surfaces, per load of the first surfaces.
+    """Return the sentences to quote: one per result point or, for generated surfaces, one per load.
 
-    If a coefficient must not be quoted, the sentence contains the reason, so that no load is left out.
+    For generated surfaces, the other coordinates are those of the first point. If a coefficient must not be quoted, the
+    sentence contains the reason, so that no load is left out.
     """
     points = summary.reported_points
     if not summary.study.is_measured:
@@ -97,7 +98,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a phrase on the inputs that the 95 % interval covers, or "" if there is no interval."""
+    """Return a clause on the sources of uncertainty that the 95 % interval covers, or "" without an interval."""
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
@@ -107,7 +108,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return the assessment of a result point with its caveats and, for stored results, the version of stiction."""
+    """Return the assessment of a result point, its caveats and, for stored results, the version of stiction."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -115,7 +116,7 @@ def point_assessment_text(point: PointSummary) -> str:
 
 
 def roughness_contribution_text(point: PointSummary) -> str:
-    """Return a clause on the contribution of roughness to friction, or "" if the contribution is unknown."""
+    """Return a clause on what roughness contributes to friction, or "" if the contribution is unknown."""
     if point.roughness_contribution is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.roughness_contribution, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -165,7 +166,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
 
 
 def junction_growth_text(growth: UncertainInput) -> str:
-    """Describe how contacts grow under shear: by slip-line theory, or with α."""
+    """Return a phrase on the junction growth of contacts: by slip-line theory, or with the factor α."""
     if not growth.uses_slip_lines:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"
@@ -173,7 +174,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Describe the hardness of the contacts, and the depth (µm) of the indentation that measured the hardness.
+    """Return a phrase on the hardness of the contacts, and on the indentation depth (µm) at which H was measured.
 
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
@@ -189,19 +190,19 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
-    """Describe how much of their true area elastic bodies lose under shear."""
+    """Return a phrase on the fraction of their true area that elastic contacts lose under shear."""
     is_soft = find_default_area_loss(float(study.contact.effective_modulus)) is not None
     return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets, or "" if the result point is not at the central value."""
+    """Return the range of mu0 or tau0 in brackets, or "" if the result point does not have the central value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
 
 def _has_values_of_interface(point: PointSummary) -> bool:
-    """Return whether mu0 and tau0 of a result point are the medians of an interface."""
+    """Return whether mu0 and tau0 of a result point are the medians of a calibrated interface."""
     has_interface = point.study.friction.interface is not None
     return has_interface and all(_is_central_value(point, name) for name in ("mu0", "tau0"))
 
@@ -211,7 +212,7 @@ def _is_central_value(point: PointSummary, name: str) -> bool:
 
 
 def _interface_text(study: Study) -> str:
-    """Describe the interface that defines mu0 and tau0: name, kind and conditions."""
+    """Return a phrase on the interface that defines mu0 and tau0: name, kind and conditions."""
     interface, name = find_interface(study), study.friction.interface.name if study.friction.interface else ""
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
@@ -222,7 +223,7 @@ def _interface_text(study: Study) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness in brackets, or "" if the hardness is exact or missing."""
+    """Return the range of the hardness in brackets, or "" if the hardness has no range or is not given."""
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -240,7 +241,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def point_note_text(point: PointSummary) -> str:
-    """Return a note on the averaged directions and members, and on the definition of the load."""
+    """Return a note on the directions and members that are averaged, and on the definition of the load."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -265,7 +266,7 @@ def point_note_text(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return the inputs that all result points share as text, with the averaged members and assumptions."""
+    """Return what all result points share as text: inputs, averaged members, and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -275,9 +276,9 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 
 
 def _averaged_members_text(point: PointSummary) -> str:
-    """Return how many members are averaged as text, as in "8 positions"."""
+    """Return the number and kind of the averaged members as text, as in "8 positions"."""
     study = point.study
-    # A study with positions and surrogates evaluates positions and surrogates separately.
+    # If a study of maps has positions and surrogates, a result point averages only the positions.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
     return f"{point.members:.0f} {names[1]}{explanation}"
@@ -287,7 +288,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are
 
 
 def lay_assumption(study: Study) -> str:
-    """Return the assumed lay of measured profiles or surrogates as text, or "" for other surfaces."""
+    """Return the lay that measured profiles or surrogates are assumed to have as text, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -331,7 +332,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scan_count_text(study: Study) -> str:
-    """Return how many scans each body has as text, with a remark if only one of them has a single scan."""
+    """Return the number of scans of each body as text, with a remark if one body has a single scan."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -345,7 +346,7 @@ def _scan_count_text(study: Study) -> str:
 
 
 def small_slope_estimate_text(point: PointSummary) -> str:
-    """Return a sentence on the small-slope estimate and why it may not apply, or "" if there is no estimate."""
+    """Return a sentence on the small-slope estimate and on its validity, or "" without an estimate."""
     study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
@@ -364,7 +365,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences on a result point: contributions, a single test, dwell times, finer scans and inputs."""
+    """Return sentences on a result point: contributions, a single test, dwell times, finer scans, and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )
@@ -376,7 +377,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans could change friction by an amount that matters compared with the interval."""
+    """Return whether finer scans could change friction noticeably, compared with the width of the interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
@@ -384,7 +385,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return a sentence on the contribution of roughness, and on the inputs that determine the rest of friction.
+    """Return a sentence on what roughness contributes, and on the inputs that determine the rest of friction.
 
     The text is empty if the contribution is unknown.
     """
@@ -395,7 +396,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return a sentence on the contributions of mu0, adhesion and slopes, or "" if they are unknown."""
+    """Return a sentence on what mu0, adhesion and slopes contribute to friction, or "" if it is unknown."""
     if point.contributions is None:
         return ""
     mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)
@@ -407,7 +408,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return a sentence on the prediction interval of a single test, and on the interval of the mean."""
+    """Return a sentence on the prediction interval of a single test, compared with the interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""
@@ -432,7 +433,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return a sentence on b and D_c of rate-and-state friction, or "" if they are unknown."""
+    """Return a sentence on the parameters b and D_c of rate-and-state friction, or "" if they are unknown."""
     size = point.contact_size
     if not (math.isfinite(point.ageing) and math.isfinite(size.value)):
         return ""
@@ -443,5 +444,5 @@ def rate_and_state_text(point: PointSummary) -> str:
 
 
 def no_values_text(summary: Summary) -> str:
-    """Return the reason why a result has no coefficient."""
+    """Return the reason why a result contains no coefficient as text."""
     return f"μ_s  none: {summary.no_points_reason}"

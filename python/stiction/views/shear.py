@@ -29,17 +29,18 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-MIN_PRINTED_ANGLE_RANGE = 1.0  # smallest width (degrees) of an interval of the dilation angle that is printed
-MAX_EDGE_LOAD_FRACTION = 0.2  # a result has a caveat if more than this load fraction acts at the edges of the faces
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # a result has a caveat if yielded points carry more than this fraction of the load
-# the result has a caveat if the initial contact area exceeds this fraction of the overlap
+# Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
+MIN_PRINTED_ANGLE_RANGE = 1.0
+MAX_EDGE_LOAD_FRACTION = 0.2  # largest load fraction at the edges of the faces without a caveat
+MAX_HARDNESS_LOAD_FRACTION = 0.5  # largest load fraction on yielded points without a caveat
+# largest initial contact area without a caveat, as a fraction of the overlap
 MAX_INITIAL_AREA_FRACTION = 0.5
-# largest friction coefficient at the peak that Barton and Choubey (1977) recommend to use
+# largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design
 MAX_USUAL_PEAK = math.tan(math.radians(70))
-# Registered faces have a caveat if the rms gap exceeds two limits:
-# a multiple of the gap noise, and a fraction of the rms height change over the sampling interval of Z2.
+# Registered faces have a caveat if the rms gap exceeds both a multiple of the gap noise and a fraction of the rms
+# height change over the sampling interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_FRACTION = 3.0, 0.01
-MIN_FIT_CORRELATION = 0.5  # initial correlation of the slopes of both faces below which the result has a caveat
+MIN_FIT_CORRELATION = 0.5  # minimum initial correlation between the slopes of both faces without a caveat
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),
@@ -49,7 +50,7 @@ _CSV_COLUMNS = {
     "load_fraction_at_edges": ("load fraction at the edges", 1.0),
 }  # fmt: skip
 CSV_SIGNATURE = _CSV_COLUMNS["load_fraction_at_hardness"][0].encode()
-"""Bytes that identify a CSV file as a shear test that the program wrote."""
+"""Bytes by which the program recognizes a CSV file of a shear test that it may replace."""
 
 _STATUS_TEXTS: dict[str, str] = {
     STATUS_DOWNHILL: "slides by itself", STATUS_SELF_LOCKED: "locks", STATUS_NO_CONTACT: "no contact",
@@ -63,7 +64,7 @@ _NO_PEAK_REASONS: dict[str, str] = {
 
 
 def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
-    """Return one quantity of a shear test at one displacement, as an estimate."""
+    """Return a quantity of a shear test at one displacement, as an estimate with its interval."""
     limits = [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
@@ -75,7 +76,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
 
 
 def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return peak and final coefficient of a shear test, and displacement, dilation angle and stress at the peak."""
+    """Return the peak and the final coefficient of a shear test, and displacement, dilation and stress at the peak."""
     attributes = test.attrs
     return {
         name: Estimate(
@@ -94,7 +95,7 @@ def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
 
 
 def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return the results of a shear test as JSON: peak, end, and all quantities at each displacement."""
+    """Return the results of a shear test as JSON fields: peak, end, and all quantities at each displacement."""
     return [
         *(estimate.to_record() for estimate in headline_estimates(test).values()),
         *(
@@ -180,7 +181,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a caveat if the faces fit poorly, or if their gap is larger than noise can explain."""
+    """Return a caveat in a list if the faces fit poorly, or if the gap is larger than noise can explain."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:
@@ -205,7 +206,7 @@ def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
 
 
 def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a shear test as text: peak, end, caveats, and a table over the displacement."""
+    """Return a shear test as text: peak, end, caveats, and a table of quantities over the displacement."""
     lines = [wrap_text(line, hanging_indent="  ") for line in headline_lines(test)]
     lines += ["", format_table(curve_rows(test, _select_rows(test, verbose=verbose)))]
     caveats = list_caveats(test)
@@ -215,7 +216,7 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def headline_lines(test: xarray.Dataset) -> list[str]:
-    """Return lines on a shear test: peak, end, intervals, lower face, closure and registration."""
+    """Return lines that summarize a shear test: peak, end, intervals, lower face, closure, and registration."""
     values, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
     if values["peak_friction_coefficient"].status == STATUS_OK:
@@ -260,7 +261,7 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
 
 
 def _interval_text(attributes: Mapping[Any, Any]) -> str:
-    """Return a line on the sources of uncertainty that the intervals of a shear test cover."""
+    """Return a line on the sources of uncertainty that the intervals of a shear test include."""
     inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
     sources = [inputs] * bool(inputs) + [f"scatter between {strips} strips of the faces"] * bool(strips)
     return f"95 % intervals: {', '.join(sources)}"
@@ -307,7 +308,7 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
 
 
 def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
-    """Return the indices of the displacements to print: all, or evenly spaced ones and the peak."""
+    """Return the indices of the displacements to print: all, or evenly spaced ones and the displacement at the peak."""
     count = test.sizes["displacement"]
     if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
         return list(range(count))
@@ -318,7 +319,7 @@ def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
 
 
 def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
-    """Return the rows of a table of a shear test at given displacements. The first row contains the titles."""
+    """Return the rows of a table of a shear test at given displacements. The first row contains the headings."""
     columns = [
         _format_column(
             test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values)))
@@ -344,7 +345,7 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
 
 
 def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
-    """Return the title and the numbers of a table column, in the unit that suits the largest number."""
+    """Return the heading and the numbers of a table column, in the unit that suits the largest number."""
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
     numbers = [format_significant(value / factor, 3) for value in test[name].values]
     return f"{name.replace('_', ' ')} ({unit})", numbers

@@ -8,11 +8,11 @@ if TYPE_CHECKING:
     import pandas
 
 FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
-"""Characters that make a spreadsheet program interpret a cell as a formula if the cell starts with them."""
+"""First characters of a cell because of which a spreadsheet program would interpret the cell as a formula."""
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:
-    """Return a table as CSV, with an apostrophe before cells that a spreadsheet would read as formulas."""
+    """Return a data frame as CSV, with an apostrophe before cells that a spreadsheet would interpret as formulas."""
     frame = frame.rename(columns=_escape_formula)
     for name in frame.columns[[not _is_numeric(dtype) for dtype in frame.dtypes]]:
         frame[name] = frame[name].map(_escape_formula)

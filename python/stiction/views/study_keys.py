@@ -1,4 +1,4 @@
-"""Tables of the keys in study files, for documentation and terminal."""
+"""Tables of all keys in study files, for the documentation and for the terminal."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from stiction.study.study import (
 )
 from stiction.views.layout import wrap_text
 
-KeyTableRow = tuple[str, str, str, str]  # key of a study file, its default, its allowed values and its meaning
+KeyTableRow = tuple[str, str, str, str]  # row of a key table: key, default, allowed values, and meaning
 
 _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -40,7 +40,7 @@ _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Time, "a time above 0"),
     (values.WorkOfAdhesion, "an energy per area, at least 0"),
 )
-"""Allowed range in words, for each type of quantity that a key of a study file can have."""
+"""Allowed range in words for each type of quantity that a key can have."""
 
 _DEGREES_TEXT = f"degrees from {-values.MAX_DIRECTION_DEGREES} to {values.MAX_DIRECTION_DEGREES}"
 _ALLOWED_VALUE_TEXTS = {
@@ -61,7 +61,7 @@ _ALLOWED_VALUE_TEXTS = {
     "upper": "a section, see below",
     "lower": "a section, see below",
 }
-"""Texts for the allowed values of keys that have their own parsers."""
+"""Allowed values in words for keys whose values are parsed by functions of their own."""
 
 _UNCERTAIN_VALUE_TEXT = "a range or a value with its uncertainty"
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
@@ -85,17 +85,17 @@ _KEY_TABLES: tuple[
     ("`[ensemble]`", f"{EnsembleSettings.__doc__}", (EnsembleSettings,), ()),
     ("`[figures]` of generated surfaces", f"{FigureSettings.__doc__}", (FigureSettings,), ()),
 )
-"""Tables of keys, one per section of a study file: title, description, classes, and base classes with shared keys."""
+"""Key tables, one per section of a study file: title, description, classes, and base classes with shared keys."""
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
-    """Return the title, the description and the rows of each table of keys, with one row per key."""
+    """Return title, description and rows of each key table. Each key has one row."""
     tables = []
     for title, phrases, section_classes, base_classes in _KEY_TABLES:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
         for section_class in section_classes:
             for key, field in section_class.model_fields.items():
-                if field.repr:  # keys without `repr` belong to bodies in memory and do not occur in study files
+                if field.repr:  # fields without `repr` describe bodies in memory and are not keys of study files
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, section_classes), []).append(section_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
@@ -124,7 +124,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the classes that have a key, or a base class if all of its classes have the key."""
+    """Return the names of the classes that have a key, or of a base class if all its classes have the key."""
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
         for item in base_classes
@@ -142,7 +142,7 @@ def _models_with_key(
 
 
 def study_keys_markdown() -> str:
-    """Return the tables of all keys in study files as Markdown."""
+    """Return the key tables of all sections of a study file as Markdown."""
     lines = []
     for title, phrases, rows in list_key_tables():
         lines += [f"## {title}", "", phrases, "", "| key | value | meaning |", "|---|---|---|"]
@@ -153,7 +153,7 @@ def study_keys_markdown() -> str:
 
 
 def _value_text(default: str, allowed_values: str) -> str:
-    """Return the allowed values and the default of a key as one table cell that fits on a narrow screen."""
+    """Return the allowed values and the default of a key as one table cell, which fits on a narrow screen."""
     match default:
         case "none":
             return allowed_values
@@ -164,7 +164,7 @@ def _value_text(default: str, allowed_values: str) -> str:
 
 
 def study_keys_text() -> str:
-    """Return all keys in study files as text, one paragraph per key."""
+    """Return all keys of study files as text, with one paragraph per key."""
     blocks = []
     for title, _, rows in list_key_tables():
         lines = [title.replace("`", "")]
@@ -180,7 +180,7 @@ def study_keys_text() -> str:
 def _key_row(
     key: str, default_value: Any, field_info: Any, section_classes: tuple[Any, ...]
 ) -> tuple[str, str, str, str]:
-    """Return the table row of a key in study files: key, default, allowed values and meaning.
+    """Return the row of a key in its key table: key, default, allowed values, and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
@@ -228,11 +228,11 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Describe the values that a type annotation allows, with one phrase per alternative."""
+    """Return a phrase for each alternative that a type annotation allows as a value."""
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    if annotation is Quantity:  # lengths in measured files are parsed by a separate function
+    if annotation is Quantity:  # Lengths in measured files have a parser of their own.
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
@@ -247,9 +247,9 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    if hasattr(annotation, "__metadata__"):  # the type is an alias of `Annotated`
+    if hasattr(annotation, "__metadata__"):  # the annotation is an alias of `Annotated`
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
-    if get_origin(annotation) is not None:  # the type is a union
+    if get_origin(annotation) is not None:  # the annotation is a union
         alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     bounds = {
@@ -270,7 +270,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints of a type annotation, including those within a `Field`."""
+    """Return all constraints in the metadata of a type annotation, including those inside a `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 
@@ -284,7 +284,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return the default of a key as it is written in a study file."""
+    """Return the default of a key in the form in which a study file contains it."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# Width of a one-column figure, in which no text is smaller than 6 pt.
+# Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width of a two-column figure
-MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) above which an axis is labelled in mm
-MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters that a figure shows of a text from a file or a user
+PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width (inches) of a figure for two columns
+MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) from which an axis is labelled in mm
+MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or from the user in a figure
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -38,7 +38,7 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "hatch.linewidth": 0.4,
     "pdf.fonttype": 42,  # embed fonts, as journals require
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # give equal figures identical files
+    "svg.hashsalt": "stiction",  # equal figures give identical files
     "axes.unicode_minus": True,
 }
 
@@ -55,18 +55,18 @@ FORCE_COLOUR = "#000000"  # colour of elastic forces
 FRICTION_COLOUR = "#cc79a7"  # colour of friction forces
 UPPER_BODY_COLOUR = "#c6d9e7"
 LOWER_BODY_COLOUR = "#e3d5bb"
-SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of results for the lowest and the highest tau0
+SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of curves for the lowest and the highest tau0
 MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves along x and along y of a map
-SELF_LOCKED_COLOUR = "#7a0019"  # colour of chart cells in which the pair is self-locked
+SELF_LOCKED_COLOUR = "#7a0019"  # colour of the cells of a friction chart in which the bodies lock
 FRICTION_COLOUR_MAP = "plasma"
-"""Colour map of friction coefficients. Fractal dimensions use viridis, heights use grey, and pressures use inferno."""
+"""Colour map of friction coefficients. Other colour maps: viridis for D, grey for heights, inferno for pressures."""
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
-"""Quantiles of the friction coefficients at the ends of the colour scale. It excludes a few very high coefficients."""
+"""Quantiles of the friction coefficients at the ends of a colour scale, which exclude a few very high coefficients."""
 COLOUR_BAR_TICKS = (
     0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
 )  # fmt: skip
-"""Round friction coefficients that may be ticks of a colour bar."""
-SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point slips
+"""Round friction coefficients from which the ticks of a colour bar are chosen."""
+SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point starts to slip
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """Legend labels of the sliding rules."""
@@ -87,18 +87,18 @@ _AXIS_LABELS = {
     "height": "height $z$ (µm)",
     "height_nm": "height $z$ (nm)",
 }
-"""Axis labels of quantities that results do not contain, or that figures show in another unit."""
+"""Axis labels of quantities that are not stored in results, or that figures show in another unit."""
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure with a given height (mm) and width (inches)."""
+    """Return an empty figure of given height (mm) and width (inches)."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes of a figure with its layout engine. Then remove the engine, so that the axes stay there.
+    """Place the axes of a figure with its layout engine, and then remove the engine, so that the axes stay there.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """
@@ -108,7 +108,7 @@ def place_axes(figure: Figure) -> None:
 
 
 def axis_label(name: str) -> str:
-    """Return the axis label of a quantity, with symbol and unit."""
+    """Return the axis label of a quantity: words, symbol and unit."""
     if name in _AXIS_LABELS:
         return _AXIS_LABELS[name]
     quantity = QUANTITIES[name]
@@ -117,33 +117,33 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Escape a text from a file or from the user, so that a figure draws "$" and a leading "_" literally."""
+    """Escape a text from a file or from the user, so that a figure draws "$" and a leading "_" unchanged."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
-    # a legend omits labels that start with "_"
+    # Matplotlib omits labels that start with "_" from legends
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return one colour for the curve of each fractal dimension: viridis without its yellow end."""
+    """Return one curve colour for each fractal dimension: viridis without its yellow end."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
 
 
 def direction_text(degrees: float) -> str:
-    """Describe the direction of motion of the upper body (degrees) as text for a figure."""
+    """Return a direction of motion of the upper body (degrees) as text for a figure."""
     axis_names = {0.0: "$+x$", 90.0: "$+y$", 180.0: "$-x$", 270.0: "$-y$"}
     return axis_names.get(float(degrees) % 360, f"{degrees:g}° from $+x$")
 
 
 def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float | None = None) -> str:
-    """Return E*, mu0 and tau0 (GPa) as text for a figure heading."""
+    """Return E*, mu0 and tau0 (GPa) as text for the heading of a figure."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
-    """Spread the positions of labels, in their order, to a minimum distance between them."""
+    """Move label positions apart to a minimum distance, without changing their order."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     ascending_order = np.argsort(target_positions)
     spread_positions = target_positions[ascending_order].copy()
@@ -164,11 +164,11 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
 FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
 
 FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
-"""Metadata by which a figure file is recognized as written by this package, by file name extension."""
+"""Bytes by which a figure file that stiction wrote is recognized, by file name extension."""
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the file formats of figures without duplicates. Raises a `ValueError` for an unknown format."""
+    """Return the file formats of figures without duplicates. Raises a `ValueError` if a format is unknown."""
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FIGURE_FORMATS):
         raise ValueError(
@@ -178,7 +178,7 @@ def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
 
 
 def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, PDF or SVG. Only figures that stiction wrote are overwritten.
+    """Write a figure as PNG, PDF or SVG. Existing files are replaced only if stiction wrote them.
 
     Raises a `ValueError` as `write_figure_file` does.
     """
@@ -204,7 +204,7 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
 
 
 def write_figure_file(content: bytes, path: Path) -> None:
-    """Write the encoded image of a figure to a file.
+    """Write the bytes of a figure to a file.
 
     Instruments store PNG files next to their data, so other images must never be replaced. Raises a `ValueError` if
     another file has the name, or if the file cannot be written.

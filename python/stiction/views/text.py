@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-MIN_STATED_GROOVE_EFFECT = 0.01  # grooves are reported if friction differs between the axes by at least this fraction
-MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of a result with several points
+MIN_STATED_GROOVE_EFFECT = 0.01  # minimum relative difference of friction between axes for which grooves are reported
+MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of a result with several result points
 
 
 def study_result_text(
@@ -121,7 +121,7 @@ def main_values_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a result as text for a terminal, without the cutoff study and the onset of sliding."""
+    """Return a result as text for a terminal, except the cutoff study and the onset of sliding."""
     if summary.no_points_reason:
         return no_values_text(summary)
     points = summary.reported_points
@@ -157,7 +157,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return the note above the tables, which names the intervals that cover the uncertain inputs."""
+    """Return the note above the tables, which states which intervals include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -184,14 +184,14 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line that previews the friction coefficient, from the first members that were computed."""
+    """Return a line with a preview of the coefficient, from the members that were computed first."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
     return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
 
 
 def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line with mu0 and tau0 of the study, or "" if the study has a single mu0 and a single tau0."""
+    """Return a line with the study's mu0 and tau0, or "" if the study has a single mu0 and a single tau0."""
     friction = study.friction
     assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence on loads without a coefficient, and on how to compute the coefficient.
+    """Return a sentence on loads without a coefficient, and on what to do to compute it.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """
@@ -233,7 +233,7 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return a sentence for each interpolated load, with the assessments at the computed loads around it.
+    """Return one sentence per interpolated load, with the assessments at the computed loads below and above it.
 
     `neighbours` contains the two computed loads by interpolated load (mN), and `points` all result points at computed
     loads.
@@ -258,7 +258,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return each interpolated load, the computed loads around it and their assessments as JSON records."""
+    """Return JSON records of interpolated loads, each with the computed loads around it and their assessments."""
     return [
         {
             "load": load,
@@ -278,7 +278,7 @@ def interpolation_records(
 
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return at most `MAX_PRINTED_POINTS` result points, evenly spaced along each coordinate."""
+    """Return at most `MAX_PRINTED_POINTS` result points, which are evenly spaced along each coordinate."""
     values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
     if "hurst_exponent" in values:
         values.pop("fractal_dimension", None)
@@ -297,7 +297,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the result points at given loads (mN) that have the surfaces, mu0 and tau0 of the first point."""
+    """Return the result points at given loads (mN) that share surfaces, mu0 and tau0 with the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -311,19 +311,19 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first surfaces as text, as in "H = 0.9", or "" if there are no others."""
+    """Return the coordinates of the first surfaces as text, as in "H = 0.9", or "" if all points share them."""
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the coordinates in which result points differ, with H instead of D for self-affine surfaces."""
+    """Return the names of the coordinates in which result points differ, with H instead of D if points have H."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
 
 def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
-    """Return coordinates of a result point as text, as in "μ0 = 0.2, τ0 = 50 MPa"."""
+    """Return the named coordinates of a result point as text, as in "μ0 = 0.2, τ0 = 50 MPa"."""
     return ", ".join(f"{COORDINATE_LABELS.get(name, name)} = {point_coordinate_text(point, name)}" for name in names)
 
 
@@ -331,7 +331,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a list with one sentence on adhesion at zero load, or an empty list if the bodies do not adhere."""
+    """Return a sentence on adhesion at zero load in a list, or an empty list if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
@@ -340,7 +340,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return one line per sliding rule if there is one result point, or else a table of all points."""
+    """Return the coefficients of result points: one line per sliding rule for a single point, or else a table."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -367,7 +367,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a sentence on grooves and, if `verbose`, coefficients along each axis and direction."""
+    """Return a sentence on grooves and, if `verbose`, the coefficients along each axis and in each direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -378,7 +378,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients under all sliding rules, in the order of their columns in tables of directions.
+    """Return the coefficients under all sliding rules in the order of the columns in tables of directions.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """
@@ -386,7 +386,7 @@ def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficien
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence on grooves, or nothing if friction does not depend on the axis of motion.
+    """Return a sentence on grooves, or an empty paragraph if friction does not depend on the axis of motion.
 
     With `verbose`, the sentence is always returned, below a table of the coefficients along each axis.
     """
@@ -401,7 +401,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence on the effect of grooves on friction along different axes.
+    """Return a sentence on the effect of grooves, which is the difference of friction between axes of motion.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """
@@ -424,7 +424,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with intervals of the mean: one row per axis or direction, one column per rule."""
+    """Return a table of coefficients and intervals of the mean: a row per axis or direction, a column per rule."""
     rows = [
         [
             format_coordinate(coordinate),
@@ -449,7 +449,7 @@ def _axis_label(degrees: float) -> str:
 
 
 def _history_paragraph(point: PointSummary) -> Paragraph:
-    """Return lines on the preparation of the surfaces and on the contact model."""
+    """Return lines on the processing steps of the surfaces, and on the contact model."""
     dataset, study = point.values, point.study
     descriptions = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs

@@ -1,4 +1,4 @@
-"""Figures of results for print, one module per topic; `draw_figures` draws all of a result."""
+"""Figures of results for print, with one module per topic. `draw_figures` draws all figures of a result."""
 
 from stiction.views.figures.standard import draw_figures
 

@@ -26,7 +26,7 @@ MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's
 
 
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: contributions to friction, combined interval and uncertainty budget."""
+    """Draw a figure 80 mm wide: contributions to friction, combined interval, and uncertainty budget."""
     width = point.upper - point.lower
     remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
         :MAX_DRAWN_INPUTS

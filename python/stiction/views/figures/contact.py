@@ -1,4 +1,4 @@
-"""Figures of contacts: two profiles with the forces between them, or the contacts of two measured bodies."""
+"""Figures of contacts: two profiles with contact forces, or all contacts of two measured bodies."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from stiction.views.style import (
 
 # minimum half width (grid spacings) of the magnified range in the figure of contact forces
 _MIN_FORCE_ZOOM_HALF_WIDTH = 40
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which an axis is labelled in nm
-_MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of the arrow of a force
+_MAX_NANOMETRE_RANGE = 0.5  # height range (µm) below which an axis is labelled in nm
+_MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of an arrow that represents a force
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
-# Number of contacts in the magnified range besides the contact with the largest force.
+# Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
 # minimum half width (grid spacings) of the magnified range in the figure of two profiles
 _MIN_PROFILE_ZOOM_HALF_WIDTH = 60
@@ -71,7 +71,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         in_window = np.abs(x - zoom_centre) <= half_width
         zoomed_axes.set_title(
             "contact with the largest load", loc="left", fontsize=6, pad=3
-        )  # the layout must reserve space for the title of the figure
+        )  # set the title before the layout is computed, so that space is reserved for it
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
@@ -92,7 +92,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
-    place_axes(figure)  # the lengths of arrows depend on the final position of the axes
+    place_axes(figure)  # fixes the size of the axes, on which the lengths of arrows depend
     if contact_force.size:
         max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
@@ -106,7 +106,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
-    """Return the heading of a figure of contact forces: title, number of contacts, approach, load and shift."""
+    """Return the heading of a figure of contact forces: title, number of contacts, approach, load, and shift."""
     attributes, num_contacts = forces.attrs, forces.sizes["contact"]
     contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
     load_captions = []
@@ -119,7 +119,7 @@ def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
 
 
 def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
-    """Draw two profiles as the surfaces of solid bodies."""
+    """Draw two solid bodies whose surfaces are an upper and a lower profile."""
     top, bottom = max(float(upper.max()), float(lower.max())), min(float(upper.min()), float(lower.min()))
     margin = 0.08 * (top - bottom or 1.0)
     axes.fill_between(x, upper, top + margin, color=UPPER_BODY_COLOUR, linewidth=0)
@@ -132,7 +132,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _make_room_for_arrows(axes: Axes, highest: float) -> float:
-    """Extend the axes upwards for arrows above the highest contact, and return the longest arrow length (inches)."""
+    """Extend the axes upwards for arrows above the highest contact, and return the maximum arrow length (inches)."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -153,7 +153,7 @@ def _draw_forces(
     magnification: float,
     max_arrow_length: float,
 ) -> None:
-    """Draw the elastic forces on the upper body, and friction at opposing contacts, on the same scale.
+    """Draw arrows for elastic forces on the upper body and for friction at opposing contacts, on the same scale.
 
     Slopes are magnified by the same factor as heights.
     """
@@ -174,7 +174,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Specify arrows in inches, because their directions must not depend on the scales of the axes.
+        # Specify arrows in inches, so that their directions do not depend on the scales of the axes.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -198,7 +198,7 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the marker for the contact wi
 def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw a figure 80 mm wide: contacts on a map of the lower body, and pressure around the largest contact load.
+    """Draw a figure 80 mm wide: all contacts on a map of the lower body, and the pressure in the largest contact.
 
     `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees from
     +x towards +y). The hardness (GPa) is marked on the colour bar of the pressures.
@@ -245,7 +245,7 @@ def contacts_and_pressure_figure(
 
 
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
-    """Draw the heights of the lower body in grey with a colour bar; `box` contains the sides of the map in µm."""
+    """Draw the heights of the lower body in grey, with a colour bar. `box` contains the sides of the map (µm)."""
     in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
@@ -258,7 +258,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 
 
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Label the axes of a map in µm, or in mm if the map is long; `box` contains the sides of the map in µm."""
+    """Label the axes of a map in µm, or in mm for large maps. `box` contains the sides of the map (µm)."""
     left, right, bottom, top = box
     in_millimetres = max(right - left, top - bottom) >= MIN_MILLIMETRE_LENGTH
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
@@ -268,14 +268,14 @@ def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
 
 
 def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Draw a frame that is visible on light and on dark colours of a map."""
+    """Draw a frame that is visible both on light and on dark colours of a map."""
     left, right, bottom, top = box
     for colour, width in (("white", 1.6), ("black", 0.6)):
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
 
 
 def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
-    """Return the sides of a map (left, right, bottom, top) in µm."""
+    """Return the coordinates (µm) of the sides of a map: left, right, bottom, top."""
     extent: list[float] = []
     for axis in ("x", "y"):
         values = picture[f"{name}_{axis}"].values
@@ -362,9 +362,9 @@ def _draw_contact_map(
 def _draw_profile_contacts(
     panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]
 ) -> None:
-    """Draw two profiles in full length, and magnified around the contact with the largest load."""
+    """Draw two profiles in full length, and a magnified part around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    is_finite = np.isfinite(gap)  # between measured heights, interpolate missing heights
+    is_finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
     centre_positions, width = (
         picture["contact_x"].values,
@@ -394,7 +394,7 @@ def _draw_profile_contacts(
 
 
 def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
-    """Return the limits of the range that is magnified around the contact with the largest load."""
+    """Return the limits of the magnified part of a profile, around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))

@@ -22,12 +22,12 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions of motion for a polar figure
+MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions of motion for which friction is drawn as a polar plot
 MAX_COMPASS_RINGS = 5
 
 
 def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction against the direction of motion, for each sliding rule.
+    """Draw a figure 80 mm wide: friction over the direction of motion, one curve per sliding rule.
 
     `points` is a dataset of `at_load` at one load, cutoff, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -88,7 +88,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate friction over directions (degrees) by a periodic cubic spline. Negative results become 0."""
+    """Interpolate friction over the direction (degrees) by a periodic cubic spline. Negative values become 0."""
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)
@@ -97,7 +97,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_polar_circles(axes: Any, highest: float) -> None:
-    """Draw circles at round numbers in a polar plot, labelled between two spokes."""
+    """Draw circles at round values in a polar plot, with labels between two spokes."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
@@ -159,7 +159,7 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def _has_single_profile_pair(values: xarray.DataArray) -> bool:
-    """Return whether all members are the same two profiles at different offsets."""
+    """Return whether all members consist of the same two profiles at different offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -169,7 +169,7 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw a figure 80 mm wide: distributions of the contact size, and of the pressure over the contact area.
+    """Draw a figure 80 mm wide: distribution of the contact size, and distribution of pressure over the contact area.
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means for a single cutoff, as returned by `at_load`. The hardness (GPa) is marked.

@@ -1,4 +1,4 @@
-"""Figures of generated surfaces: friction maps, contact area and the surfaces."""
+"""Figures of generated surfaces: friction charts, true contact area, and the surfaces themselves."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ from stiction.views.style import (
 )
 
 FADING_PARAMETERS = (0.3, 1.2, 0.85)
-"""Relative interval widths at which the fading of a map cell begins and ends, and the strongest fading."""
+"""Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
-CURVE_LABEL_SPACING = 2.4  # distance between curve labels, mm
-# Largest ratio of an axis limit to the extreme mean: wider bands are cut off.
+CURVE_LABEL_SPACING = 2.4  # minimum distance (mm) between curve labels
+# Largest ratio of an axis limit to the largest mean. Interval bands that extend further are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # height (mm) of a heading line above a figure
 MAX_LEGEND_COLUMNS = 4
@@ -60,7 +60,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines that name deviations from the paper's model and motion, and an unfinished ensemble."""
+    """Return heading lines that state deviations from the paper's model and motion, and an unfinished ensemble."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -81,14 +81,14 @@ def draw_heading(figure: Figure, lines: list[str]) -> None:
 
 
 def draw_panel_letter(axes: Axes, number: int) -> None:
-    """Draw the letter of a panel above the panel's upper left corner."""
+    """Draw the letter of a panel above its upper left corner."""
     axes.text(0, 1.02, chr(ord("a") + number), transform=axes.transAxes, fontsize=8, fontweight="bold", va="bottom")
 
 
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return an empty figure 170 mm wide, its height (mm), and a function that adds axes to one of its rows."""
+    """Return an empty figure 170 mm wide, its height (mm), and a function that adds axes in a given row."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -103,7 +103,7 @@ def create_figure_with_axes_rows(
 
 
 def friction_figure(values: FrictionOverDimension) -> Figure:
-    """Draw friction as maps against fractal dimension and load, and as curves against fractal dimension.
+    """Draw friction as charts over fractal dimension and load, and as curves over fractal dimension.
 
     There is one map for each tau0, and one row of panels for each amplitude. Map cells are hatched if the model is not
     valid, and grey if the 95 % interval is wide.
@@ -147,7 +147,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-            # Place the legend above the panel, where it covers no curve.
+            # Place the legend above the panel, so that it covers no curve.
             ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
@@ -162,7 +162,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
 
 
 def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: bool) -> None:
-    """Format the axis of the fractal dimension. Only the last row of panels gets a label."""
+    """Format the axis of the fractal dimension. Only panels in the last row have an axis label."""
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         is_classical = points["fractal_dimension"].attrs.get("convention") == "classical"
@@ -172,7 +172,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the fraction of the load on contacts with too much overlap for Hertz's theory, in a quantity's shape.
+    """Return the load fraction on contacts with too large an overlap for Hertz theory, in the shape of a quantity.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -182,7 +182,7 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction curves for the lowest and the highest tau0, dotted where the asperity model is invalid."""
+    """Draw friction curves for the lowest and the highest tau0, dotted if the asperity model is not valid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -195,7 +195,7 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
         axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
-    # The axis includes mu0, all valid coefficients, and at least half of the invalid coefficients.
+    # The axis includes mu0, all valid coefficients, and at least half of all coefficients.
     valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
     median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
     upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0
@@ -218,7 +218,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # show at most 8 ticks, because more labels do not fit
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # keep at most about 8 ticks, because more labels do not fit
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -228,13 +228,13 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale over the valid coefficients, or over all coefficients if few are valid."""
+    """Return a logarithmic colour scale for the valid coefficients or, if few are valid, for all coefficients."""
     values = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(values) & (values > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
     positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
     low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # limits of the colour scale are multiples of this step
+    step = 10.0 ** np.floor(np.log10(low)) / 2  # step of which both limits of the colour scale are multiples
     low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
     return LogNorm(low, max(high, low + step))
 
@@ -248,7 +248,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(values)
-    # A coefficient of 0 has no logarithm, so its cell has the colour of the lowest coefficient.
+    # A cell with the coefficient 0, which has no logarithm, gets the lowest colour of the scale.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = is_finite
@@ -271,26 +271,26 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]) -> None:
-    """Hatch the cells of a map that a mask selects, in their own colours."""
+    """Hatch the cells of a chart that a mask selects. The colours of the cells remain visible."""
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(is_hatched):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        # Draw a black and a white line, one of which is visible on any cell.
+        # Draw a black and a white line, because one of them is visible on any colour.
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # `add_patch` would compute the axis limits from thousands of cells
+            axes.add_artist(patch)  # `add_patch` would be slow, because it computes axis limits from all cells
 
 
 _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\", "linewidth": 0}
-"""Style of cells in which the model is not valid: lines so thin and far apart that the colours stay visible."""
+"""Style of cells in which the model is not valid: hatching with thin lines, between which the colour is visible."""
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each map cell, from 0, which increases with the relative width of the interval."""
+    """Return the fading of each chart cell, which is 0 for narrow intervals and increases with their relative width."""
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
@@ -300,7 +300,7 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to grey of equal luminance, so that no faded colour resembles the colour of another coefficient."""
+    """Fade colours to grey of the same luminance, so that no faded colour resembles that of another coefficient."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -315,7 +315,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     handles: list[Any] = []
     if has_asperities and (find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        # Draw denser lines in the legend than in the map, because the patch of the legend is small.
+        # Draw denser hatching in the legend than in the chart, because the legend patch is small.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
@@ -345,7 +345,7 @@ def _cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw true area and area/load against load with 95 % intervals, one row of panels per amplitude.
+    """Draw true area and area/load over load with 95 % intervals, in one row of panels per amplitude.
 
     `points` comes from `evaluate_area_over_load`.
     """
@@ -382,7 +382,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
 
 
 def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
-    """Draw true area and area/load against load for each fractal dimension, with labels at the left curve ends."""
+    """Draw true area and area/load over load, one curve per fractal dimension, with labels at the left ends."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
@@ -394,7 +394,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # Compute the axis limits from the means only, so that very wide bands are cut off.
+        # Compute the axis limits from the means alone, so that very wide interval bands are cut off.
         values = (area_factor * area)[area > 0]
         ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)
@@ -431,7 +431,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles for several fractal dimensions, in full length and over one length scale.
+    """Draw profiles of several fractal dimensions, in full length and over one length scale.
 
     `profiles` comes from `generate_profiles`.
     """
@@ -455,7 +455,7 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
 
 
 def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]], study: Study) -> Figure:
-    """Draw unscaled profiles and surfaces for several length scales.
+    """Draw unscaled profiles and surfaces, one of each per length scale.
 
     `bodies` comes from `generate_bodies_by_length_scale`.
     """

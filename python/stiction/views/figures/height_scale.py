@@ -21,7 +21,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction and true contact area against the rms gradient of scaled heights.
+    """Draw a figure 80 mm wide: friction and true contact area over the rms gradient of scaled heights.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     low, high = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and high < 30 * low:
         format_log_axis(area_axes.yaxis)
-    # with scaled heights of both bodies, the rms gradient is proportional to the height factor
+    # if both bodies are scaled, the rms gradient is proportional to the height factor
     if points.attrs["scaled"] == "both":
         factor_axis = friction_axes.secondary_xaxis(
             "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)

@@ -1,4 +1,4 @@
-"""Figures of friction and contact area against load or cutoff, of joint closure, and of adhesive loading."""
+"""Figures of friction and contact area over load or cutoff, of joint closure, and of adhesive loading cycles."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ from stiction.views.style import (
 )
 
 MAX_FRICTION_AXIS_RATIO = 4.0
-"""Maximum ratio of the friction axis limit to the highest mean. Wider intervals are cut off."""
+"""Maximum ratio of the limit of the friction axis to the highest mean. Wider intervals are cut off."""
 
-# Maximum number of single directions that a figure shows besides the mean over all directions.
+# Maximum number of directions for which a figure shows single directions besides their mean.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
-"""Maximum ratio of the limits of a logarithmic axis that is labelled with plain numbers."""
+"""Maximum ratio of the limits of a logarithmic axis with plain numbers as labels."""
 
 INTERVAL_BAND_LEGENDS = {
     True: "light bands and area: 95 %, combined intervals\ndark bands: 95 %, intervals of the mean",
     False: "bands: 95 %, intervals of the mean",
 }
-"""Legend texts of the interval bands for results with (True) and without (False) a combined interval."""
+"""Texts that explain interval bands in a legend, for results with (True) and without (False) combined intervals."""
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction coefficient and true contact area against load.
+    """Draw a figure 80 mm wide: friction coefficient and true contact area over load.
 
     `points` is a dataset from `add_uncertainty` for one cutoff, mu0 and tau0. The loads of the study (mN) are marked.
     The bands of friction are the combined interval and, in a darker colour, the interval of the mean over positions.
@@ -68,7 +68,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: closure and closure stiffness against nominal pressure."""
+    """Draw a figure 80 mm wide: closure and closure stiffness over nominal pressure."""
     pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure divided by the load, MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -84,13 +84,13 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: load against approach and against true area, for adhesive loading and unloading.
+    """Draw a figure 80 mm wide: load over approach and over true area, during adhesive loading and unloading.
 
     `branches` is `Result.loading_cycle`. The pull-off force is marked.
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    # Select the loads within the axis limits.
+    # Mask of the loads that lie within the axis limits.
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001
     prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
@@ -128,7 +128,7 @@ def _pad_range(values: Floats) -> tuple[float, float]:
 
 
 def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction coefficient and true area at one load against the cutoff.
+    """Draw a figure 80 mm wide: friction coefficient and true area over the cutoff, at one load.
 
     Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
     below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed
@@ -145,18 +145,18 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-MIN_POSITION_RATIO = 1.05  # smallest ratio of two wavelengths whose markers do not overlap
+MIN_POSITION_RATIO = 1.05  # minimum ratio of two wavelengths whose markers do not overlap
 UNFILTERED_POSITION_RATIO = 1.5
-"""Ratio of the shortest cutoff to the cutoff at which unfiltered scans are drawn if their resolution is unknown."""
+"""Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
-# longest wavelength of the closed-form estimate, in multiples of the longest cutoff
+# longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff
 MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0
-# shortest wavelength of extrapolated friction, as a fraction of the first cutoff
+# shortest wavelength for which extrapolated friction is drawn, as a fraction of the first cutoff
 MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw the plastic limit and the extrapolated friction behind the computed curves."""
+    """Draw the plastic limit, the extrapolation and the closed-form estimate as background of the computed curves."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(
@@ -200,8 +200,8 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # Draw unfiltered scans left of the first cutoff, even if unfiltered scans resolve no shorter wavelength than
-        # this cutoff.
+        # End the unresolved band left of the first point, even if unfiltered scans resolve no shorter wavelength than
+        # the first cutoff.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
@@ -270,7 +270,7 @@ def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        return  # with friction at all contacts, both directions give the same friction
+        return  # both directions have the same friction if it acts at all contacts
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"
@@ -278,7 +278,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
 
 
 def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
-    """Mark the points of a curve at which some members have no coefficient."""
+    """Mark the points of a curve for which some members have no coefficient."""
     if not {"ok", "members"} <= set(points.variables):
         return
     num_solved = points["ok"].min([dim for dim in points["ok"].dims if dim != dimension])
@@ -290,7 +290,7 @@ def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, 
 
 
 def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> None:
-    """Label a logarithmic axis with plain numbers, several per decade.
+    """Label a logarithmic axis with plain numbers, several per decade, or with powers of ten.
 
     Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. For a secondary axis, `limits`
     are the limits of its main axis, because a secondary axis has no limits before it is drawn.

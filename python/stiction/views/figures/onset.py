@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: load against displacement, load cycles and slipping fractions."""
+"""Figures of the onset of sliding: tangential load over displacement, load cycles, and slipping fractions."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: load against displacement, load cycles, and slipping fractions against load.
+    """Draw a figure 80 mm wide: tangential load over displacement, load cycles, and slipping fractions over load.
 
     `onset` comes from `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -98,11 +98,11 @@ def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-NUM_CURVE_POINTS = 200  # number of interpolated points of a drawn curve
+NUM_CURVE_POINTS = 200  # number of points to which a drawn curve is interpolated
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
-    """Return the curve of first loading up to a tangential load (mN), interpolated by a monotone cubic."""
+    """Return the curve of first loading up to a tangential load (mN), interpolated with a monotone cubic."""
     from scipy.interpolate import PchipInterpolator
 
     fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)
@@ -110,7 +110,7 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
 
 
 def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return displacements and loads of a load cycle, whose branches are the doubled loading curve (Masing's rule)."""
+    """Return displacements and loads of a load cycle, whose branches are doubled loading curves (Masing's rule)."""
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -123,7 +123,7 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a conta
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset dataset contains the map that `slip_figure` draws, as for areal contacts."""
+    """Return whether an onset dataset contains the map for `slip_figure`. Only areal contacts have such a map."""
     return bool("slip" in onset or "contact_slip" in onset)
 
 
@@ -181,7 +181,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Find the part of a map with the most contact points. Return its rows, columns and sides (µm)."""
+    """Find the part of a map with the most contact points, and return its rows and columns, and its sides (µm)."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)
@@ -205,13 +205,13 @@ _ONSET_PANELS = {
     "fraction_slipped": (100.0, "slip at half the sliding load (%)", False),
     "tangential_stiffness": (1.0, "tangential stiffness (mN/µm)", True),
 }
-"""Factor, axis label, and True for a logarithmic axis, for each panel."""
+"""Unit factor, axis label, and whether the axis is logarithmic, for each panel."""
 
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of onset curves, from the lowest to the highest load
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, one row per amplitude.
+    """Draw pre-sliding displacement, slip and stiffness over fractal dimension, in one row of panels per amplitude.
 
     `points` comes from `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model is
     not valid.

@@ -21,15 +21,15 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_MILLIMETRE_LENGTH, PAGE_WIDTH, new_figure
 
-# maximum number of points of a profile in a figure; in longer profiles, points are averaged
+# maximum number of drawn points of a profile; neighbouring points of a longer profile are averaged
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"
-TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # distances between ticks that are allowed, in units of a power of ten
+TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # allowed distances between ticks, divided by a power of ten
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
-    """Draw heights, height distribution and spectra of a profile (figure 80 mm wide) or a surface (170 mm wide).
+    """Draw heights, height distribution and spectra, 80 mm wide for a profile and 170 mm wide for a surface.
 
     Options are the same as for `characterisation_text`.
     """
@@ -88,7 +88,7 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
-    axes.locator_params(axis="x", nbins=3)  # show few ticks, because the panel of a profile is narrow
+    axes.locator_params(axis="x", nbins=3)  # few ticks, because the panel is narrow for a profile
 
 
 def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
@@ -132,7 +132,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
-        # Draw the fitted line at the mean level of the spectrum in the fitted band.
+        # Draw the fitted line through the mean level of the spectrum in the fitted band.
         mean_log_factor = np.log(
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()
@@ -142,7 +142,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
 
 
 def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
-    """Set the scales and limits of a spectrum plot, and add a second axis with wavelengths and a legend."""
+    """Set scales and limits of the axes of a spectrum, and add a second axis for the wavelength and a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
     axes.secondary_xaxis("top", functions=(wave_number_to_wavelength, wave_number_to_wavelength)).set_xlabel(
         r"wavelength $\lambda$ (µm)"
@@ -157,7 +157,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    # Limit the colours by quantiles, because single dust grains would dominate the whole range.
+    # Limit the colour scale by quantiles, because single dust grains would otherwise determine its range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from stiction._number_format import choose_prefixed_unit
 from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_COLOUR, new_figure
 
-MARKER_AREA = 2.0  # area (square points) of the marker of a contact point
+MARKER_AREA = 2.0  # area (square points) of the marker for a contact point
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
-"""Colour map of pressures, without the pale colours that would not be visible on white."""
+"""Colour map of pressures, without pale colours, which would not be visible on white."""
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
-    """Draw a figure 80 mm wide: shear stress and dilation of a shear test, and contacts at the peak."""
+    """Draw a figure 80 mm wide: shear stress and dilation over displacement, and a map of contacts at the peak."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
         has_map = has_contacts and test["peak_pressure"].ndim == 2
@@ -80,7 +80,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
         return
     y = pressure["y"].values / factor
     rows, columns = np.nonzero(megapascals > 0)
-    # Draw markers larger than a grid point, because a single point would be invisible.
+    # Draw markers larger than a grid cell, because a single cell would be invisible.
     image = axes.scatter(
         x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=PRESSURE_COLOURS, vmin=0
     )

@@ -1,4 +1,4 @@
-"""Selection of the figures of a result: the figures that its study lists, or standard figures for measured surfaces."""
+"""Selection of a result's figures: those that its study lists, or standard figures for measured surfaces."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def draw_figures(
     result: Evaluation | xarray.Dataset, directory: str | Path, *, formats: Sequence[str] = ("png",),
     picture: xarray.Dataset | None = None, first: bool = False,
 ) -> list[Path]:  # fmt: skip
-    """Draw the figures of a result, save the files, and return their paths.
+    """Draw the figures of a result, save them as files, and return the paths of the files.
 
     A copy of this process draws every second figure, if the process can be copied.
 
@@ -106,7 +106,7 @@ def _render_all_files(
 
 
 def _render_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
-    """Draw a figure, and return its contents in each file format."""
+    """Draw a figure, and return the content of one file per format."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = draw_figure()
         return [render_figure(figure, file_extension) for file_extension in file_extensions]
@@ -120,7 +120,7 @@ def _write_files(paths: Iterable[Path], contents: Iterable[bytes]) -> None:
 def select_figures(
     result: Evaluation | xarray.Dataset, picture: xarray.Dataset | None = None
 ) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """Yield the name and the drawing function of each figure of a result."""
+    """Yield the name of each figure of a result, with the function that draws the figure."""
     result = Evaluation.of(result)
     if not result.study.is_measured:
         yield from _generated_surface_figures(result, result.study)
@@ -129,7 +129,7 @@ def select_figures(
 
 
 def format_print_title(pair_name: str) -> str:
-    """Return the names of a pair for print: file names without extensions, and spaces instead of underscores."""
+    """Return the name of a pair for print: file names without extensions, with spaces instead of underscores."""
     return literal_text(re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " "))
 
 
@@ -151,7 +151,7 @@ def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tup
             case "area":
                 for suffix, motion_result in iterate_motions(result):
                     yield f"area{suffix}", partial(_area_figure, motion_result)
-            case "onset":  # the onset is stored only for a study with one direction and friction at all contacts
+            case "onset":  # only studies with one direction and friction at all contacts store the onset
                 yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
 
 

@@ -1,4 +1,4 @@
-"""Report on generated surfaces: friction and other quantities at all mu0 and tau0, assessments and figures."""
+"""Report on generated surfaces: friction and other quantities for all mu0 and tau0, assessments, and figures."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from stiction.views.style import COLOUR_RANGE_QUANTILES
 def generated_report_content(
     data: GeneratedReportData, values: GeneratedReportValues | None, name: str
 ) -> ReportContent:
-    """Return the content of a report on generated surfaces, by default with the study's name as title.
+    """Return the content of a report on generated surfaces. The default title is the name of the study.
 
     `values` is None if no pair is in contact.
     """
@@ -107,7 +107,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
 
 
 def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return the arrays of friction, quantities, statuses and assessments that a page stores."""
+    """Return the arrays that the page stores: friction, other quantities, statuses, and assessments."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
         if panel != "friction":
@@ -127,7 +127,7 @@ def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return one array for each number in the text of a caveat, with NaN where the caveat does not apply."""
+    """Return an array for each number in the texts of caveats, which is NaN where the caveat does not apply."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -142,29 +142,29 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether the text of a caveat contains a number that differs between result points."""
+    """Return whether a caveat is a failed check whose text contains a number that differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-# formats of percentages, as printed by `stiction at --verbose`
+# formats of percentages, equal to those of `stiction at --verbose`
 _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 
 def _quantity_record(name: str, study: Study) -> dict[str, Any]:
-    """Return the name and the label of a quantity as data of the page script."""
+    """Return the name and the label of a quantity for the page scripts."""
     label = quantity_label(name, study)
     return {"name": name, "words": label[0].upper() + label[1:]}
 
 
 def _relative_half_widths(points: Floats) -> Floats:
-    """Return the half width of each interval divided by the absolute mean."""
+    """Return the half width of each interval divided by the absolute value of the mean."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
 def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Floats, Floats]]:
-    """Return the limits of the colour scale of each quantity that has positive numbers.
+    """Return the limits of the colour scale for each quantity that has positive values.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
     """
@@ -176,7 +176,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
         if not np.isfinite(positive_values).any():
             continue
         with warnings.catch_warnings():
-            # points without a coefficient cause NumPy's warnings about NaN
+            # NumPy warns about slices that contain only NaN, which result from points without a coefficient.
             warnings.simplefilter("ignore", RuntimeWarning)
             low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
         ranges[name] = low, np.maximum(high, 1.05 * low)
@@ -184,7 +184,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Return the surfaces and the load that a page shows first: those with the smallest relative interval."""
+    """Return the indices of the surfaces and of the load that a page shows first: the narrowest relative interval."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -200,7 +200,7 @@ def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or check as data of the page script: text, remedy, severity, and the number in the text."""
+    """Return a caveat or failed check for the page scripts: text, remedy, severity, and the number in the text."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
@@ -211,7 +211,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
 
 
 def _changed_settings_markup(changed_settings: Sequence[tuple[str, str]]) -> str:
-    """Return, as HTML, the settings of a study that differ from the defaults."""
+    """Return the settings of a study that differ from their defaults as HTML."""
     if not changed_settings:
         return "<p>All values are the defaults.</p>"
     lines = "".join(f"<li><code>{escape_html(f'{key} = {value}')}</code></li>" for key, value in changed_settings)

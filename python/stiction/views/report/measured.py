@@ -1,4 +1,4 @@
-"""Report on measured surfaces: friction at all mu0 and tau0, other quantities, and assessments."""
+"""Report on measured surfaces: friction for all mu0 and tau0, other quantities, and assessments."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
-    """Return the content of a report on measured surfaces, with the file names in its title."""
+    """Return the content of a report on measured surfaces. The title contains the file names."""
     pair_name = data.description.name
     name = f"{pair_name} ({name})" if name else pair_name
     histories = [_history_markup(side, history) for side, history in data.bodies.items()]
@@ -112,7 +112,7 @@ def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence on the sliding rule for which mu0 and tau0 of the study are valid."""
+    """Return a sentence on the sliding rule to which mu0 and tau0 of the study apply."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -142,7 +142,7 @@ The keys specify whether the study has a nominal area.
 
 
 def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
-    """Return the arrays of coefficients, intervals and statuses at all loads, mu0 and tau0 that a page stores.
+    """Return the arrays that the page stores: coefficients, intervals and statuses for all loads, mu0 and tau0.
 
     Coefficients without an interval are printed with the decimals of the mean over directions.
     """
@@ -157,7 +157,7 @@ def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
 
 
 def _summary_markup(summary: Summary) -> str:
-    """Return paragraphs of HTML on resolved wavelengths, onset of sliding and pull-off force."""
+    """Return HTML paragraphs on resolved wavelengths, onset of sliding, and pull-off force."""
     lines = []
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
@@ -187,7 +187,7 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     ]
 
 
-MAX_LISTED_STEPS = 20  # maximum number of processing steps of a body that a report lists
+MAX_LISTED_STEPS = 20  # maximum number of listed processing steps of a body
 
 
 def _history_markup(side: str, history: BodyHistory) -> str:
@@ -205,7 +205,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityEstimates]:
-    """Return the estimates of each quantity, other than friction, that the report shows."""
+    """Return the estimates of all quantities except friction that the report shows."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -244,7 +244,7 @@ _FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient for the rule "all", its interval and its contributions as data of the page script."""
+    """Return the coefficient under the rule "all", its interval and its contributions for the page scripts."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

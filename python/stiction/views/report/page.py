@@ -33,7 +33,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class HtmlPage:
-    """HTML page: title, subtitle lines, main part, scripts, and the version that computed the result."""
+    """HTML page: title, lines below the title, main part, scripts, and the version that computed the result."""
 
     name: str
     head: list[str]
@@ -56,19 +56,19 @@ class HtmlPage:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page. Raises a `ReportError` if an existing file is not a report."""
+        """Write the page to a file. Raises a `ReportError` if the file exists and is not a report."""
         with replace_file_atomically(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 
 
 def read_package_file(name: str) -> str:
-    """Return the text of a file in this Python package."""
+    """Return the text of a file that is part of this Python package."""
     return (resources.files(__package__) / name).read_text("utf-8")
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return the scripts of a page as HTML, with their data: `facts` as JSON, and arrays of encoded numbers."""
-    # Escape "<", so that the JSON text cannot close or open an HTML element.
+    """Return the scripts of a page and their data as HTML: `facts` as JSON, and arrays as encoded numbers."""
+    # Escape "<", so that the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())
@@ -78,21 +78,21 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters that a report shows of a line from a file
+MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters of a line from a file in a report
 
 
 def escape_html(text: object) -> str:
-    """Escape text for HTML. The result is one line of limited length without control characters."""
+    """Escape text for HTML, and return one line of limited length without control characters."""
     return html.escape(printable_text(str(text), MAX_SHOWN_LINE_LENGTH))
 
 
 def format_count(count: int, singular: str, plural: str | None = None) -> str:
-    """Return a count and its noun as text, in the singular or plural."""
+    """Return a number with its noun in the singular or plural."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 
 def plot_panel_markup(name: str, title: str, description: str, *, more: str, kind: str = "plot") -> str:
-    """Return the HTML of a plot panel: title, caption, and description and keyboard help for screen readers."""
+    """Return a plot panel as HTML: title, caption, and a description with keyboard help for screen readers."""
     return (
         f'<section class="panel" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>'
         f'<div id="{name}" class="{kind}" role="application" tabindex="0" aria-label="{description}; {more}"></div>'

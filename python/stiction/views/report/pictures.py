@@ -1,4 +1,4 @@
-"""Panels of a report with figures, as inline SVG."""
+"""Panels of a report that contain figures as inline SVG."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class FigurePanel:
-    """Panel of a report with a figure, which is drawn only when the page is rendered.
+    """Panel of a report with a figure that is drawn only when the page is rendered.
 
     `description` is for screen readers, and `caption` is markup. A main panel is shown next to the result, and other
     panels among the details.
@@ -49,7 +49,7 @@ class FigurePanel:
     is_main: bool = False
 
     def markup(self) -> str:
-        """Draw the figure of the panel, and return the panel with its caption as HTML."""
+        """Draw the figure, and return the panel with figure and caption as HTML."""
         with mpl.rc_context(MATPLOTLIB_STYLE):
             svg = inline_svg(self.draw_figure(), self.description)
         css_class = "panel wide" if self.is_wide else "panel"
@@ -63,7 +63,7 @@ class FigurePanel:
 
 
 def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
-    """Draw the figures of a report, and return the markup of the main panels (True) and of all others (False)."""
+    """Draw the figures of a report, and return the HTML of the main panels (True) and of the other panels (False)."""
     panels = list_panels(data)
     return {
         is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
@@ -71,7 +71,7 @@ def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, st
 
 
 def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels for which a result has data."""
+    """Return the panels for all figures that the data of a report allow."""
     return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
 
 
@@ -85,7 +85,7 @@ def _list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
 
 
 def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
-    """Return the panel with two generated profiles in contact."""
+    """Return the panel with the forces between two generated profiles in contact."""
     dimension, amplitude = (float(forces[name]) for name in ("fractal_dimension", "amplitude"))
     title = f"$D$ = {dimension:.3g}, amplitude {format_with_unit(amplitude, 'um')}"
     return FigurePanel(
@@ -97,7 +97,7 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 
 
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
-    """Return the panel with the onset of sliding of generated pairs, against fractal dimension."""
+    """Return the panel with the onset of sliding of generated pairs over the fractal dimension."""
     return FigurePanel(
         "Onset of sliding over fractal dimension",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
@@ -130,7 +130,7 @@ def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
 
 
 def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
-    """Return the panel with the contact points, for one direction of motion (degrees)."""
+    """Return the panel with all contacts of a typical member, for one direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
@@ -149,7 +149,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int)
 
 
 def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
-    """Return the panel with the friction of each member in each direction."""
+    """Return the panel with the friction of each member in each direction of motion."""
     singular, plural = study.member_names
     return FigurePanel(
         f"Single {plural}",
@@ -160,7 +160,7 @@ def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePan
 
 
 def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
-    """Return the panel with friction and true area against the cutoff."""
+    """Return the panel with friction and true area over the cutoff."""
     return FigurePanel(
         "Cutoff wavelength",
         "Friction coefficient and true contact area over the cutoff wavelength of the low-pass filter.",
@@ -170,7 +170,7 @@ def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
 
 
 def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[FigurePanel]:
-    """Return the panels with the onset curve and, for maps, the map of slip."""
+    """Return the panel with the onset curve and, for maps, the panel with the slip map."""
     curve_panel = FigurePanel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",
@@ -195,7 +195,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
-    """Return the panel with friction at the stored height factors, for the first load, mu0 and tau0."""
+    """Return the panel with friction for scaled heights, for the first load, mu0 and tau0 of the study."""
     surfaces_text, factors = SCALED_SURFACE_TEXTS[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",
@@ -208,7 +208,7 @@ def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, t
 
 
 def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel with load against approach for loading and unloading of adhesive bodies."""
+    """Return the panel with load over approach for adhesive bodies during loading and unloading."""
     return FigurePanel(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",
@@ -221,9 +221,9 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# Maximum number of vertices of an element that a figure draws as vectors; larger elements become pixels.
+# Maximum number of vertices of a figure element that is drawn as vectors. Larger elements become pixels.
 MAX_SVG_VERTICES = 1000
-RASTER_DPI = 200  # resolution of figure elements that are drawn as pixels, in dots per inch
+RASTER_DPI = 200  # resolution (dots per inch) of figure elements that are drawn as pixels
 
 _CSS_COLOURS = {
     **dict.fromkeys(("#000000", "#262626", "#333333", "#404040", "#444444"), "var(--ink)"),
@@ -236,7 +236,7 @@ _CSS_COLOURS = {
         for dark_colour in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")
     },
 }
-"""Style sheet variables that replace the colours of figures on a page, for light and dark mode."""
+"""Style sheet variables that replace the colours of a figure on a page, so that it suits light and dark mode."""
 
 
 def inline_svg(figure: Figure, description: str) -> str:

@@ -1,4 +1,4 @@
-"""HTML table of how a file was read: layout, points, columns, units, spacing, missing points and caveats."""
+"""HTML table of how a scan file was read: layout, points, columns, units, spacing, missing points, and caveats."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ LISTED_READING_OPTIONS = (
     "crop",
     "accept",
 )
-"""Names of the reading options in the table of `file_reading_table`."""
+"""Names of the reading options that `file_reading_table` lists."""
 
 
 def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) -> str:
-    """Return an HTML table of how a file was read, with the reading options."""
+    """Return an HTML table of how a file was read, including the reading options."""
     rows = "".join(
         f'<tr><th scope="row">{escape_html(name)}</th><td>{escape_html(value)}</td></tr>'
         for name, value in file_reading_rows(reading, options)
@@ -34,7 +34,7 @@ def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) ->
 
 
 def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the rows of a table of how a file was read: layout of the file, and reading options."""
+    """Return the rows of the table of how a file was read: layout of the file, and reading options."""
     source, body = reading.source, reading.body
     spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]
     given_options = {name: options.get(name) for name in LISTED_READING_OPTIONS}

@@ -60,14 +60,14 @@ PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
         )
     },
 }  # fmt: skip
-"""Title, description and additional HTML attributes of each plot."""
+"""Title, description and further HTML attributes of each plot."""
 
 MAIN_PLOTS = {True: ("friction", "compass"), False: ("over", "friction", "area", "stiffness")}
-"""Plots that a page shows before "More" is opened, for measured bodies (True) and for generated bodies (False)."""
+"""Plots that a page shows while "More" is closed, for measured (True) and for generated surfaces (False)."""
 
 
 MAX_REPORT_VALUES = {True: 400_000, False: 1_000_000}
-"""Maximum number of friction coefficients on a page, for measured surfaces (True) and for generated surfaces (False).
+"""Maximum number of friction coefficients on a page, for measured (True) and for generated surfaces (False).
 
 The number of coefficients is the product of the numbers of mu0, tau0, loads, cells, sliding rules and directions.
 """
@@ -76,7 +76,7 @@ The number of coefficients is the product of the numbers of mu0, tau0, loads, ce
 def save_report(
     result: Evaluation | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report of a result. An older report is replaced when the new report is complete.
+    """Write the report of a result to a file. An older report is replaced as soon as the new report is complete.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def save_report(
 
 
 def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None) -> str:
-    """Return the report of a result as one HTML page without external resources.
+    """Return the report of a result as a single HTML page without external resources.
 
     `name` is the title; by default it is the name of a built-in study, or the names of the files. `contact_picture`
     returned `picture`; by default it is the picture that is stored with the result. Raises a `ReportError` if the
@@ -109,7 +109,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate friction and quantities in a copy of this process, and yield a function that draws the figures.
+    """Evaluate the numbers of a report in a copy of this process, and yield a function that draws its figures.
 
     The function returns another context, in which a second copy draws the figures. That context yields a function that
     waits for both copies and returns the report. It raises the same errors as `report_page`. If Matplotlib is not
@@ -118,7 +118,7 @@ def evaluate_report(
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
-    with contextlib.suppress(ValueError):  # the function that returns the report raises the error again
+    with contextlib.suppress(ValueError):  # the error is raised again when the report is requested
         collect_data_once()
     with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
         yield partial(_draw_report, collect_data_once, get_content)
@@ -126,11 +126,11 @@ def evaluate_report(
 
 _Data = MeasuredReportData | GeneratedReportData
 _ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
-"""Content of a page, data for its scripts, and encoded arrays."""
+"""Content of a page, data for the page scripts, and encoded arrays."""
 
 
 def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
-    """Collect the data of a page. Raises a `ReportError` if the result is too large for a page."""
+    """Collect the data of a page, or raise a `ReportError` if the result is too large for a page."""
     _check_can_render(result)
     return collect_report_data(result, picture)
 
@@ -140,7 +140,7 @@ def _draw_report(
     get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
     """Draw the figures of a report in a copy of this process, and yield a function that returns the report."""
-    from stiction.views.report.pictures import draw_panels  # imports Matplotlib
+    from stiction.views.report.pictures import draw_panels  # imported here, because the module imports Matplotlib
 
     with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:
         yield lambda: _build_page(get_data(), get_panel_markup(), *get_content())
@@ -150,12 +150,12 @@ def _build_page(
     data: _Data, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
     packed_arrays: PackedArrays,
 ) -> HtmlPage:  # fmt: skip
-    """Render a report from its content, the data for its scripts, its encoded arrays and its drawn panels."""
+    """Render a report from its data, drawn panels, content, script data, and encoded arrays."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
-    """Evaluate a result, and return the content of its page, the data for the scripts, and the encoded arrays."""
+    """Evaluate a result, and return the content of its page, the data for the page scripts, and encoded arrays."""
     data = get_data()
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
@@ -168,7 +168,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: st
 
 
 def _check_can_render(result: Evaluation) -> None:
-    """Raise a `ReportError` if no member was solved, or if a report would have too many coefficients."""
+    """Raise a `ReportError` if no member has a solution, or if a report would contain too many coefficients."""
     try:
         study = result.study
     except ValueError as error:
@@ -187,7 +187,7 @@ def _check_can_render(result: Evaluation) -> None:
 def _render_page(
     data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
-    """Insert content, panels and scripts of a report in the template, and return the page."""
+    """Insert the content, panels and scripts of a report in the page template, and return the page."""
     notices_markup = _incompleteness_notices(data, content.name)
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
@@ -214,7 +214,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return notices on missing and unsolved members as HTML, or "" if the result is complete."""
+    """Return notices on missing and unsolved members as HTML, or "" if all members are solved."""
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(

@@ -1,4 +1,4 @@
-"""Report of a direct shear test: peak and final coefficients, caveats, figure, and table over displacement."""
+"""Report on a direct shear test: peak and final coefficients, caveats, figure, and table over the displacement."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None, command: str = "") -> HtmlPage:
-    """Return the report of a shear test as an HTML page.
+    """Return the report on a direct shear test as an HTML page.
 
     `head` contains the lines below the title, and `command` is the command line that gives the same test.
     """
@@ -40,7 +40,7 @@ def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None
 
 
 def _describe_conditions(test: xarray.Dataset) -> list[str]:
-    """Describe the conditions of a shear test in one line: normal stress, interface, hardness, E* and direction."""
+    """Return the conditions of a shear test in one line: normal stress, interface, hardness, E*, and direction."""
     attributes = test.attrs
     conditions = [
         f"normal stress {format_with_unit(float(attributes['normal_stress_GPa']), 'GPa')} on the overlap at the start",

@@ -1,4 +1,4 @@
-"""HTML report of a measured profile or surface: small-slope estimate, heights, spectra and roughness."""
+"""Report on a measured profile or surface: small-slope estimate, heights, spectra, and roughness."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.page import HtmlPage, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
-# A finer scan is advised if the shortest octave contributes more than this fraction of the mean square slope.
+# Fraction of the mean square slope in the shortest octave above which the report advises a finer scan.
 MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
 
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> HtmlPage:
-    """Return the report of a levelled profile or surface, with the command line and how the file was read.
+    """Return the report on a levelled profile or surface, with the command and how the file was read.
 
     `options` are the options of `characterisation_text`.
     """
@@ -44,7 +44,7 @@ def surface_page(
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
-    """Return the caveats, the small-slope estimate and the effect of a finer scan as HTML."""
+    """Return HTML on the caveats, the small-slope estimate, and the effect of a finer scan."""
     caveats_markup = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
@@ -84,7 +84,7 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
 
 
 def _table_markup(rows: list[TableRow]) -> str:
-    """Return the rows of a table as HTML. A row without a label belongs to the row above it."""
+    """Return table rows as HTML. A row without a label continues the row above it."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts

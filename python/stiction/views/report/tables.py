@@ -1,4 +1,4 @@
-"""Arrays of numbers in the data of a report, and the number of decimals with which a page prints them."""
+"""Arrays of numbers that a report stores, and the number of decimals with which the page prints them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_ROUNDED_TO_ONE, NumberFormat
 
-# Number of leading bytes of a double that a report stores: four bytes have a relative precision of 5e-7.
+# Number of leading bytes of each double that a report stores. Four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
-_COMPRESSION_LEVEL = 7  # zlib level that is six times faster than level 9 and gives files only 0.5 % larger
+_COMPRESSION_LEVEL = 7  # zlib level; six times as fast as level 9, and files are only 0.5 % larger
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode floating-point numbers as text: the first bytes of all numbers, then all second bytes, and so on.
+    """Encode floating-point numbers as text: the first bytes of all numbers, then the second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -41,7 +41,7 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array of estimates. Its last axis contains the central number and the limits of the interval.
+    """Array of estimates, whose last axis contains the value and the limits of its interval.
 
     A page also stores how many decimals to print, for `digits` (1 or 2) digits of the interval's half width. A number
     without an interval has as many decimals as the estimate in `reference`, whose shape must broadcast. If there are
@@ -55,7 +55,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the stored columns (numbers, limits, decimals) by the suffix of the column name, such as "lower"."""
+        """Return the columns to store (values, limits, decimals), by the suffix of the column name, such as "lower"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -72,7 +72,7 @@ class EstimateArray:
 
 @dataclass(frozen=True, eq=False)
 class NumberArray:
-    """Array of numbers without intervals. Each number is printed with a format that depends on its size.
+    """Array of numbers without intervals, each of which is printed with a format that depends on its size.
 
     `formats` are the formats by size, in descending order of `minimum`.
     """
@@ -81,24 +81,24 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the stored columns by the suffix of the column name: "value" and "format"."""
+        """Return the columns to store, by the suffix of the column name: "value" and "format"."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format that `format_number` would choose for each number."""
+    """Return the index of the format with which `format_number` would print each number."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
 
 
 ReportArray = NDArray[Any] | EstimateArray | NumberArray
-"""Array that a page stores: floating-point numbers, whole numbers from -128 to 127, estimates, or formatted numbers."""
+"""Array that a page stores: floating-point numbers, integers from -128 to 127, estimates, or formatted numbers."""
 
 
 @dataclass(frozen=True)
 class PackedArrays:
-    """All arrays of a report, encoded as text.
+    """All arrays of a report, encoded as text for the page.
 
     `texts` contains two encoded arrays: all floating-point numbers, and all small whole numbers. `offsets` contains, by
     column name, the index of the column's first number in the decoded array. `formats` contains, by array name, the
@@ -111,7 +111,7 @@ class PackedArrays:
 
 
 def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
-    """Encode all arrays of a report as text.
+    """Encode all arrays of a report as text for the page.
 
     Estimates and numbers with formats are split into columns, whose names start with the name of the array.
     """
@@ -139,18 +139,18 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, formats, texts)
 
 
-QUANTITY_DIGITS = 2  # number of printed digits of the half width of an interval, as on the terminal
+QUANTITY_DIGITS = 2  # number of printed digits of an interval's half width, equal to that on the terminal
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
-    """Return an estimate with its unit as text, as on the terminal: "12.1 [11.0, 13.3] µm²"."""
+    """Return an estimate with its unit as text in the format of the terminal: "12.1 [11.0, 13.3] µm²"."""
     estimate = Estimate(*point).in_prefixed_unit(unit)
     return "none" if np.isnan(estimate.value) else f"{estimate.text()}\u00a0{estimate.unit}".strip()
 
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates of a quantity that does not depend on mu0 and tau0, for a report.
+    """Estimates of a quantity that does not depend on mu0 and tau0, as shown in a report.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class QuantityEstimates:
     limit: float | None
 
     def record(self) -> dict[str, Any]:
-        """Return the estimates as JSON: numbers, limits, decimals and texts."""
+        """Return the estimates as JSON fields: values, limits, decimals, and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
