@@ -1,4 +1,4 @@
-"""Maximum-likelihood fit of power laws and white noise to binned spectra."""
+"""Maximum-likelihood fit of power laws and a white-noise floor to binned spectra."""
 
 from __future__ import annotations
 
@@ -14,42 +14,42 @@ from stiction._checks import Floats
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial noise level of the fit, as a fraction of the lowest spectral density
 _INITIAL_FLOOR_FRACTION = 0.3
-# relative decrease of the loss by a step of the fit below which the fit has converged
+# The fit has converged if a step decreases the loss by less than this fraction.
 _LOSS_TOLERANCE = 1e-13
 # maximum number of steps of the fit of a noise floor; nearly all fits need fewer than 20
 _MAX_FIT_STEPS = 200
-# factors by which the damping of the steps changes after a step that decreases the loss, and after a step that does not
+# factors that multiply the damping: after a step that decreases the loss, and after a step that increases it
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
 _INITIAL_DAMPING = 1e-3  # initial damping of the steps, as a fraction of the diagonal of the expected Hessian
 
 
 class BinnedSpectrum(NamedTuple):
-    """Spectrum of a line whose density was averaged in bins of wave number."""
+    """Spectrum of a line, averaged in bins of the wave number."""
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameter of the gamma distribution of the spectral density in each bin
-    # spectral density of a noise floor whose fitted level is 1
+    # spectral density of a noise floor of level 1
     floor: float = 1.0
 
 
 class NoiseFloorFit(NamedTuple):
-    """Fit of one power law per spectrum and a common white noise level, with the densities A q^-s + level * floor."""
+    """Fit of a power law to each spectrum, with a common white-noise level: densities A q^-s + level * floor."""
 
     level: float
     gain: float  # increase of the log-likelihood due to the noise floor
     exponents: tuple[float, ...]  # exponent s of the power law fitted to each spectrum
-    # fitted noise density divided by the power law, at the largest wave number of each spectrum
+    # ratio of the fitted noise density to the fitted power law at the largest wave number of each spectrum
     ratios: tuple[float, ...]
 
     @property
     def is_significant(self) -> bool:
-        """True if the spectra contain noise, because white noise improves the fit significantly."""
+        """True if white noise improves the fit significantly, so that the spectra contain noise."""
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 
 def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float, float]) -> NoiseFloorFit:
-    """Fit a power law to each spectrum together with a noise level that all spectra share.
+    """Fit a power law to each spectrum, together with a white-noise level that is common to all spectra.
 
     `exponents` contains the lower and the upper limit of the exponents.
     """
@@ -82,7 +82,9 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
 def _minimize_loss(
     spectra: Sequence[BinnedSpectrum], start: Sequence[float], lower: Floats, upper: Floats
 ) -> tuple[Floats, float]:
-    """Minimise the loss of the fit within bounds, by damped Newton steps. Returns the parameters and the loss.
+    """Minimise the loss (negative log-likelihood) of the fit within bounds, by damped Newton steps.
+
+    Returns parameters and loss.
 
     `scipy.optimize` has such methods, but its import takes longer than the fits of all scans of a pair.
     """
@@ -115,9 +117,9 @@ def _minimize_loss(
 
 
 def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tuple[float, Floats, Floats, Floats]:
-    """Return the negative log-likelihood of a fit, up to a constant, with its gradient, its Hessian and a scale.
+    """Return the negative log-likelihood of a fit, with gradient, Hessian and diagonal of the expected Hessian.
 
-    The scale is the diagonal of the expected Hessian, which is positive.
+    The diagonal of the expected Hessian is positive. The log-likelihood has an arbitrary constant.
     """
     loss, size = 0.0, parameters.size
     gradient, hessian, scale = np.zeros(size), np.zeros((size, size)), np.zeros(size)

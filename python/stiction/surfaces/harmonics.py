@@ -8,10 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between the harmonics of a texture, in bins.
-# Between closer harmonics, too few bins are left to estimate the density of the remaining spectrum.
+# Minimum distance between the harmonics of a texture, in bins of the spectrum.
+# Between closer harmonics, too few bins are left to estimate the spectral density without the texture.
 MIN_HARMONIC_DISTANCE = 10
-# Lowest bin of the first harmonic of a texture.
+# The first harmonic of a texture lies above this bin.
 # In lower bins, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics whose density is compared with the density between harmonics
@@ -69,7 +69,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the spectral density between the harmonics of a texture, from a low quantile over one harmonic distance.
+    """Estimate the spectral density between texture harmonics: a low quantile in a window of one harmonic distance.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return, for each harmonic, the median density between the harmonic and its neighbours, without its own peak."""
+    """Return the median density around each harmonic, outside its peak, up to half the distance to the next."""
     bins = np.arange(padded_density.size)
     medians = []
     for position in harmonics.tolist():

@@ -7,23 +7,24 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Second differences of the heights count as equal if they differ by at most this fraction of the height range.
+# Second differences of the heights are regarded as equal if they differ by at most this fraction of the height range.
 # The limit exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
-_MIN_REPETITIONS = 5  # minimum number of equal second differences of the heights that may be due to rounding
-_MIN_REPEATED_FRACTION = 0.5  # fraction of the second differences that must be repeated if the heights are rounded
-# Rounded heights: minimum fraction of second differences that are multiples of the step, and the tolerance in steps.
+_MIN_REPETITIONS = 5  # a second difference is attributed to rounding only if it occurs at least this often
+_MIN_REPEATED_FRACTION = 0.5  # minimum fraction of the second differences that occur repeatedly if heights are rounded
+# Minimum fraction of the second differences of rounded heights that are multiples of the step, and tolerance (steps) of
+# a multiple.
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Rounded heights: minimum fraction of multiples of the step among the second differences other than 0.
+# Minimum fraction of the nonzero second differences of rounded heights that are multiples of the step.
 # A difference of 0, as in a clipped map, is a multiple of any step, so it proves nothing.
-# If heights are not rounded, 10 % of the second differences are multiples of a step by chance.
+# If heights are not rounded, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Largest rounding step, as a fraction of the height range: rounded heights must have at least four levels.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 
 def find_height_step(heights: Floats) -> float:
-    """Find the step (µm) to which the heights of a scan are rounded, or return 0.
+    """Find the step (µm) to which the heights of a scan are rounded, or return 0 if they are not rounded.
 
     The step is also found if a line, a plane or a parabola was subtracted after the rounding.
 

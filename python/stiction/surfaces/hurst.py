@@ -20,11 +20,11 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
-# largest width of the 95 % interval at which an estimate of the Hurst exponent counts as informative
+# maximum width of the 95 % interval of a Hurst exponent that is narrow enough to be useful
 MAX_HURST_INTERVAL_WIDTH = 0.5
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to which a Hurst exponent is fitted
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-# round-off of heights from which a straight line was subtracted, relative to the largest height
+# If heights are below this fraction of their original magnitude after subtracting a straight line, they are round-off.
 _TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded after a Hann window.
 # A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
@@ -32,18 +32,18 @@ _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in each part of the spectrum that has its own power law
+_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with its own power law
 # Assumed relative deviation of the true spectrum from a power law in each bin.
 # Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum increase of the log-likelihood of a spectrum that is divided into one more power law.
+# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
 # The limit is high, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1.
+# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
-# Minimum increase of the log-likelihood of a fit with a roll-off, which needs one more parameter.
+# Minimum increase of the log-likelihood for which a fit includes a roll-off, which is one more parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -67,7 +67,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood of an exponent with the best prefactor, up to a constant."""
+        """Return the negative log-likelihood of an exponent, with the best prefactor and up to a constant."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -114,7 +114,7 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Return the exponents and smallest losses of a `PowerLawFit` to each row of the arguments.
+    """Fit a power law to each row of the arguments. Returns exponents and losses (negative log-likelihoods).
 
     This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
     """
@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a profile for a power-law fit, and the length (µm) that scales its heights."""
+    """Return a profile's wave numbers and powers for a power-law fit, and the divisor (µm) of its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -354,7 +354,7 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return the wave numbers and powers of a map for a power-law fit, and the length (µm) that scales its heights."""
+    """Return a map's wave numbers and powers for a power-law fit, and the divisor (µm) of its heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -390,16 +390,16 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance of a power law from the binned spectrum, per degree of freedom, for a given exponent."""
+        """Return the deviance, per degree of freedom, of the binned spectrum from a power law with a given exponent."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Find the widest range of harmonics that one power law describes.
+    """Find the widest range of harmonics that a single power law with 0 < H < 1, or else 0 < H < 2, describes.
 
-    Returns this range, and the binned spectrum in this range and in the roll-off before it.
+    Returns this range, and the binned spectrum in this range and in the roll-off at its long wavelengths.
     """
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.from_harmonics(q, power)
@@ -455,9 +455,10 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law with a flat roll-off that ends in each possible bin. An end in bin 0 means no roll-off.
+    """Fit a power law with a flat roll-off to a binned spectrum, once for each bin in which the roll-off can end.
 
-    Returns the log wave numbers of each fit, in which those of the roll-off equal its end, and the smallest losses.
+    If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
+    are constant in the roll-off, and the losses.
     """
     num_rows = max(1, bins.log_q.size - _MIN_PIECE_BINS)
     log_q_rows = np.maximum(bins.log_q, bins.log_q[:num_rows, np.newaxis])
@@ -468,7 +469,10 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]
 def _fit_spectrum_pieces(
     bins: _SpectrumBins, weight: Floats
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Fit a power law to every range of bins in a spectrum. Returns first bins, end bins, exponents and losses."""
+    """Fit a power law to every range of bins in a spectrum.
+
+    Returns first bins, exclusive ends, exponents and losses.
+    """
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
@@ -482,7 +486,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     size: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Divide a binned spectrum into consecutive pieces with the smallest sum of losses and penalties."""
+    """Return the consecutive pieces of a binned spectrum with the smallest sum of losses and penalties."""
     min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

@@ -1,4 +1,4 @@
-"""Spectrum of a surface, joined from several scans, each at the wavelengths at which it is reliable."""
+"""Spectrum of a surface, joined from several scans, each of which is used at its reliable wavelengths."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) of each scan that chance alone would cause."""
+        """Standard deviation of ln(`disagreement`) that random scatter alone would cause, for each scan."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         result = np.full(len(self.bands), np.nan)
@@ -140,7 +140,7 @@ class JoinedSpectrum(TextReprMixin):
         return make_read_only(result)
 
     def roughness(self) -> ScaleDependentRoughness:
-        """Compute the rms slope and rms curvature down to each wavelength of the spectrum."""
+        """Compute the rms slope and rms curvature of the surface as functions of the shortest included wavelength."""
         step = math.log(self.wave_number[1] / self.wave_number[0])
         result = []
         for power, factor in ((2, 1.0), (4, 0.25)):
@@ -156,7 +156,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian height map whose wavelengths are exactly those of the spectrum.
+        """Generate a periodic Gaussian height map with this spectrum, without wavelengths outside its range.
 
         Parameters
         ----------
@@ -322,7 +322,7 @@ def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | No
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Return, by bin of wave number, the number of wave vectors and the mean spectral density in a wavelength band."""
+    """Return the number of wave vectors and the mean spectral density of each wave number bin in a wavelength band."""
     min_wave_number, max_wave_number = (2 * math.pi / length for length in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

@@ -16,21 +16,21 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines of a map whose Hurst exponents are fitted.
+# Maximum number of lines per map and direction for which Hurst exponents are fitted.
 # More lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-MAX_POWER_LAW_MISFIT = 1.5  # largest accepted rms factor between a spectral density and the fitted power law
-# Two wavelength bands count as equal if their lower limits and their upper limits differ by less than this factor.
+MAX_POWER_LAW_MISFIT = 1.5  # maximum rms factor between a spectral density and a fitted power law
+# Two wavelength bands agree if both their lower limits and their upper limits differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
-# Variance of ln(density) in a bin due to deviations from a power law, without the statistical variance.
+# Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point slope formula
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or columns of a height map, each measured from its least-squares line.
+    """Roughness of the rows or columns of a height map, after a least-squares line was subtracted from each of them.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class LineRoughness(TextReprMixin):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum of the lines is straight on logarithmic axes, that is, close to a power law."""
+        """True if the mean spectrum of the lines is close to a power law, a straight line on logarithmic axes."""
         return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
@@ -142,7 +142,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        # repeat the fit of one line, which raises an error with the reason of the failure
+        # Repeat the fit of one line: it raises an error that states why all fits failed.
         estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):
@@ -164,7 +164,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a height map along x and along y, if possible with Hurst exponents from the same band.
+    """Compute the roughness of a map along x and along y, if possible with Hurst exponents for the same band.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor by which a spectrum deviates from a power law in a wavelength band, beyond random scatter.
+    """Return the rms factor between a spectrum and a power law in a wavelength band, after subtracting random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """

@@ -1,4 +1,4 @@
-"""Slope and curvature of a body down to a given wavelength, and the wavelength limit of an instrument."""
+"""Rms slope and curvature as functions of the shortest included wavelength, and reliable wavelengths of scans."""
 
 from __future__ import annotations
 
@@ -21,49 +21,51 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
-# Factor c of `instrument_limit`: a tip of radius R follows a surface only if its rms curvature is below c/R.
+# Factor c of `instrument_limit`: a tip of radius R follows a surface only if the surface's rms curvature is below c/R.
 TIP_CURVATURE_FACTOR = 0.1
 # number of wave number bins per decade in which rms slope and rms curvature are computed
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths (octaves) of the windows in which the exponent of a spectrum is fitted
-# A spectrum that falls more slowly than for a Hurst exponent of 0 contains noise.
-# The difference of the exponents must be at least this number of standard deviations.
+# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0.
+# The exponents of both spectra must differ by at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
-# A hump in the spectrum is attributed to the instrument up to this wavelength (points), and to the surface above.
+# A hump in the spectrum is attributed to the instrument if its wavelengths are at most this long (points), otherwise to
+# the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# The spectral density at reliable wavelengths is at least this multiple of the lowest spectral density.
+# At reliable wavelengths, the spectral density is at least this multiple of its minimum.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
-# A spectrum counts as rising if its density at a wavelength is more than three times the lowest density at longer
+# A spectrum is regarded as rising if its density at a wavelength is more than three times the lowest density at longer
 # wavelengths. Spectra of surfaces never rise so much.
 _MIN_RISE_DENSITY_RATIO = 3.0
-# Largest fraction of the mean square slope that noise may contribute to a result that can be reported.
+# Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove.
 # At 1.9, a Gaussian filter transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4  # smallest fraction of the mean square slope that is not due to round-off
-# Smallest exponent of the spectrum of a rough surface in the shortest octave, which aliasing makes flatter.
+# Minimum spectral exponent of a rough surface in the shortest octave of a scan, in which aliasing flattens the
+# spectrum.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# Smallest exponent of a spectrum with texture harmonics that counts as free of noise.
+# A spectrum with texture harmonics is free of noise if its exponent is at least this number.
 # With this limit, 8 of 1080 generated turned profiles (feeds of 15 to 500 points) seem to contain noise; without this
 # limit, 22 profiles do. Added noise is detected equally often with and without this limit.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
-# Heights count as quantised if rounding explains at least this fraction of the mean square second difference.
+# Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# Largest exponent of a flat spectrum, and largest rms deviation of ln(density) from a straight line.
+# Maximum exponent of a spectrum that is regarded as flat, and maximum rms deviation of its ln(density) from the mean.
 _MAX_FLAT_EXPONENT = 0.35
-# Largest exponent of a noise floor in a range that also contains wavelengths of the surface.
+# Maximum exponent of a noise floor at wavelengths at which the surface also contributes to the spectrum.
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _NOISE_WAVELENGTH_RATIO = 0.7
 # Kinds of noise that are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0  # noise densities along x and y within this ratio count as equal
+_MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of noise densities along x and y that are regarded as equal
 # A spectrum can hide noise if its density is at least this multiple of the noise density.
 # The multiple is below 1 because of scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Noise of one axis can be hidden along the other axis only if at least this many lines have independent noise.
+# Rougher lines along one axis can hide noise of the other axis only if at least this many lines have independent noise.
 _MIN_INDEPENDENT_LINES = 8.0
 # Shortest wavelength of extrapolated spectra, divided by the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
@@ -78,7 +80,7 @@ LineSpectrum = tuple[Floats, Floats, Floats, float]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScaleDependentRoughness(TextReprMixin):
-    """Rms slope and rms curvature of a body, including all wavelengths down to each of several wavelengths.
+    """Rms slope and rms curvature of a body as functions of the shortest included wavelength.
 
     Attributes
     ----------
@@ -110,29 +112,29 @@ class ScaleDependentRoughness(TextReprMixin):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms slope that includes all wavelengths down to each given wavelength (µm).
+        """Return the rms slope due to all wavelengths at or above each given wavelength (µm).
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms curvature (1/µm) that includes all wavelengths down to each given wavelength (µm)."""
+        """Return the rms curvature (1/µm) due to all wavelengths at or above each given wavelength (µm)."""
         return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that comes from wavelengths below a given wavelength (µm)."""
+        """Return the fraction of the mean square slope that is due to wavelengths below each given wavelength (µm)."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope down to each given wavelength (µm), extrapolated beyond the resolution of the scan.
+        r"""Return the rms slope due to all wavelengths at or above a wavelength (µm), extrapolated by a power law.
 
-        The power law of a Hurst exponent extrapolates the spectrum.
+        The power law of `estimate` adds the wavelengths that are too short for the scan.
 
         Notes
         -----
-        Down to the shortest wavelength of the fitted band it equals `gradient_at`. The power law adds shorter
-        wavelengths,
+        Down to the shortest wavelength of the fitted band, the rms slope equals `gradient_at`. At shorter wavelengths,
+        the power law gives
 
         .. math:: h'(λ)^2 = h'(λ_b)^2 + \frac{1}{nπ} \int_{2π/λ_b}^{2π/λ} q^{n+1} C(q)\,dq, \qquad C ∝ q^{-n-2H}
 
@@ -192,11 +194,11 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law from the fitted band down to a given wavelength (µm)."""
+    """Return the mean square slope of a power law between its fitted band and a shorter wavelength (µm)."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # Integrate with expm1, so that the result is also valid if the exponent is 0.
+    # expm1 keeps the integral accurate for exponents close to 0.
     integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
@@ -204,7 +206,7 @@ def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) 
 def scale_dependent_roughness(
     body: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> ScaleDependentRoughness:
-    r"""Compute the rms slope and the rms curvature of a body down to each of its wavelengths.
+    r"""Compute the rms slope and the rms curvature of a body as functions of the shortest included wavelength.
 
     Parameters
     ----------
@@ -267,7 +269,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Compute the mean square height (µm²) of a body at each wave number (1/µm).
+    """Compute the contribution (µm²) of each wave number (1/µm) to the mean square height of a body.
 
     Bodies that are not periodic are levelled first.
     """
@@ -297,7 +299,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableReprMixin):
-    """Wavelength below which a scan shows the instrument instead of the surface, with the reason.
+    """Wavelength below which a scan shows the instrument instead of the surface, and the reason for this limit.
 
     Attributes
     ----------
@@ -460,7 +462,8 @@ def instrument_limit(
     )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
         is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
-        # If the noise differs between x and y, report the axis with more noise in the mean square slope.
+        # If the noise differs between x and y, report the axis along which noise contributes more to the mean square
+        # slope.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
@@ -480,7 +483,7 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    # If only the spacing limits the wavelengths, no scale-dependent roughness is needed.
+    # The scale-dependent roughness is required only if noise or the tip may limit the reliable wavelengths.
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
@@ -573,7 +576,7 @@ def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a map along x with the noise along y. The lines along one axis must contain noise.
+    """Compare the noise of a map along x with the noise along y, if the spectrum of at least one axis contains noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -629,7 +632,7 @@ class _NoiseAndTexture(NamedTuple):
 def _find_spectrum_disturbance(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
-    """Find the wavelengths of a spectrum that neither the surface nor a periodic texture explains."""
+    """Find the texture period in a line spectrum, and the wavelengths that neither texture nor surface explain."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -734,7 +737,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to numbers with given variances. Returns the slope and its standard deviation."""
+    """Fit a straight line to values with known variances. Returns the slope and its standard deviation."""
     weight = 1 / (variance + 0.01)
     deviation = x - np.average(x, weights=weight)
     square = float(weight @ deviation**2)
@@ -765,9 +768,10 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
 def _fit_window_exponents(
     x: Floats, y: Floats, chance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Fit a power law to each window of a spectrum, and yield first bin, end bin, exponent and standard deviation.
+    """Fit a power law to each window of a spectrum.
 
-    Bins are given as the first bin and the bin after the last.
+    Yields first bin, exclusive end, exponent and its standard deviation.
+
     """
     width = octaves * math.log(2)
     for first in range(x.size):
@@ -811,7 +815,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> in
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether heights were rounded to a step so large that rounding explains the noise."""
+    """Return whether the noise of a body is caused by rounding of its heights."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

@@ -93,8 +93,8 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
-    # All wave numbers are multiples of the first wave number.
-    # Adding 1e-9 keeps a harmonic at an exact decade in its bin, despite round-off.
+    # The first bin starts at the first wave number.
+    # Adding 1e-9 keeps a harmonic at the lower limit of a bin in this bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)

@@ -12,8 +12,9 @@ from stiction.surfaces.profile import Profile, Side, reject_missing_points
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
-_RINGS_PER_DECADE = 12  # number of rings per decade of wave number; an empty ring is merged with the next ring
-# Weight of the smoothness penalty, as a number of harmonics: the penalty dominates in rings with fewer harmonics.
+_RINGS_PER_DECADE = 12  # number of rings of wave vectors per decade; an empty ring is merged with the next ring
+# Weight of the smoothness penalty, as a number of harmonics. In rings with fewer harmonics, the penalty dominates the
+# fit.
 _SMOOTHNESS_PENALTY = 2.0
 _ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
 # maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough
@@ -252,7 +253,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part contains half the power of two opposite wave vectors.
+    # The factor 2 is needed because the real part of complex heights has half of their power.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -266,7 +267,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic represents wave numbers within half a step on both sides of it.
+    # Each harmonic represents the wave numbers within half a step of its own wave number.
     wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(wave_number / wave_number[0]) + 1e-9)
     first_harmonics = np.flatnonzero(np.diff(bins, prepend=-1))
