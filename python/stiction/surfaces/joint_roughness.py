@@ -1,4 +1,4 @@
-"""Roughness of rock joints along a direction: Z2, joint roughness coefficient, and slopes against the motion.
+"""Roughness of rock joints along a direction: Z2, joint roughness coefficient, mean rising and mean falling slope.
 
 Tse & Cruden, International Journal of Rock Mechanics and Mining Sciences 16 (1979) 303.
 """
@@ -14,14 +14,14 @@ import numpy as np
 from stiction._checks import Floats
 
 SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) at which the published relation between Z2 and JRC was fitted
-# largest relative deviation from `SAMPLING_INTERVAL` at which a joint roughness coefficient is computed
+# maximum relative deviation of a sampling interval from 1.27 mm for which a joint roughness coefficient is computed
 MAX_SAMPLING_INTERVAL_DEVIATION = 0.2
 MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 in which the published relation between Z2 and JRC was fitted
 
 
 @dataclass(frozen=True)
 class JointRoughness:
-    """Roughness of a rock joint along a direction, from the height differences at a sampling interval.
+    """Slopes of a face of a rock joint along a direction: Z2, mean rising slope and mean falling slope.
 
     Attributes
     ----------
@@ -41,7 +41,10 @@ class JointRoughness:
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range of the formula's data."""
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range in which it was fitted.
+
+        The range limits Z2 and the sampling interval.
+        """
         deviation = abs(self.sampling_interval / SAMPLING_INTERVAL - 1)
         if not (MIN_Z2 <= self.z2 <= MAX_Z2 and deviation <= MAX_SAMPLING_INTERVAL_DEVIATION):
             return math.nan
@@ -49,12 +52,12 @@ class JointRoughness:
 
 
 def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
-    """Measure the joint roughness of a profile or map along a direction (degrees from +x towards +y)."""
+    """Measure the slopes of a profile or map of a rock joint along a direction (degrees from +x towards +y)."""
     angle = math.radians(direction)
     motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # If the face is short, shorten the distance between compared points without changing its direction.
+    # On a short face, reduce the offset between the compared points to the size of the face, but keep its direction.
     offsets = SAMPLING_INTERVAL * motion / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)
@@ -70,7 +73,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
 
 
 def _height_differences(face: Any, steps: Any) -> Floats:
-    """Return the height differences of all pairs of measured points at a given offset (in points)."""
+    """Return the height differences (µm) of all pairs of measured points at a given offset (in points)."""
     starts, ends = [], []
     for step, count in zip(steps.tolist(), face.heights.shape, strict=True):
         length = count - abs(step)

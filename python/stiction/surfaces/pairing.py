@@ -30,9 +30,9 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of line pairs, for which a result with an interval takes one or two seconds.
+# Default number of line pairs. With this number, a result and its interval take one or two seconds to compute.
 DEFAULT_NUM_LINE_PAIRS = 128
-# Largest shift of one map over the other: the length of the map divided by this number, so that three quarters overlap.
+# One map is shifted over the other by at most its length divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map
@@ -60,7 +60,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines from two scans or from their surrogates, as for `paired_lines`."""
+    """Pairs of lines from two scans, or from surrogates of these lines. `paired_lines` describes the options."""
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -80,7 +80,7 @@ class LinePairs:
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the position (µm) of a pair's upper line across the direction of the lines, or 0 for profiles."""
+        """Return the position (µm) of a pair's upper line on its map, perpendicular to the lines, or 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
@@ -121,7 +121,7 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return the line of a body for a pair index, as a profile.
+        """Return the line of a body that belongs to the pair with a given index, as a profile.
 
         With `shifted`, line 0 is a third of the width away from the edge.
         """
@@ -131,7 +131,7 @@ class LinePairs:
         return extract_line(self._line_number(body, index, shifted=shifted))
 
     def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of the line for a pair index.
+        """Return the row or column number of a map's line in the pair with a given index.
 
         Every line is used once before a line is used again.
         """
@@ -139,7 +139,8 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # Choose a step near the golden ratio times the number of lines, without a divisor in common with this number.
+        # The step is close to the golden ratio times the number of lines, and has no divisor in common with this
+        # number.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -297,12 +298,12 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map that the user gives, converted to rows and columns."""
+        """Shifts of the upper map in `shifts`, converted to rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column on the lower map where both maps overlap, and the overlap's shape."""
+        """Return the overlap of both maps at a shift: first row and column on the lower map, and shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
         return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]
@@ -340,7 +341,7 @@ class MapPairs:
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Area fractions of the upper and of the lower map that a piece covers."""
+        """Area of a piece, divided by the area of the upper map and by the area of the lower map."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
@@ -353,7 +354,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper and the lower piece of a pair, at the finer spacing."""
+        """Return the first row and column of the upper and the lower piece of a pair, at the pieces' spacing."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -396,7 +397,7 @@ class MapPairs:
         return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate surrogates of both maps, and return a levelled piece of each surrogate."""
+        """Generate a surrogate of each map for a pair index, and return a levelled piece of each surrogate."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side), _centred_piece_origin(points, self.shape)
@@ -464,12 +465,12 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Ratios of the side length of the generated height maps to the lengths of the upper and the lower profile."""
+        """Ratios of a generated map's side length to the lengths of the upper and of the lower profile."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate an isotropic height map for each profile, and return a levelled piece of each map."""
+        """Generate a random height map for each profile and a pair index, and return a levelled piece of each."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -496,7 +497,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. Flipping the body would not change its spectrum.
+    # Spectrum of the upper body. It is also the spectrum of the flipped body.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     level: SurfaceTrend = "plane"  # trend that is subtracted from each generated surface
@@ -524,12 +525,12 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Area fractions of the upper and of the lower generated height map that a piece covers."""
+        """Area of a piece, divided by the area of the upper and by the area of the lower generated height map."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random height map for each spectrum, and return a levelled piece of each map."""
+        """Generate a random height map for each spectrum and a pair index, and return a levelled piece of each."""
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:

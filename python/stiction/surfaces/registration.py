@@ -1,4 +1,4 @@
-"""Registration of two faces that fit together: the shift and the rotation with the smallest gap.
+"""Registration of two mating faces: the shift and the rotation of the upper face at which the gap is smallest.
 
 Faces fit if their slopes agree at one relative position only. Slopes are compared, because the heights of unrelated
 surfaces often agree in their longest wavelengths.
@@ -18,27 +18,27 @@ from stiction.surfaces.preparation import inscribed_rectangle, interpolate_rotat
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
 
-MAX_ROTATION = 3.0  # largest rotation (degrees) at which the match of two faces is searched for
-ROTATION_STEP = 0.5  # step (degrees) of the rotation in the search on coarse maps
-GRID_TOLERANCE = 0.02  # positions within this distance (points) of a grid point are moved to it
-# largest correlation of two faces at any other shift, relative to the correlation at the best shift
+MAX_ROTATION = 3.0  # largest rotation (degrees) in the search for the best fit of two faces
+ROTATION_STEP = 0.5  # rotation step (degrees) in the search for the best fit of two coarse maps
+GRID_TOLERANCE = 0.02  # a shift that differs from whole points by less than this fraction of a point is rounded
+# Two faces fit only if their slope correlation at all other shifts is below this fraction of the largest correlation.
 MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap of two faces along each axis, relative to the length of the shorter face
-# minimum number of points along each axis for a comparison of coarse profiles (1) or maps (2)
+# minimum number of points along each axis of coarse profiles (key 1) or maps (key 2) whose slopes are correlated
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# maximum number of points along each axis of the coarse profiles (1) or maps (2) in the search
+# maximum number of points along each axis of the coarse profiles (key 1) or maps (key 2) in the search
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps in the registration of two faces
-# fractions of a Gauss-Newton step that are tried until the gap between the faces decreases
+# Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
 _STEP_SCALES = (1.0, 0.5, 0.25)
-# the registration has converged if no corner of a face moves by more than this distance (points)
+# The registration has converged if a step moves no corner of the upper face by more than this distance (points).
 _CONVERGED_MOVE = 1e-4
 _PEAK_WIDTH_FRACTION = 0.05  # half width of the correlation peak of two faces, as a fraction of their length
 
 
 @dataclass(frozen=True)
 class Registration:
-    """Position at which the upper face best fits the lower face, with the rms gap before and after the registration.
+    """Result of a registration: position of the upper face, slope correlation, and rms gap before and after.
 
     Attributes
     ----------
@@ -71,7 +71,9 @@ class _FacePosition:
 
 
 def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
-    """Find the position at which two faces fit best. Returns their overlapping parts and this position.
+    """Move the upper of two faces to the position of best fit.
+
+    Returns the overlapping parts of both faces, and the position.
 
     The spacings of both bodies must be equal. The upper face is rotated (maps only), shifted, and tilted so that the
     gap has no slope on average. The upper face is interpolated by a cubic spline, unless it fits after a shift by whole
@@ -99,7 +101,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
-    """Return the correlation coefficient of the slopes of two facing bodies at the shift where it is largest.
+    """Return the largest correlation coefficient of the slopes of two facing bodies among all relative shifts.
 
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
@@ -169,7 +171,7 @@ def _find_coarsening(upper: Any, lower: Any) -> int:
 
 
 def _coarsen(body: Any, factor: int) -> Any:
-    """Return a coarser body, whose heights are means over blocks of `factor` points per side."""
+    """Return a body on a coarser grid, with the mean heights of blocks of `factor` points per side."""
     if factor == 1:
         return body
     counts = [count // factor for count in body.heights.shape]
@@ -256,7 +258,7 @@ def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[fl
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert the position of a coarse upper body to the position of the original body."""
+    """Convert the position of a coarsened upper face to the position of the original upper face."""
     shift = tuple(
         distance + (count % factor - other % factor) / 2 * spacing
         for distance, count, other, spacing in zip(
@@ -267,10 +269,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset in whole points that equals a position, or None.
-
-    Returns None if the position is farther than `GRID_TOLERANCE` from a grid point.
-    """
+    """Return a position as an offset in whole points, or None if it is not within `GRID_TOLERANCE` of whole points."""
     steps = _shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -286,7 +285,10 @@ def _measure_distances(body: Any) -> list[Floats]:
 
 
 def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
-    """Interpolate the rotated upper face at distances (µm) from its middle. Returns heights and missing points."""
+    """Interpolate the rotated upper face at distances (µm) from its middle.
+
+    Returns the heights and a mask of missing points.
+    """
     if isinstance(upper, Surface):
         return interpolate_rotated(upper, distances[0][:, np.newaxis], distances[1], rotation)
     from scipy.interpolate import CubicSpline
@@ -323,7 +325,7 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
 
 
 def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
-    """Refine a position of the upper face by the Gauss-Newton method, so that the rms gap becomes smallest.
+    """Refine the position of the upper face by the Gauss-Newton method, which minimises the rms gap.
 
     The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
     positions between its points, at which interpolation smooths this noise.
@@ -394,7 +396,7 @@ def _estimate_noise(gap: Any) -> float:
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
-    """Return the overlapping parts of two bodies, with the upper body moved by an offset (in points)."""
+    """Return the overlapping parts of two bodies after a shift of the upper body by an offset (in points)."""
     upper_index, lower_index = [], []
     for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)

@@ -24,17 +24,16 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm), below which powers of heights would underflow
-MIN_CORRELATION = 0.5  # minimum correlation of two scans of the same area
-# Widths (points) of the Gaussian filters with which two scans are aligned, in this order.
+MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm); powers of smaller heights underflow
+MIN_CORRELATION = 0.5  # minimum height correlation at which two scans are regarded as scans of the same area
+# Standard deviations (points) of the Gaussian filters that smooth both scans for their alignment, in this order.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
-# Distance (points) between independent heights of white noise to which a Gaussian filter of one point was applied.
+# If a Gaussian filter with a width of one point smooths white noise, heights at this distance (points) are independent.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points around the overlap of two scans that spline interpolation needs
-_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are compared in the search for the best cutoff
-# A shift of a scan counts as a whole number of points if it differs from a whole number by at most this fraction of a
-# point.
+_OVERLAP_MARGIN = 3  # number of points beyond the overlap of two scans that spline interpolation requires
+_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried in the search for the shortest sufficient cutoff
+# A shift is regarded as a whole number of points if it differs from a whole number by less than this (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
@@ -85,7 +84,7 @@ class RepeatedScans(PlotReprMixin):
     slope_fraction: float
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise of both scans and their common roughness against the wavelength.
+        """Draw the noise of two scans and their common roughness against the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -251,7 +250,7 @@ def _interpolate_outliers(
 def _are_identical(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> bool:
-    """Return whether two scans have equal heights at all points that are not outliers."""
+    """Return whether two scans have equal heights at all points except outliers."""
     if first.heights.shape != second.heights.shape:
         return False
     is_outlier = np.zeros(first.heights.shape, np.bool_) if outliers is None else np.logical_or(*outliers)
@@ -259,7 +258,7 @@ def _are_identical(
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) at which noise is a small enough fraction of the mean square slope.
+    """Return the shortest cutoff (µm) at which the noise fraction of the mean square slope is small enough, or NaN.
 
     The limit of this fraction is `MAX_UNATTRIBUTED_FRACTION`.
     """
@@ -272,7 +271,7 @@ def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, sho
 
 
 def _find_shift(a: Floats, b: Floats) -> Floats:
-    """Estimate the shift (in points, possibly fractional) of the second scan relative to the first."""
+    """Estimate the shift (in points, possibly fractional) between the origins of two scans of the same area."""
     from scipy.ndimage import gaussian_filter, map_coordinates, spline_filter
 
     shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
@@ -291,8 +290,8 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
-        # The variance of the shift depends on the slopes of both scans and on their difference after alignment.
-        # The Gaussian filter correlates the difference between both scans at neighbouring points.
+        # The variance of the estimated shift depends on the slopes of both scans and on the difference between the
+        # aligned scans. The Gaussian filter correlates this difference at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
@@ -312,7 +311,7 @@ def _is_integer_shift(shift: Floats) -> bool:
 
 
 def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:
-    """Return the heights of both scans in their overlap, at the points of the first scan."""
+    """Return the heights of both scans in their overlap, at the points of the first scan, for a shift (in points)."""
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
@@ -322,12 +321,12 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
 
 
 def _slopes_along_axes(heights: Floats) -> list[Floats]:
-    """Compute the slopes of heights along each axis, as height difference per point."""
+    """Compute the slopes of heights along each axis, as height differences per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift (in whole points) with the largest height correlation, for overlaps of more than half."""
+    """Return the shift (in whole points) with the largest correlation, for overlaps of more than half a scan."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
@@ -337,7 +336,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for each shift of two scans, the sum of `a` ** power_of_a * `b` ** power_of_b in their overlap."""
+        """Return the sum of `a` ** power_of_a * `b` ** power_of_b over the overlap of two scans, for each shift."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
