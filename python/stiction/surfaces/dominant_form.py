@@ -11,21 +11,25 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
 MAX_BLOCKS = 64
-"""Largest number of blocks of points along an axis of a map. The mean heights of blocks suffice to find a form.
+"""Maximum number of blocks of points along each axis of a map. A form is found from the mean heights of blocks.
 
 A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
 MIN_BLOCKS = 16  # minimum number of blocks of averaged heights along each axis of a scan
 MIN_PARABOLA_DOMINANCE = 5.0
-"""Smallest ratio of the mean square height of a dominant parabola to that of the fitted cubic and quartic terms.
+"""A fitted parabola dominates a map if its mean square height exceeds that of the fitted cubic and quartic terms by
+this factor.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
 parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.
 """
 
 MIN_STEP_SHARPNESS = 0.8
-"""Smallest fraction of a step's height that lies within a few blocks. Smooth forms have a smaller fraction."""
+"""Minimum fraction of a step's height that arises within a few blocks of its edge.
+
+Smooth forms have a smaller fraction.
+"""
 
 _STEP_ANGLE_COUNT = 72  # number of directions (0°, 2.5°, ... 177.5°) in which a map is searched for a height step
 _STEP_MARGIN = 0.02  # minimum fraction of the points of a scan on each side of a height step

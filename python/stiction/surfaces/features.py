@@ -22,7 +22,7 @@ _IndexArray = NDArray[np.intp]
 
 
 def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
-    """Return the peaks of a map that remain after Wolf pruning, as indices of the flattened map.
+    """Return the peaks of a map that remain after Wolf pruning, as indices in the flattened map.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
 
 
 def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
-    """Return, for each point of a map, the index of the peak to whose hill the point belongs."""
+    """Return, for each point of a map, the index of the peak of the hill that contains the point."""
     from scipy.ndimage import maximum_filter
 
     uphill_point = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the maximum spanning tree of hills: pairs of neighbouring hills with saddle ranks, highest first."""
+    """Return the highest saddles that connect all hills: pairs of hills with their saddle's rank, highest first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 
@@ -112,7 +112,7 @@ def _find_saddles(
 
 
 class FeatureParameters(NamedTuple):
-    """Feature parameters of a surface: peak density, peak curvature, peak height and pit depth."""
+    """Feature parameters of a surface: peak density, peak curvature, five-point peak height and pit depth."""
 
     density: float
     curvature: float

@@ -21,14 +21,14 @@ MonomialExponents = tuple[int, ...]
 MIN_CUTOFF_POINTS = 0.5
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff (points) for which the filter fits straight lines near the ends
 # Half width of the weight function, in cutoff wavelengths.
-# All weights farther than 1.6 cutoff wavelengths away are below 1e-15 of the largest weight.
+# At distances of more than 1.6 cutoff wavelengths, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of filter weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 # The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # smallest normalised pivot of the equations of a local polynomial that counts as regular
+_MIN_PIVOT = 1e-9  # minimum normalised pivot in the fit of a local polynomial; with a smaller pivot, it is singular
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
@@ -118,7 +118,10 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is from half the spacing to `longest` times the shortest side. Returns the cutoff."""
+    """Check that a cutoff (µm) is at least half the spacing and at most `longest` times the shortest side.
+
+    Returns the cutoff.
+    """
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
     low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
@@ -140,7 +143,7 @@ def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
 def gaussian_low_pass(
     body: Profile | Surface, cutoff: float, *, periodic: bool = False, samples_weights: bool = False
 ) -> Floats:
-    """Return the mean line or mean surface of a body: heights after a linear Gaussian filter with a cutoff (µm).
+    """Return the heights (µm) of a body after a linear Gaussian low-pass filter: the mean line or mean surface.
 
     By default, the weights have the analytic transmission at all wavelengths of the grid. With `samples_weights`, they
     are the weighting function of ISO 16610-21 at the points, unless the cutoff is below four points or the body is
@@ -172,7 +175,7 @@ def gaussian_low_pass(
 
 
 def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
-    """Return the mean line or mean surface of a body: heights after a robust Gaussian filter with a cutoff (µm)."""
+    """Return the heights (µm) of a body after a robust Gaussian low-pass filter: the mean line or mean surface."""
     mean = body.heights.mean()
     heights = body.heights - mean
     cutoffs_in_points = [cutoff / step for step in body.spacings]
@@ -197,7 +200,10 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
 
 
 def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter periodic heights along each axis. `lengths` contains the cutoff along each axis, in points."""
+    """Apply a Gaussian low-pass filter to periodic heights.
+
+    `lengths` contains the cutoff along each axis, in points.
+    """
     from scipy.fft import irfft, rfft, rfftfreq
 
     for axis, length in enumerate(lengths):
@@ -208,7 +214,9 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Filter heights that are continued by reflection beyond their ends. A tilt passes the filter unchanged.
+    """Apply a Gaussian low-pass filter to heights that are continued by reflection beyond their ends.
+
+    A tilt is not changed.
 
     Reflection is used for short cutoffs (in points), whose weights oscillate. A straight line fitted with the weights
     on one side would then be unstable.
@@ -271,7 +279,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def cyclic_weights(self, power: int) -> Floats:
-        """Return the filter weights times a power of the offset, in the cyclic order of a convolution."""
+        """Return the filter weights times a power of the distance from the centre, in Fourier-transform order."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights

@@ -77,7 +77,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 
 def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
-    """Extract heights (µm) and spacing from an object of SurfaceTopography, whose first array axis is x."""
+    """Extract heights (µm) and spacing from an object of SurfaceTopography, in which x is the first array axis."""
     factor = _unit_factor(name, other.unit or unit, kind)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):

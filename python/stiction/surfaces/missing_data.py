@@ -32,9 +32,11 @@ MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
-# If more of the deviations are at most one rounding step, the scan has flat regions.
+# A scan has flat regions if more than this fraction of its heights deviates by at most one rounding step from
+# neighbours.
 _MAX_FLAT_FRACTION = 0.25
-# minimum fraction of rough points above which flat regions count as clipped and get the deviations of rough points
+# If at least this fraction of the points is rough, flat regions are regarded as clipped, and get the typical deviation
+# of rough points.
 _MIN_ROUGH_FRACTION = 0.02
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # width (points) of the window for local medians, for profiles (1) and for maps (2)
@@ -93,7 +95,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a body in which the heights of given points are interpolated, or the body itself without such points.
+    """Return a copy of a body with given points interpolated, or the body itself if no points are given.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """
@@ -149,7 +151,8 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
-        # Check only outliers of the whole scan, because a local median can only make an outlier acceptable.
+        # Only outliers relative to the whole scan are compared with their neighbourhood, because a local median can
+        # only make an outlier acceptable.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -169,7 +172,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return the smaller of two ratios of deviation to typical value at each point, ignoring NaN."""
+    """Return, at each point, the smaller of two deviations in multiples of their typical values, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
@@ -293,7 +296,9 @@ def _deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
-    """Return, at each point, the smallest numbers of several arrays in ascending order, with infinity for missing ones.
+    """Return, at each point, the `number` smallest values of several arrays, in ascending order.
+
+    NaN is replaced by infinity.
 
     For a few arrays, this is faster than sorting.
     """

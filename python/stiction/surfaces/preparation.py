@@ -18,11 +18,11 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-GridAlignment = Literal["start", "middle"]  # whether a longer body is shortened to its start or to its middle
-# Distance from a grid point, as a fraction of the spacing, at which a position counts as that point.
-# It allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+GridAlignment = Literal["start", "middle"]  # part of a longer body that remains: its start or its middle
+# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
+# The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
-# round-off of heights from which a straight line was subtracted, relative to the largest height
+# If the largest height of a levelled body is below this fraction of its largest original height, it is round-off.
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
@@ -40,7 +40,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
 """History entries that record a flip: the current entry, and the entry of earlier versions."""
 
-# Distance (points) from the end of a spline beyond which the end condition hardly affects the heights.
+# At this distance (points) from the ends of a spline, the end conditions hardly affect the heights.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)
@@ -128,7 +128,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return polynomials of degrees up to `degree` that are orthogonal on a uniform grid."""
+    """Return the values of orthogonal polynomials with degrees up to `degree` at the points of a uniform grid."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -138,7 +138,10 @@ def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions from heights. Mere round-off is set to zero."""
+    """Subtract the least-squares fit of orthogonal functions from heights.
+
+    If only round-off remains, the result is zero.
+    """
     residual = heights
     if missing is not None:
         basis_values = np.stack([np.broadcast_to(function, heights.shape)[~missing] for function in basis], axis=1)
@@ -185,7 +188,7 @@ def count_flips(body: Profile | Surface) -> int:
 
 
 def list_history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a profile or a height map without the entries about flips."""
+    """Return the history of a profile or a height map without its entries for flips."""
     return tuple(step for step in body.history if step not in _FLIP_HISTORY_ENTRIES)
 
 
@@ -244,10 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the index range of the points that a crop keeps along one axis, and a text for the history.
-
-    The range is the first point, and the point after the last.
-    """
+    """Return the index range of the points that a crop retains along one axis, and a text for the history."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -327,12 +327,15 @@ def on_common_grid(
 
 
 def _count_grid_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm). An end point within round-off counts."""
+    """Return the number of grid points from 0 to a length (µm). A point within round-off of the length is included."""
     return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
 
 def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, ...], align: GridAlignment) -> Any:
-    """Resample a body to a grid with given spacings (µm) and shape. A body on this grid is returned unchanged."""
+    """Resample a body to a grid with given spacings (µm) and shape.
+
+    If the body has this grid, it is returned unchanged.
+    """
     old_spacings = body.spacings
     if (old_spacings, body.heights.shape) == (spacing, shape):
         return body
@@ -389,7 +392,10 @@ def resample_piece(
 
 
 def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
-    """Resample a mask of missing points. A new point is missing if one of its old neighbours is missing."""
+    """Resample a mask of missing points along one axis.
+
+    A new point is missing if one of its old neighbours is missing.
+    """
     if missing is None:
         return None
     missing_below, missing_above = (
@@ -401,14 +407,16 @@ def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
 def _resample_along_axis(
     heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
-    """Resample heights by natural cubic splines along one axis, or resample a mask of missing points.
+    """Resample heights along one axis by natural cubic splines.
+
+    A mask of missing points can be given instead of heights.
 
     If the spacing does not change, the axis is only cropped.
     """
     if heights is None:
         return None
     last_index = heights.shape[axis] - 1
-    # Position of the first new point, in units of the old spacing.
+    # `start` is the position of the first new point, in units of the old spacing.
     ratio = spacing / actual
     start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
     if actual == spacing:
@@ -487,7 +495,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
-    """Interpolate a height map that is rotated about its middle by an angle (radians).
+    """Interpolate the heights of a map that is rotated about its middle by an angle (radians).
 
     The points of the result are at distances y (a column) and x (µm) from the middle. Returns heights and a mask of
     missing points, which is None if the map has no missing points.
@@ -513,10 +521,10 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
 
 
 def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return the height and width of the largest rectangle with sides along y and x inside a rotated rectangle."""
+    """Return the height and width of the largest axis-parallel rectangle inside a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
-    # two corners of the inscribed rectangle lie on the longer sides of the rotated map
+    # In this case, two corners of the inscribed rectangle lie on the longer sides of the rotated rectangle.
     if shorter_side <= 2 * sine * cosine * longer_side:
         half_shorter = shorter_side / 2
         width_across, length_along = half_shorter / cosine, half_shorter / sine
@@ -528,7 +536,7 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """Resample a profile to another spacing (µm) with its natural cubic spline.
+    """Resample a profile to another spacing (µm) by a natural cubic spline.
 
     The profile is unchanged if the spacing is equal.
     """

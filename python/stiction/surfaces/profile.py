@@ -26,10 +26,10 @@ AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]  # one of the two bodies of a pair
 # Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body, whose heights take 0.8 GB
+MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights then take 0.8 GB of memory
 # Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-MIN_POINTS = 4  # minimum number of points of a profile for a natural cubic spline with two interior points
+MIN_POINTS = 4  # minimum number of points of a profile: a natural cubic spline with two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,11 +92,11 @@ class Body(PlotReprMixin):
         return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
-        """Return a copy of the body with new heights, and a further step in its history."""
+        """Return a copy of the body with new heights and a further entry in its history."""
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:
-        """Return a line about the body: size, spacing, roughness and history."""
+        """Return a one-line description of the body: size, spacing, roughness and history."""
         return describe_body(type(self).__name__, self.heights, self.spacings, self.history)
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -216,7 +216,7 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return a part of a mask of missing points, given its index, or None if there is no mask."""
+    """Return the part of a mask of missing points that an index selects, or None if there is no mask."""
     return None if mask is None else mask[index]
 
 
@@ -233,7 +233,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing_points(body: Any, operation: str) -> None:
-    """Raise a `ValueError` with the name of an operation if a body has missing points."""
+    """Raise a `ValueError` if a body has missing points, which the named operation does not accept."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
@@ -244,7 +244,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
 ) -> Profile:
-    """Scale the heights of a profile to an amplitude (µm), and write them to the array `scaled`."""
+    """Scale heights to an amplitude (µm), write them to the array `scaled`, and return them as a profile."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):

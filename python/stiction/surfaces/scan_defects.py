@@ -19,27 +19,29 @@ from stiction.surfaces.scale import InstrumentLimit, instrument_limit, scale_dep
 from stiction.surfaces.surface import Surface
 
 MIN_SPIKE_SHARPNESS_RATIO = 12.0
-"""Smallest second difference of heights at a sharp point of a profile, as a multiple of the robust standard deviation.
+"""Minimum second difference of heights at a sharp point of a profile, in robust standard deviations of all second
+differences.
 
 A sharp point that is also an outlier is a spike. The robust standard deviation is the median of the absolute second
 differences, divided by 0.67.
 """
 
 MIN_SPIKE_HEIGHT_RATIO = 6.0
-"""Smallest distance of a spike in a map from the median height of its neighbourhood, in robust standard deviations.
+"""Minimum distance of a spike in a map from the median height of its neighbourhood, in robust standard deviations of
+the heights.
 
 A point far from its neighbours that is also an outlier is a spike. The distance is at most 4 robust standard deviations
 of the heights for machined surfaces, and 5 for white noise.
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
-"""Smallest ratio of a spike's height per point of width to the height of its flanks, for profiles.
+"""Minimum height of a spike in a profile, per point of its width, as a multiple of the height of its flanks.
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
-# In a Gaussian groove that is two points wide (1/e of its depth), the fraction is 0.4.
+# In a Gaussian groove that is two points wide (at 1/e of its depth), the fraction is 0.4.
 _MIN_STEP_RATIO = 0.7
 # minimum height of a wide spike, and minimum depth of a dip, as a multiple of a profile's rms height
 _MIN_DEEP_SPIKE_RATIO = 2.0
@@ -110,7 +112,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Scan with interpolated outliers, from which spectra are computed, because outliers resemble white noise.
+        """Scan with interpolated outliers, for computing spectra, in which outliers would resemble white noise.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -145,7 +147,7 @@ class ScanDefects:
         return self._find_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the fraction of the mean square slope that is due to noise after a low-pass filter.
+        """Return the fraction of the mean square slope that noise contributes after a low-pass filter.
 
         The filter has a cutoff `cut_off` (µm). The noise is assumed to have the same spectrum below the limit of
         `instrument_limit` as the scan. Raises a `ValueError` if the body is flat.
@@ -234,7 +236,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(rfftn(gradient))) for gradient in gradients], axis=0)
-    # Except for the first and the last column, a coefficient also represents its complex conjugate.
+    # A Fourier coefficient outside the first and the last column also represents its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -260,7 +262,9 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Fit the drift of ln(rms slope) along an axis to the mean square slopes. Returns the drift and its variance.
+    """Fit a linear trend to ln(rms slope) along an axis.
+
+    Returns its change over the axis and the variance of the change.
 
     Both are 0 if a strip has no measured points or no slope.
     """
@@ -278,7 +282,7 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
 
 
 def _find_height(body: Profile | Surface) -> float:
-    """Return the height (µm) of a levelled body from its lowest to its highest point."""
+    """Return the distance (µm) from the lowest to the highest point of a body after levelling."""
     levelled_body = levelled(body, "line") if isinstance(body, Profile) else levelled(body, "plane")
     return float(np.ptp(levelled_body.heights))
 
@@ -294,8 +298,8 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # Beside a spike wider than one point, the second difference is also large. At both ends of a profile, the
-        # second difference is unknown.
+        # A point is also sharp if a neighbour has a large second difference, as in a spike of several points. At both
+        # ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -305,7 +309,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # More than half of the rounded heights may equal the heights with which they are compared.
+    # The rounding error is the lower limit, because the median distance of rounded heights can be 0.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 

@@ -17,10 +17,10 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 BodyLike = Any  # type of a function argument that can be a Profile, a Surface, or an array of heights
 
-# Names in the C++ core of the amplitude parameters for which the order of the points does not matter.
+# Names of the amplitude measures in the C++ core, which processes the heights of a map as a list.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Smallest height of a body (µm), below which fourth powers underflow.
-# The largest height is 1/_MIN_HEIGHT, above which fourth powers overflow.
+# Minimum height range of a body (µm); fourth powers of smaller heights underflow.
+# The maximum height range is 1/_MIN_HEIGHT; fourth powers of larger heights overflow.
 _MIN_HEIGHT = 1e-50
 
 
@@ -90,7 +90,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # Use the interpolated heights of a line in which no point was measured.
+        # In a line without any measured point, the interpolated heights are used as if they were measured.
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
@@ -174,7 +174,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 
 
 def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
-    """Check a shape with at least `least` rows and columns, and at most MAX_POINTS points. Returns the shape."""
+    """Check that a shape has at least `least` rows and columns, and at most MAX_POINTS points. Returns the shape."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)

@@ -1,4 +1,4 @@
-"""Reconstruction of surfaces from scans with a spherical tip."""
+"""Reconstruction of surfaces from scans with a spherical stylus or probe tip."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# The tip touches a point if its distance above the point is at most this fraction of the largest height or height
-# range.
+# The tip touches a point if the gap between them is at most this fraction of the largest height or of the height range.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 
 def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile | Surface, NDArray[np.bool_]]:
-    r"""Reconstruct the highest surface that would give a scan when a spherical tip traces the surface.
+    r"""Reconstruct the highest surface from which a spherical tip of given radius would record a given scan.
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 
 
 def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
-    """Sharpen a scan by a multiple of the tip correction: the scan minus the reconstructed surface.
+    """Sharpen a scan: subtract a multiple of the tip correction, which is the scan minus the reconstructed surface.
 
     The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
     Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
@@ -111,7 +110,7 @@ def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile 
 
 
 def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
-    """Return the heights (µm) of the highest surface that would give a scan when a spherical tip traces it."""
+    """Return the heights (µm) of the highest surface from which a spherical tip would record the given heights."""
     eroded_heights = heights.copy()
     for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
         heights.shape, spacing, radius, float(np.ptp(heights))
@@ -125,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield the height of the tip above its lowest point at each offset, with the slices of points at this offset."""
+    """Yield, for each offset within the tip, slices of the points at both ends of the offset, and the tip's height."""
     half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)
@@ -141,7 +140,7 @@ def _tip_offsets_and_heights(
 
 
 def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
-    """Return the half width of a tip, in µm and in points, at the height `deepest` above its lowest point."""
+    """Return the half width of a spherical tip, in µm and in points per axis, at a height above its lowest point."""
     half_width = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
