@@ -14,7 +14,7 @@ from stiction.surfaces.surface import Surface, as_body
 CORE_FRACTION = 0.4  # width of the core of a material ratio curve, as a fraction of all points
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-# material ratios (ISO 25178-3 defaults) whose height difference is the extreme peak height
+# material ratios (ISO 25178-3 defaults) between whose heights the extreme peak height is measured
 EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
@@ -96,7 +96,7 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
 
 
 def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
-    """Return the heights in an array that correspond to given material ratios."""
+    """Return the heights at given material ratios. The material ratio of a height is the fraction of higher points."""
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 
@@ -110,7 +110,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute the material and void volumes per area above, between and below the 10 % and 80 % material ratios."""
+    """Compute material and void volumes per area of peaks, core and valleys, separated at ratios of 10 % and 80 %."""
     upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
@@ -118,7 +118,7 @@ def material_volumes(heights: Floats) -> VolumeParameters:
 
 
 class CoreParameters(NamedTuple):
-    """Core height, reduced peak height and reduced pit depth of a surface, and the material ratios at its core ends."""
+    """Core height, reduced peak height and reduced pit depth, and the material ratios that bound the core."""
 
     core_height: float
     reduced_peak_height: float
@@ -140,7 +140,7 @@ def core_parameters(heights: Floats) -> CoreParameters:
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     """Fit a straight line to the core of the material ratio curve, where the curve is flattest.
 
-    Returns the height difference of this line over the core, and its heights at material ratios of 0 and 100 %.
+    Returns the line's heights at material ratios of 0 and 100 %, preceded by their difference.
     """
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size

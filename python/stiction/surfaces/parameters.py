@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stiction._repr import TextReprMixin, format_number_and_unit, table_html
 
-NOT_LEVELLED_VALUE = "no"  # text in the field `levelled` for heights that are not levelled
+NOT_LEVELLED_VALUE = "no"  # value of the field `levelled` if the heights are not levelled
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,7 @@ _PROFILE_PARAMETER_TEXTS = {
     "mrk1": ("material ratio at the upper end of the core", _RATIO_GROUP, r"mr(\text{core line at 0})", ""),
     "mrk2": ("material ratio at the lower end of the core", _RATIO_GROUP, r"mr(\text{core line at 100 %})", ""),
 }  # fmt: skip
-"""Meaning, clause of the standard, formula and unit of each profile parameter, by its name without the letter P, R or
-W.
+"""Meaning, clause of ISO 21920-2, formula and unit of each profile parameter, by its name without the letter P, R or W.
 """
 
 _PROFILE_PARAMETER_KEYS = {
@@ -86,7 +85,9 @@ def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
 
 
 PROFILE_PARAMETERS = {letter: _define_profile_parameters(letter) for letter in "PRW"}
-"""Parameters of the primary profile (P), the roughness profile (R) and the waviness profile (W), by this letter."""
+"""Definitions of the profile parameters, by the letter of the profile: primary (P), roughness (R) or waviness (W)
+profile.
+"""
 
 _ISO_25178, _FIVE_PEAKS_REQUIREMENT = "ISO 25178-2", "five peaks"
 SURFACE_PARAMETERS = (
@@ -166,7 +167,7 @@ SURFACE_PARAMETERS = (
         "S5p + S5v", needs="five peaks and five pits",
     ),
 )  # fmt: skip
-"""Parameters of a height map, in the order of tables."""
+"""Definitions of the roughness parameters of height maps, in the order of printed tables."""
 
 ROUGHNESS_PARAMETERS = {
     parameter.name: parameter
@@ -192,7 +193,7 @@ class RoughnessParameterSet(TextReprMixin):
 
     def __getattr__(self, name: str) -> float:
         """Return a computed roughness parameter by its name."""
-        # While an object is copied, its `values` do not exist yet.
+        # While a parameter set is being copied, its field `values` does not exist yet.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]
@@ -208,7 +209,7 @@ class RoughnessParameterSet(TextReprMixin):
         return {"levelled": self.levelled}
 
     def __repr__(self) -> str:
-        """Return one line per roughness parameter, with its number and its unit."""
+        """Return a table in plain text: one line for each roughness parameter, with value and unit."""
         lines = {
             name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()
         } | self._extra_table_rows()

@@ -8,18 +8,18 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A hill counts if its height exceeds this fraction of Rp, and a dale counts if its depth exceeds this fraction of Rv.
+# A hill is counted if its height exceeds this fraction of Rp, and a dale if its depth exceeds this fraction of Rv.
 DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
     """Return the spacings (in points) and the heights of all profile elements about the mean line.
 
-    A hill counts if it rises above a tenth of the peak height, and a dale counts if it falls below a tenth of the pit
+    A hill is counted if it rises above a tenth of the peak height, and a dale if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.
     Both features of an element end at crossings of the mean line, interpolated between points. If the profile crosses
-    the line several times between a hill and a dale that count, the end is the mean of the first and the last of these
-    crossings.
+    the line several times between a counted hill and a counted dale, the end is the mean of the first and the last of
+    these crossings.
     """
     sign = np.zeros(heights.size, np.int8)
     sign[heights > DISCRIMINATION_FRACTION * peak] = 1

@@ -29,7 +29,7 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-# autocorrelation at which ISO 25178-3 by default reads the autocorrelation lengths Sal and Str
+# autocorrelation value (ISO 25178-3 default) at which the decay lengths for Sal and Str are measured
 DECAY_AUTOCORRELATION = 0.2
 _NUM_DIRECTIONS = 720  # number of directions in which the autocorrelation length is searched for
 _NUM_SECTORS = 90  # number of sectors of two degrees over which the spectral power is summed
@@ -284,7 +284,7 @@ def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]
 
 
 def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
-    """Return the wavelength of the largest Fourier coefficient of a height map."""
+    """Return the wavelength (µm) of the largest Fourier coefficient of a height map."""
     from scipy.fft import fftfreq, rfft2, rfftfreq
 
     transform = rfft2(deviation)

@@ -27,11 +27,11 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5  # default number of sections in an evaluation length
-_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios of two heights, whose difference is the parameter Rdc
+_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios between whose heights the parameter Rdc is measured
 
 
 class SettingClass(NamedTuple):
-    """Setting class of ISO 21920: default filter and measuring settings (µm), and limits of Ra and RSm."""
+    """Setting class of ISO 21920: default filters and measuring settings (µm), and upper limits of Ra and RSm (µm)."""
 
     name: str
     section_length: float
@@ -51,16 +51,16 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm (as in ISO 4288)."""
 
-_INITIAL_SETTING_CLASS_INDEX = 2  # index of the setting class from which the search for a consistent class starts
+_INITIAL_SETTING_CLASS_INDEX = 2  # index of the setting class at which the search for a suitable class starts
 
 
 class SectionLengthError(ValueError):
-    """Error raised if a profile is too short, or its points are too far apart, for a section length."""
+    """Error for a profile that is too short for a section length, or whose points are too far apart."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filter cutoffs and section lengths of roughness and waviness parameters, with the reason for their choice.
+    """Filter cutoffs and number of sections for roughness and waviness parameters, with the reason for their choice.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class SectionFilters:
     reason: str
 
     def __repr__(self) -> str:
-        """Return a line with the cutoffs (µm), the number of sections, and the reason for their choice."""
+        """Return a line with the cutoffs (µm), the number of sections, and the reason for the choice of the cutoffs."""
         ls_text = "no ls" if self.ls is None else f"ls {self.ls:g} µm"
         robust_text = ", robust" if self.robust else ""
         return f"SectionFilters: lc {self.lc:g} µm, {ls_text}, {self.sections} sections{robust_text}; {self.reason}"
@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters with the setting class that suits the resulting Ra and RSm."""
+    """Compute R- and W-parameters with the filters of the setting class to which the resulting Ra and RSm belong."""
     lengths = [setting.section_length for setting in SETTING_CLASSES]
     if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lengths[0]))
@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Return the index of the setting class that Ra and RSm require if they are computed with class `index`."""
+        """Return the index of the setting class to which Ra and RSm belong if class `index` is used to compute them."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -277,7 +277,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest section length (µm) that is possible with a point spacing (µm)."""
+    """Return the minimum section length (µm) for a spacing (µm): the length of the seven-point slope formula."""
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 
@@ -299,7 +299,7 @@ def _too_coarse_message(profile: Profile) -> str:
 def _compute_with_cutoff(
     profile: Profile, lc: float, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters for a section length `lc` (µm)."""
+    """Compute R- and W-parameters with the cutoff λc = `lc` (µm), which is also the section length."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_too_short_message(profile, lc))
