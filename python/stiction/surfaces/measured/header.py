@@ -22,7 +22,7 @@ from stiction.surfaces.measured.spacing_lines import (
 )
 from stiction.surfaces.measured.split import Dialect
 
-COMMENT_CHARACTERS = "#%!/ "  # characters at which comment lines start in various programs
+COMMENT_CHARACTERS = "#%!/ "  # characters with which various programs start comment lines
 
 _FACTOR_PATTERN = (
     r"(?:[x×*·]\s?)?(?:1/10+|10\s?\^?[-+][0-9]{1,2}|[0-9.,]*e[-+]?[0-9]{1,2}|10+|0[.,]0*1)[\s_]*[x×*·]?[\s_]*"
@@ -153,7 +153,8 @@ _HEIGHT_FACTOR_PATTERN = LazyPattern(
     re.IGNORECASE,
 )
 _CONVERSION_WORD_PATTERN = LazyPattern(r"factor|conversion|multiplier|->|\bper\b|/\s*(?:[^\W\d_]|1\b)", re.IGNORECASE)
-"""Regular expression for words that mark a scale as conversion from numbers to heights, rather than as a colour range.
+"""Regular expression for words that mark a scale as a conversion from numbers to heights, rather than as a colour
+range.
 """
 
 _MISSING_CODE_PATTERN = LazyPattern(
@@ -206,8 +207,9 @@ _SLOPE_LINE_PATTERN = LazyPattern(
     re.IGNORECASE,
 )
 _SLOPE_NAME_PATTERN = LazyPattern(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(?:micro|milli|[nuµm])?rad\w*\b.*", re.I)
-"""Regular expressions for a header line (`_SLOPE_LINE_PATTERN`) and for the line above the numbers that declare the
-numbers to be slopes.
+"""Regular expression for a line of column names that names slopes.
+
+`_SLOPE_LINE_PATTERN` matches other header lines that declare the numbers to be slopes.
 """
 _SLOPE_VALUE_PATTERN = LazyPattern(r"[:=(]\s*[-+]?[0-9]")
 """Regular expression for a value in a header line. A line that gives the value of a slope does not declare the numbers
@@ -278,7 +280,7 @@ _SHORT_UNIT_AFTER_NAME_PATTERN = LazyPattern(
 """Regular expression for the name of a single column that ends with a short word in brackets, as in "Profile (nmi)"."""
 
 _TEXT_AFTER_AXIS_NAME_PATTERN = LazyPattern(rf"{_AXIS_NAME_PATTERN}[\s_.:|-]+((?!\d+$)[^\s_].{{0,20}})", re.IGNORECASE)
-"""Regular expression for a column name with further words, which may be a unit."""
+"""Regular expression for the name of an axis, followed by words that may be a unit."""
 
 _SCALED_UNIT_PATTERN = LazyPattern(
     r"(.*?[^\W_])[\s_,.:/|-]+"
@@ -299,7 +301,7 @@ _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "se
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of the columns of a table, and the unit of the heights from a line that mentions only heights."""
+    """Names and units of a table's columns, and the height unit from a header line that mentions only heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -419,7 +421,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
-    # several units: one for each quantity or column
+    # The header declares several units, one for each quantity or column.
     if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
@@ -531,7 +533,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity in a column of positions if it is not a length, such as "time", and None otherwise.
+    """Return the quantity that a column of positions contains instead of a length, such as "time", or None.
 
     The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
@@ -612,7 +614,7 @@ def _has_unit(cell: str) -> bool:
 
 
 def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> tuple[tuple[str, ...], bool]:
-    """Return the column names of a table, and True if the last header line contains only the units of the columns."""
+    """Return the column names of a table, and whether the last header line contains only the units of the columns."""
     names = split_column_names(lines[-1], width, dialect) if width > 1 else None
     if names is None:
         return (), False

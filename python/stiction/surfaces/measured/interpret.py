@@ -37,7 +37,7 @@ MissingPointTreatment = Literal["error", "interpolate", "mask"]
 OutlierTreatment = Literal["keep", "mask"]
 
 MIN_EXTENT_IN_DIGITS = 1000
-"""Smallest accepted extent of slightly uneven positions, in units of the last printed digit.
+"""Minimum distance between the first and the last of slightly uneven positions, in units of their last printed digit.
 
 The spacing then has a relative error of at most 1/1000.
 """
@@ -63,7 +63,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # numbers that mark missing points, in the unit of the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of the file caveats that the caller accepts
-    # True if `unit` is one unit for heights and for lengths without a unit in the file
+    # True if the caller gives one unit, for heights and for lengths without a unit in the file
     one_unit: bool = False
 
 
@@ -114,7 +114,7 @@ def validate_read_options(
 
 
 def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Separate the markers of missing points that the user gives into numbers and words."""
+    """Split the user's markers of missing points into numbers and words."""
     values_given = given.split(",") if isinstance(given, str) else () if given is None else given
     values_given = values_given if isinstance(values_given, (list, tuple, set, np.ndarray)) else (values_given,)
     codes, words = [], []
@@ -146,7 +146,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or height map read from a file, with the unit in the file, the number of missing points, and caveats."""
+    """Profile or height map read from a file, with unit and number of missing points in the file, and caveats."""
 
     body: _Body
     unit: str  # unit of the heights in a file
@@ -258,7 +258,7 @@ def _make_profile_or_surface(
 
 
 def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]:
-    """Return the units of positions and heights that the user gives; a single unit applies to both."""
+    """Return the user's units of positions and of heights. A single unit applies to both."""
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {short_repr(unit)}")
@@ -397,7 +397,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if a given spacing contradicts the spacing in the header in every unit of length."""
+    """Raise `FormatError` if the user's spacing contradicts a spacing in the header, whatever unit the header means."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -495,7 +495,7 @@ def _profile_spacing(
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
             if _find_worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
-                # A spacing given by the caller takes precedence over the mean spacing of the positions.
+                # If the positions are not equally spaced, report this first.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -526,7 +526,7 @@ def _profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height of a column equals the spacing given by the user, in any unit."""
+    """Return a caveat if the first or last height of a column equals the user's spacing in any unit of length."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     ends = {"first": float(raw.heights[0])}
@@ -632,7 +632,7 @@ def _validate_spacing(spacing: float) -> float:
 def _crop_and_fill_gaps(
     heights: Floats, spacing: tuple[float, ...], options: ReadOptions
 ) -> tuple[Floats, NDArray[np.bool_] | None, list[str]]:
-    """Crop heights to the region that the user gives, and interpolate or mask missing points.
+    """Crop heights to the user's region, and interpolate or mask missing points.
 
     Returns heights, a mask of missing points, and history entries.
     """

@@ -27,7 +27,7 @@ MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics, such
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
 MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
-# A matrix has a caveat unless it is more than 100 times as likely as a profile written in several text lines. In a
+# A matrix gets a caveat unless it is more than 100 times as likely as a profile written in several text lines. In a
 # wrapped profile, heights differ from the end of a line to the next line as much as within a line. In a matrix, heights
 # differ between the end of a line and the next line as much as neighbours in a column.
 MAX_LIKELIHOOD_RATIO = 100.0

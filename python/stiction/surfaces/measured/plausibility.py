@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme height counts as a code for missing points if the height occurs at least twice, or is a usual code.
+# An extreme height may be a code for missing points if it occurs at least this often, or if it is a usual code.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
@@ -33,25 +33,25 @@ MAX_MISSING_CODES = 4  # maximum number of different codes for missing points be
 MIN_CODE_DEVIATION = 3.0
 # maximum number of heights of a scan from which the median and the frequency of each height are estimated
 MAX_SAMPLED_HEIGHTS = 65_536
-# minimum number of different heights of a scan that is searched for heights of unusual frequency
+# A scan is searched for heights of unusual frequency only if it has at least this many different heights.
 MIN_COMPARED_HEIGHTS = 20
-# number of lower heights, and of higher heights, with whose frequencies the frequency of a height is compared
+# The frequency of a height is compared with the frequencies of this many lower and this many higher heights.
 NUM_NEIGHBOURS = 12
-# A height is unusually frequent if it occurs MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 # The symbol m stands for the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-# smallest and largest fraction of points with the same height for a caveat about an unusually frequent height
+# minimum and maximum fraction of points with equal height for a caveat about an unusually frequent height
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Rows that equal the row before them have a caveat if they are at most this fraction of all rows.
+# Rows that equal the row before them get a caveat if they are at most this fraction of all rows.
 # If the fraction is larger, the map is probably an extended profile.
 MAX_REPEATED_ROWS = 0.9
-# A run of equal heights in a profile has a caveat if it has at least 8 points.
+# A run of equal heights in a profile gets a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
-# The declared height range of a header is wrong if the height range of the scan is at least 10 times larger.
+# The height range in a header is wrong if the height range of the scan is at least 10 times larger.
 # A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20  # minimum number of points of a scan whose heights are checked; smaller arrays may be examples
@@ -78,7 +78,7 @@ class ScannedHeights:
 
     @cached_property
     def extremes(self) -> tuple[float, float]:
-        """Lowest and highest measured height (µm)."""
+        """Lowest and highest measured height (µm) of the scan."""
         return float(self.non_missing_heights.min()), float(self.non_missing_heights.max())
 
     @property
@@ -127,7 +127,7 @@ def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
 
 
 def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, float]]:
-    """Return suspected codes for missing points among the extreme heights, with their counts and distances.
+    """Return extreme heights that may be codes for missing points, with their counts and distances from other heights.
 
     Several codes may be at the same end of the height range, and their distances from each other are not limited. The
     distance of codes in a file from the other heights may be smaller if each code repeats or is a known code.
@@ -297,7 +297,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return how many times the list of heights repeats as a whole, or 1 if it does not repeat.
+    """Return the number of equal parts of which a list of heights consists, or 1 if the list does not repeat.
 
     The repetitions of a wave with a short period are not counted.
     """

@@ -54,7 +54,7 @@ _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error raised if a file is damaged, incomplete or of another kind, or if a file to write already exists.
+    """Error for a file that is damaged, incomplete or of an unsupported kind, or that would be overwritten.
 
     Notes
     -----
@@ -107,7 +107,7 @@ class DeclaredLength:
     length: float
     digit: float
     unit: str
-    line: str = ""  # header line that declares a length
+    line: str = ""  # header line that declares the length
 
     def to_micrometres(self) -> float:
         """Convert the length to µm.
@@ -134,7 +134,7 @@ class UnclearSpacing:
     """Header line that may declare a spacing. A single length in this line is used as the spacing, with a caveat."""
 
     line: str
-    lengths: tuple[float, ...] = ()  # lengths in a header line (µm): one, or one for each axis in unknown order
+    lengths: tuple[float, ...] = ()  # lengths in the header line (µm): one, or one for each axis in unknown order
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class HeightProvenance:
     """Provenance of the heights in a scan file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
-    column: str = ""  # column, channel or block of a file that contains the heights
+    column: str = ""  # column, channel or block of the file that contains the heights
     encoding: str = ""
     separator: str = ""
     decimal_mark: str = ""
@@ -168,15 +168,15 @@ class RawHeights:
     digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) of heights without positions
-    stated: DeclaredLength | None = None  # grid spacing that a file declares
-    # spacing of rows and spacing of columns that a file declares
+    stated: DeclaredLength | None = None  # grid spacing that the file declares
+    # spacing of the rows and spacing of the columns that the file declares
     stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map that a file declares
-    history: tuple[str, ...] = ()  # choices made when a file was read, such as the column of heights
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of the map that the file declares
+    history: tuple[str, ...] = ()  # choices made when the file was read, such as the column of heights
     source: HeightProvenance = HeightProvenance()
     codes: tuple[float, ...] = ()  # numbers that mark missing points according to the file
     factor: float | None = None  # declared factor that converts the numbers in a file to `unit`
-    bare_spacing: tuple[float, ...] | None = None  # grid spacing that a file declares without a unit
+    bare_spacing: tuple[float, ...] | None = None  # grid spacing that the file declares without a unit
     unclear_spacing: UnclearSpacing | None = None
     height_range: DeclaredLength | None = None  # declared distance from the lowest to the highest height
     caveats: tuple[FileCaveat, ...] = ()
@@ -186,11 +186,11 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    place: int  # index of a column of words
-    words: str  # most frequent words in a column, with their counts
-    rarest: str  # least frequent word in a column
+    place: int  # index of the column of words in its table
+    words: str  # most frequent words in the column, with their counts
+    rarest: str  # least frequent word in the column
     missing: NDArray[np.bool_]  # mask of the rows in which a word marks a missing point
-    units: tuple[str, ...] = ()  # different units of length in a column, if all its words are units
+    units: tuple[str, ...] = ()  # different units of length in the column, if all its words are units
 
 
 @dataclass(frozen=True)
@@ -200,25 +200,25 @@ class ColumnTable:
     One or two columns form a profile; all columns together may form a map.
     """
 
-    values: Floats  # numbers of a table with the shape (rows, columns), and NaN at missing numbers
-    names: tuple[str, ...] = ()  # names of the columns of a table, or empty
+    values: Floats  # numbers of the table with the shape (rows, columns), and NaN at missing numbers
+    names: tuple[str, ...] = ()  # names of the columns, or empty
     units: tuple[str | None, ...] = ()
     # function that returns the place value of the last printed digit of each number in a column
     digits: Callable[[int], Floats] | None = None
     # function that returns the place value of the last printed digit of each number in a row
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
-    history: tuple[str, ...] = ()  # processing steps listed in a file, applied to the heights before they were written
+    history: tuple[str, ...] = ()  # processing steps listed in the file, applied before the heights were written
     # True for a NumPy array, whose first column contains positions only if it has equal steps
     area: bool = False
     source: HeightProvenance = HeightProvenance()
-    # column numbers, counted in the file, if a table has only some of the columns
+    # numbers of the table's columns in the file, if the file has other columns
     places: tuple[int, ...] | None = None
     # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns of words in a table of numbers, whose numbers are NaN
+    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose numbers in `values` are NaN
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function for the place value of the last printed digit of each number in a column."""
@@ -314,7 +314,7 @@ def parse_number(text: str, place: str) -> float:
 
 
 def parse_positive_number(text: str, place: str) -> float:
-    """Parse the factor or length at the start of a text.
+    """Parse the positive number, a factor or a length, at the start of a text.
 
     Raises `FormatError` if the number is not positive, or is too small or too large for a scan. A negative factor would
     turn the heights upside down, and a factor of 0 would make them equal.

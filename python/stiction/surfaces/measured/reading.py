@@ -66,7 +66,7 @@ _FILE_SIGNATURES = {
 """First bytes of some types of files, with the usual file name extensions and a description of each type."""
 
 MAX_DESCRIPTION_BYTES = 100_000  # maximum size, in bytes, of a text file that describes a data file
-# dabam files with format number 1 or 3 contain slopes, and with 2 or 4 heights.
+# In the DABAM database, files with format number 1 or 3 contain slopes, and files with number 2 or 4 contain heights.
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 
 MissingValueCodes = str | float | Sequence[str | float]
@@ -467,7 +467,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Use SurfaceTopography to read a binary file whose name has the extension of a text file."""
+    """Read a binary file with SurfaceTopography, although its name has the extension of a text file."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

@@ -57,8 +57,8 @@ MAX_JITTER = 0.5  # largest difference between steps of measured positions, rela
 MIN_TILT_CORRELATION = 0.98
 # A first number with fewer decimals is suspicious if at least this number of following numbers have equal decimals.
 MIN_COMPARED_NUMBERS = 20
-# Smallest step of a column of positions, in units of the last printed digit.
-# If the step is below three digits, coarsely rounded heights may have equal steps by chance.
+# Minimum step of a column of positions, in units of the last printed digit.
+# If the step is below three such units, coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -344,7 +344,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
                 continue
             if leading_number_count == 1:
                 return heights[1:], (f"first number removed, {heights[0]:.0f}, which is the count of the others",)
-            # Among whole heights, a whole number counts as a number of points only directly above the heights.
+            # If all heights are whole numbers, only a number directly above the heights may be their count.
             if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
                     f"begins with {leading_number_count} numbers, of which one, {heights[place]:.0f}, counts the "
@@ -359,7 +359,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number has fewer decimals than the others, or if a last number may be a count."""
+    """Return a caveat if the first number has fewer decimals than the others, or if one of the last may be a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1

@@ -29,7 +29,7 @@ def _is_number_cell(cell: Any) -> bool:
 
 
 def _find_numeric_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the indices of the columns that contain numbers.
+    """Return the indices of the sheet columns that contain numbers.
 
     Such a column has at least two numbers, and at least a quarter of the numbers in the fullest column.
     """
@@ -72,7 +72,7 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join the cells of a sheet row with tabs.
+    """Join the cells of a sheet row to a line of text with tabs.
 
     In rows of numbers and of column names, only the columns of the table are kept.
     """

@@ -27,7 +27,7 @@ _SCAN_LINE_PATTERN = re.compile(
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_HEADER_BYTES = 100_000  # number of bytes at the start of a spectrum file that must contain the column names
-# Relative rounding error of the ratio of successive wave numbers in a spectrum file.
+# Maximum relative variation of the ratio of successive wave numbers in a spectrum file, due to rounding.
 _RATIO_TOLERANCE = 1e-3
 
 

@@ -250,7 +250,7 @@ def describe_remedy_of_word(word: str) -> str:
 
 
 def _truncate_line(line: str, width: int) -> str:
-    """Shorten a long line at the end of a cell."""
+    """Truncate a long line after a complete cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 

@@ -42,16 +42,16 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each proc
 MAX_HISTORY_STEPS = 1000
 
 
-# Lines of numbers above or below a table are ignored if their number is small.
-# The limit is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
+# A few lines of numbers above or below a table are ignored.
+# Their maximum number is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a text may be cut off only if at least 50 numbers above it have equal decimals.
+# The last number of a text may be cut off only if at least this many numbers above it have equally many decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# A block of numbers above a table with fewer rows contains sizes or counts.
+# A block of numbers above a table contains sizes or counts if it has fewer rows than this.
 MIN_BLOCK_ROWS = 2
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _include_label_line(text, first, last, dialect)
-    if labels < first:  # a line of column labels starts with a word
+    if labels < first:  # the word at the start of the label line is read as a missing number
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
@@ -127,7 +127,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a matrix of numbers to a table, together with its footer and its header from line `header_start` on."""
+    """Convert a block of numbers to a table, with its footer and with its header from line `header_start`."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -211,7 +211,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a table, including the line above the numbers if it gives a position per column."""
+    """Return the first line of a table: the line above the numbers if it has a position for each column."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
