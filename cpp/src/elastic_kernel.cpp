@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of rows between the row that is copied and the row that is loaded into the cache.
+// Number of rows by which loading into the cache precedes copying.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes per task, and between two cancellation checks.
 // Areas with fewer values are not divided between threads, because the threads would wait for each other.
@@ -185,7 +185,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // number of different factors along x, because factors are even functions of the wavenumber
+  // number of different factors along x; opposite wavenumbers have the same factor
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };

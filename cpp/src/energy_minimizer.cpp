@@ -31,7 +31,7 @@ constexpr std::int64_t max_failed_descents = 3;
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
 constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
 
-// Sums are kept in stress_lanes, and added at the end.
+// Partial sums of one sum, which are added after the loop over the points.
 using Lanes = std::array<double, stress_lanes>;
 
 double total(const Lanes& values) {
@@ -148,7 +148,7 @@ void negate(float* values, std::size_t size) {
   }
 }
 
-// Set the changes of points that stay in contact to 0.
+// Set the changes of the gap at points that stay in contact to 0.
 STICTION_MULTIVERSION
 void fix_contacts(const double* gap, const float* residual, std::size_t size, float* __restrict changes) {
   for (std::size_t i = 0; i < size; ++i) {

@@ -18,7 +18,7 @@ constexpr double block_tolerance = 1e-4;
 constexpr double max_foundation_change = 0.02;
 // Number of free points per task.
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Maximum number of partial block sums that are computed in parallel and then added.
+// Maximum number of tasks that compute partial sums over the blocks. The partial sums are then added.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -6,7 +6,7 @@
 
 namespace stiction {
 
-/// Callback that can cancel a calculation by throwing.
+/// Callback that can cancel a calculation by throwing an exception.
 /// The library calls the callback at least every few milliseconds.
 /// The caller receives the exception that the callback throws.
 /// A default-constructed CancellationCheck never cancels a calculation.

@@ -52,7 +52,7 @@ struct Candidate {
 /// Call visit(candidate) for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, candidates that cannot touch within their cells at approaches up to `deepest` may be omitted.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
-/// Throws std::invalid_argument.
+/// Throws std::invalid_argument if a requirement is not met.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

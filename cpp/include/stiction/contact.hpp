@@ -40,7 +40,7 @@ struct Contact {
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid.
 /// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
-/// Also throws if an approach exceeds `deepest`, the limit up to which candidates were collected.
+/// Also throws if an approach exceeds the largest approach `deepest` for which candidates were collected.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,

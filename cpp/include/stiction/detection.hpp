@@ -26,7 +26,7 @@ struct Prefilter {
   double upper_max_abs = 0.0;  ///< largest |height| of the profile [µm]
   double lower_max_abs = 0.0;
 
-  /// Add the next chunks of both profiles. Every chunk except the last must consist of complete blocks.
+  /// Add the next chunk of heights [µm] of both profiles. Every chunk except the last must consist of whole blocks.
   void add(Values upper, Values lower);
 };
 

@@ -127,7 +127,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision. The response to a uniform pressure is the largest of all responses.
+  /// Compute displacements in single precision. A uniform pressure gets the largest compliance of all components.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

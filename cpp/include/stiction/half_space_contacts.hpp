@@ -11,18 +11,18 @@
 
 namespace stiction {
 
-/// Half-space contact at one load: points under pressure with their patches, and the numbers of HalfSpaceSolution.
+/// Half-space contact at one load: points under pressure with their patches, approach, error and iteration count.
 struct HalfSpaceContact {
   Patches patches;
-  double approach = 0.0;        ///< [µm]
+  double approach = 0.0;        ///< approach [µm]
   double error = 0.0;           ///< relative error
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Quantity that is given at each step of `solve_contacts`.
+/// Quantity that the caller of `solve_contacts` specifies at each step.
 enum class StepQuantity {
   mean_pressure,  ///< mean pressure on the grid [GPa]
-  approach        ///< [µm]
+  approach        ///< approach [µm]
 };
 
 /// Progress callback with the index of the step, the iteration number and the error.
@@ -30,7 +30,7 @@ using StepProgress = std::function<void(std::size_t, std::int64_t, double)>;
 
 /// Solve the contact at each step, starting from the pressures at the step before it.
 /// `near` may be the pressures before the first step. The hardness [GPa] may be infinite; see `patches_of`.
-/// The last contact is the first whose error exceeds the tolerance of the solver, if there is such a contact.
+/// The calculation ends after a contact whose error exceeds the tolerance of the solver.
 std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, StepQuantity quantity, Values steps,
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});

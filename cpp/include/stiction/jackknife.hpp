@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Values of several curves at successive steps. In memory, the values of all repetitions at a step are adjacent.
+/// View of several curves: values of all repetitions at successive steps. The values at a step are adjacent in memory.
 struct CurveView {
   const double* values;
   Index curve_stride;  ///< number of values from one curve to the next; 0 if all curves share their values

@@ -1,4 +1,4 @@
-// Rows, cells and numbers of a text.
+// Division of a text into rows and cells, and conversion of the cells to numbers.
 #pragma once
 
 #include "stiction/cancellation.hpp"
