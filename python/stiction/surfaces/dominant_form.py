@@ -80,7 +80,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     count, is_map = heights.size, len(coordinates) == 2
     sizes, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
     candidates = slice(margin - 1, count - margin)
-    best_gain, best_height, best_edge, best_across = 0.0, 0.0, 0.0, coordinates[0]
+    best_gain, best_height, best_edge, best_distances_across = 0.0, 0.0, 0.0, coordinates[0]
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         order = np.argsort(distance_across, kind="stable")
@@ -92,13 +92,15 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         if gains[index] > best_gain:
             best_gain, best_height = float(gains[index]), -float(projections[index] / square_norms[index])
             best_edge = float(distance_across[order][margin - 1 + index : margin + 1 + index].mean())
-            best_across = distance_across
-    distances = best_across - best_edge
-    nearest_distance, farthest = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
-    below, above = (heights[(sign * distances > nearest_distance) & (sign * distances < farthest)] for sign in (-1, 1))
-    if not (best_gain > 0 and below.size and above.size):
+            best_distances_across = distance_across
+    distances = best_distances_across - best_edge
+    nearest_distance, farthest_distance = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
+    heights_below, heights_above = (
+        heights[(sign * distances > nearest_distance) & (sign * distances < farthest_distance)] for sign in (-1, 1)
+    )
+    if not (best_gain > 0 and heights_below.size and heights_above.size):
         return None
-    if (above.mean() - below.mean()) / best_height < MIN_STEP_SHARPNESS:
+    if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
     # Exclude the blocks on the edge of the step, which average heights from both of its sides.
     is_undivided = np.abs(distances) > nearest_distance

@@ -52,7 +52,7 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     peak_heights = heights.ravel()[peaks].tolist()
     peak_ranks = rank[peaks].tolist()
     parents = list(range(peaks.size))
-    is_kept = np.ones(peaks.size, bool)
+    is_significant = np.ones(peaks.size, bool)
 
     def find_tree_root(index: int) -> int:
         while parents[index] != index:
@@ -65,8 +65,8 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
         if peak_ranks[lower_hill] > peak_ranks[higher_hill]:
             lower_hill, higher_hill = higher_hill, lower_hill
         parents[lower_hill] = higher_hill
-        is_kept[lower_hill] = peak_heights[lower_hill] - saddle_height >= threshold
-    return np.asarray(peaks[is_kept])
+        is_significant[lower_hill] = peak_heights[lower_hill] - saddle_height >= threshold
+    return np.asarray(peaks[is_significant])
 
 
 def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:

@@ -124,12 +124,13 @@ def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: 
     """
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
     length = validate_number(name, value, unit="µm", above=0)
-    low, high = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
-    if not low <= length * ROUND_OFF_FACTOR or not length <= high * ROUND_OFF_FACTOR:
+    min_cutoff, max_cutoff = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
+    if not min_cutoff <= length * ROUND_OFF_FACTOR or not length <= max_cutoff * ROUND_OFF_FACTOR:
         limit_text = "the shortest side" if longest == 1 else "a third of the shortest side"
         shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
         raise ArgumentError(
-            f"{{{name}}} must be between {low:g} µm (half the spacing) and {high:g} µm ({limit_text}), got {{got}}",
+            f"{{{name}}} must be between {min_cutoff:g} µm (half the spacing) and {max_cutoff:g} µm ({limit_text}), "
+            "got {got}",
             got=shown_value,
         )
     return length
@@ -370,14 +371,14 @@ def _solve_constant_terms(
     constant_terms = values[0]
     is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     is_covered = is_regular.copy()
-    for last in reversed(term_indices[1:]):
-        is_regular &= rows[last, last] > _MIN_PIVOT
-        pivot = np.where(is_regular, rows[last, last], 1)
-        for k in range(last):
-            factor = rows[last, k] / pivot
-            values[k] = values[k] - factor * values[last]
+    for eliminated_term in reversed(term_indices[1:]):
+        is_regular &= rows[eliminated_term, eliminated_term] > _MIN_PIVOT
+        pivot = np.where(is_regular, rows[eliminated_term, eliminated_term], 1)
+        for k in range(eliminated_term):
+            factor = rows[eliminated_term, k] / pivot
+            values[k] = values[k] - factor * values[eliminated_term]
             for m in range(k + 1):
-                rows[k, m] = rows[k, m] - factor * rows[last, m]
+                rows[k, m] = rows[k, m] - factor * rows[eliminated_term, m]
     is_regular &= rows[0, 0] > _MIN_PIVOT
-    solved = values[0] / np.where(is_regular, rows[0, 0], 1)
-    return np.where(is_regular, solved, np.where(is_covered, constant_terms, heights))
+    solved_terms = values[0] / np.where(is_regular, rows[0, 0], 1)
+    return np.where(is_regular, solved_terms, np.where(is_covered, constant_terms, heights))

@@ -92,24 +92,24 @@ def _minimize_loss(
     loss, gradient, hessian, scale = _compute_loss(spectra, parameters)
     for _ in range(_MAX_FIT_STEPS):
         is_free = ((parameters > lower) | (gradient < 0)) & ((parameters < upper) | (gradient > 0)) & (lower < upper)
-        free = np.flatnonzero(is_free)
-        if not free.size:
+        free_indices = np.flatnonzero(is_free)
+        if not free_indices.size:
             break
-        matrix = hessian[np.ix_(free, free)] + np.diag(damping * scale[free])
-        trial, trial_loss = parameters.copy(), math.inf
+        matrix = hessian[np.ix_(free_indices, free_indices)] + np.diag(damping * scale[free_indices])
+        trial_parameters, trial_loss = parameters.copy(), math.inf
         eigenvalues, eigenvectors = np.linalg.eigh(matrix)
         if eigenvalues[0] > 0:
-            trial[free] -= eigenvectors @ (eigenvectors.T @ gradient[free] / eigenvalues)
-            trial = np.clip(trial, lower, upper)
+            trial_parameters[free_indices] -= eigenvectors @ (eigenvectors.T @ gradient[free_indices] / eigenvalues)
+            trial_parameters = np.clip(trial_parameters, lower, upper)
             with np.errstate(over="ignore", invalid="ignore"):
-                trial_loss, *derivatives = _compute_loss(spectra, trial)
+                trial_loss, *derivatives = _compute_loss(spectra, trial_parameters)
         if not trial_loss < loss:
             damping *= _DAMPING_INCREASE
             if damping > 1 / _LOSS_TOLERANCE:
                 break
             continue
         is_converged = loss - trial_loss <= _LOSS_TOLERANCE * abs(loss)
-        parameters, loss, (gradient, hessian, scale) = trial, trial_loss, derivatives
+        parameters, loss, (gradient, hessian, scale) = trial_parameters, trial_loss, derivatives
         damping *= _DAMPING_DECREASE
         if is_converged:
             break
@@ -124,19 +124,22 @@ def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tupl
     loss, size = 0.0, parameters.size
     gradient, hessian, scale = np.zeros(size), np.zeros((size, size)), np.zeros(size)
     for index, (log_q, density, weight, _) in enumerate(spectra):
-        law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
-        model = law + parameters[-1]
+        power_law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
+        model = power_law + parameters[-1]
         loss += float(weight @ (np.log(model) + density / model))
         columns = [2 * index, 2 * index + 1, size - 1]
         # Derivatives of the model with respect to the logarithm of A, the exponent, and the level of the floor.
-        derivatives = np.stack([law, -law * log_q, np.ones(law.size)])
+        derivatives = np.stack([power_law, -power_law * log_q, np.ones(power_law.size)])
         slope = weight * (1 - density / model) / model
         curvature = weight * (2 * density / model - 1) / np.square(model)
         gradient[columns] += derivatives @ slope
-        block = (derivatives * curvature) @ derivatives.T
-        block[:2, :2] += np.array([[1, -1], [-1, 1]]) * np.array(
-            [[slope @ law, slope @ (law * log_q)], [slope @ (law * log_q), slope @ (law * np.square(log_q))]]
+        hessian_block = (derivatives * curvature) @ derivatives.T
+        hessian_block[:2, :2] += np.array([[1, -1], [-1, 1]]) * np.array(
+            [
+                [slope @ power_law, slope @ (power_law * log_q)],
+                [slope @ (power_law * log_q), slope @ (power_law * np.square(log_q))],
+            ]
         )
-        hessian[np.ix_(columns, columns)] += block
+        hessian[np.ix_(columns, columns)] += hessian_block
         scale[columns] += np.square(derivatives) @ (weight / np.square(model))
     return loss, gradient, hessian, scale

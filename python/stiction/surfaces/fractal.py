@@ -317,7 +317,7 @@ def weierstrass_mandelbrot_surface(
     if not phase_array.size:
         raise ValueError(f"phases must have at least one direction and one frequency, got shape {phase_array.shape}")
     num_frequencies = phase_array.shape[1]
-    rows, columns = parse_shape(shape, least=2)
+    rows, columns = parse_shape(shape, min_count=2)
     extents = parse_lengths("extent", extent)
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
     amplitudes = _frequency_amplitudes(fractal_dimension, num_frequencies, scale, gamma, convention)

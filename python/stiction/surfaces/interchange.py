@@ -76,9 +76,9 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
     return f"{kind} of {shape_text} points, {spacing_text}, {roughness_text}{history_text}"
 
 
-def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
+def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
     """Extract heights (µm) and spacing from an object of SurfaceTopography, in which x is the first array axis."""
-    factor = _unit_factor(name, other.unit or unit, kind)
+    factor = _unit_factor(name, other.unit or unit, type_name)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):
         raise ValueError(
@@ -87,12 +87,14 @@ def _extract_from_topography(name: str, other: Any, kind: str, unit: str | None)
         )
     heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
-        return _make_extracted_heights(name, heights, (_uniform_spacing(name, "x", other.positions()),), factor, kind)
+        return _make_extracted_heights(
+            name, heights, (_uniform_spacing(name, "x", other.positions()),), factor, type_name
+        )
     spacings = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
-    return _make_extracted_heights(name, heights.T, tuple(spacings[::-1]), factor, kind)
+    return _make_extracted_heights(name, heights.T, tuple(spacings[::-1]), factor, type_name)
 
 
-def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None) -> ExtractedHeights:
+def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
     """Extract heights (µm) and spacing from a DataArray along x, or along y and x, with ``attrs["units"]``."""
     axes = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if axes is None or set(other.dims) != set(axes):
@@ -103,11 +105,11 @@ def _extract_from_data_array(name: str, other: Any, kind: str, unit: str | None)
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         coordinate = other.coords[axis]
-        factor = _unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), kind)
+        factor = _unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
         spacing.append(_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * factor)
-    factor = _unit_factor(name, other.attrs.get("units", unit), kind)
+    factor = _unit_factor(name, other.attrs.get("units", unit), type_name)
     extracted_heights = _make_extracted_heights(
-        name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, kind
+        name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, type_name
     )
     if other.attrs.get("history") is None:
         return extracted_heights
@@ -125,18 +127,18 @@ def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
     return first_step if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
-def _unit_factor(name: str, unit: Any, kind: str) -> float:
+def _unit_factor(name: str, unit: Any, type_name: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"unit of {name} must be a length unit ({allowed_units}), set in the {kind} or with unit=, "
+            f"unit of {name} must be a length unit ({allowed_units}), set in the {type_name} or with unit=, "
             f"got {short_repr(unit)}"
         )
     return float(LENGTH_UNITS[unit])
 
 
 def _make_extracted_heights(
-    name: str, heights: Any, spacing: tuple[float, ...], factor: float, kind: str
+    name: str, heights: Any, spacing: tuple[float, ...], factor: float, type_name: str
 ) -> ExtractedHeights:
     if np.isnan(heights).any():
         raise ValueError(
@@ -144,5 +146,5 @@ def _make_extracted_heights(
             "fill these points first"
         )
     return ExtractedHeights(
-        np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {kind}",)
+        np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {type_name}",)
     )

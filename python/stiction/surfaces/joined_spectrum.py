@@ -167,7 +167,7 @@ class JoinedSpectrum(TextReprMixin):
             Rows and columns, at least 4 each.
         spacing : float or (float, float), µm
         """
-        rows, columns = parse_shape(shape, least=4)
+        rows, columns = parse_shape(shape, min_count=4)
         spacings = parse_lengths("spacing", spacing)
         q_y, q_x = (
             2 * math.pi * np.fft.fftfreq(size, history_entry)

@@ -79,8 +79,8 @@ def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
     """Return the fraction of points that are missing although both neighbours along x or y were measured."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
-        lines, between = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
-        between[..., 1:-1] |= lines[..., 1:-1] & ~lines[..., :-2] & ~lines[..., 2:]
+        missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
+        between_lines[..., 1:-1] |= missing_lines[..., 1:-1] & ~missing_lines[..., :-2] & ~missing_lines[..., 2:]
     return float(is_between.mean())
 
 
@@ -150,7 +150,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
                 _find_neighbour_deviations(line_deviations, is_measured, at_edge, heights, step),
             ]
         deviations = mean_deviations, line_deviations
-        ratio = _find_smaller_ratio(deviations, [typical.of_scan for typical in typical_deviations])
+        ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
         # Only outliers relative to the whole scan are compared with their neighbourhood, because a local median can
         # only make an outlier acceptable.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
@@ -184,23 +184,23 @@ class _NeighbourDeviations:
     The medians differ between edge points and other points.
     """
 
-    of_scan: Floats
-    relative: Floats
+    scan_medians: Floats
+    relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
         """Return the typical deviation at given points: of the scan or of the neighbourhood, whichever is larger.
 
         A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
         """
-        width = _WINDOW_WIDTHS[self.relative.ndim]
-        padded_values = np.pad(self.relative, width // 2, mode="symmetric")
-        windows = sliding_window_view(padded_values, (width,) * self.relative.ndim)
-        window_axes = tuple(range(1, 1 + self.relative.ndim))
+        width = _WINDOW_WIDTHS[self.relative_deviations.ndim]
+        padded_values = np.pad(self.relative_deviations, width // 2, mode="symmetric")
+        windows = sliding_window_view(padded_values, (width,) * self.relative_deviations.ndim)
+        window_axes = tuple(range(1, 1 + self.relative_deviations.ndim))
         local_medians = np.empty(points[0].size)
         for start in range(0, local_medians.size, _MAX_WINDOWS):
             batch = slice(start, start + _MAX_WINDOWS)
             local_medians[batch] = np.median(windows[tuple(index[batch] for index in points)], axis=window_axes)
-        return np.asarray(self.of_scan[points] * np.maximum(local_medians, 1.0))
+        return np.asarray(self.scan_medians[points] * np.maximum(local_medians, 1.0))
 
 
 def _find_neighbour_deviations(
@@ -304,9 +304,12 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
     """
     smallest_values = [np.full(values[0].shape, np.inf) for _ in range(number)]
     for array in values:
-        larger = np.where(np.isnan(array), np.inf, array)
-        for position, smaller in enumerate(smallest_values):
-            smallest_values[position], larger = np.minimum(smaller, larger), np.maximum(smaller, larger)
+        larger_values = np.where(np.isnan(array), np.inf, array)
+        for position, smaller_values in enumerate(smallest_values):
+            smallest_values[position], larger_values = (
+                np.minimum(smaller_values, larger_values),
+                np.maximum(smaller_values, larger_values),
+            )
     return smallest_values
 
 

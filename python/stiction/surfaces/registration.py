@@ -220,8 +220,10 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
         )
         for a, b, count in zip(*shapes, shape, strict=True)
     ]
-    allowed = [overlap >= MIN_OVERLAP_FRACTION * min(a, b) for overlap, a, b in zip(overlaps, *shapes, strict=True)]
-    return np.where(functools.reduce(np.logical_and.outer, allowed), correlations, np.nan)
+    has_min_overlap = [
+        overlap >= MIN_OVERLAP_FRACTION * min(a, b) for overlap, a, b in zip(overlaps, *shapes, strict=True)
+    ]
+    return np.where(functools.reduce(np.logical_and.outer, has_min_overlap), correlations, np.nan)
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
@@ -311,13 +313,15 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
     distances = [
         lower_distances - step for lower_distances, step in zip(_measure_distances(lower), position.shift, strict=True)
     ]
-    inside = [
-        np.flatnonzero(np.abs(along) <= length / 2 + 1e-9 * spacing)
-        for along, length, spacing in zip(distances, side_lengths, lower.spacings, strict=True)
+    inside_indices = [
+        np.flatnonzero(np.abs(axis_distances) <= length / 2 + 1e-9 * spacing)
+        for axis_distances, length, spacing in zip(distances, side_lengths, lower.spacings, strict=True)
     ]
-    index = tuple(slice(int(points[0]), int(points[-1]) + 1) if points.size else slice(0) for points in inside)
+    index = tuple(slice(int(points[0]), int(points[-1]) + 1) if points.size else slice(0) for points in inside_indices)
     heights, missing = _interpolate(
-        upper, [along[points] for along, points in zip(distances, index, strict=True)], position.rotation
+        upper,
+        [axis_distances[points] for axis_distances, points in zip(distances, index, strict=True)],
+        position.rotation,
     )
     lower_part = lower.changed(lower.heights[index], "overlap", missing=select_from_mask(lower.missing, index))
     missing = missing if missing is not None and missing.any() else None
@@ -330,7 +334,7 @@ def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
     The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
     positions between its points, at which interpolation smooths this noise.
     """
-    spacings, ends = np.array(lower.spacings), max(lower.heights.shape) / 2
+    spacings, half_length = np.array(lower.spacings), max(lower.heights.shape) / 2
     max_rotation = math.radians(MAX_ROTATION)
     rms_gap, step = _solve_step(upper, lower, position)
     for _ in range(_MAX_REFINEMENTS):
@@ -346,7 +350,7 @@ def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
         else:
             return position
         move = np.max(np.abs(np.subtract(trial.shift, position.shift)) / spacings)
-        move += abs(trial.rotation - position.rotation) * ends
+        move += abs(trial.rotation - position.rotation) * half_length
         position, rms_gap, step = trial, trial_gap, trial_step
         if move < _CONVERGED_MOVE:
             break

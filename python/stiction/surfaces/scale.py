@@ -597,8 +597,8 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     octaves = [(end / 2 ** (n + 1), end / 2**n) for n in range(int(math.log2(end / start) + 1e-9))]
     densities = np.array([
         (other_density[is_in_octave].mean(), expected_noise[is_in_octave].mean())
-        for low, high in octaves
-        if (is_in_octave := (other_q > low) & (other_q <= high * ROUND_OFF_FACTOR)).any()
+        for lower_limit, upper_limit in octaves
+        if (is_in_octave := (other_q > lower_limit) & (other_q <= upper_limit * ROUND_OFF_FACTOR)).any()
     ]).reshape(-1, 2)  # fmt: skip
     other_mean, noise_mean = densities.T
     if noise_wavelengths[1 - axis] > 0:
@@ -673,13 +673,15 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
     for step in range(max(math.ceil(2 * math.log2(end / start)), 1)):
         upper = end / ratio**step
         band_pairs.append(((upper / 4, upper / 2), (upper / 2, upper)))
-    for longer, shorter in band_pairs:
-        is_in_longer, is_in_shorter = ((q > low) & (q <= high) for low, high in (longer, shorter))
+    for longer_band, shorter_band in band_pairs:
+        is_in_longer, is_in_shorter = (
+            (q > lower_limit) & (q <= upper_limit) for lower_limit, upper_limit in (longer_band, shorter_band)
+        )
         if not is_in_longer.any() or not is_in_shorter.any():
             continue
-        octaves = math.log2(shorter[1] / longer[1])
-        fall = float(density[is_in_shorter].mean()) / float(density[is_in_longer].mean())
-        if fall > 2 ** (-_MIN_TEXTURED_SURFACE_EXPONENT * octaves):
+        octaves = math.log2(shorter_band[1] / longer_band[1])
+        density_ratio = float(density[is_in_shorter].mean()) / float(density[is_in_longer].mean())
+        if density_ratio > 2 ** (-_MIN_TEXTURED_SURFACE_EXPONENT * octaves):
             return False
     return True
 
@@ -702,20 +704,21 @@ def _find_noise_wavelength(
     density = np.bincount(index, count * density) / counts
     wavelengths = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / counts)
     density = np.maximum(density, 1e-12 * density.max())
-    chance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts
+    chance_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts
     window_fits = [
-        list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance, width)) for width in _WINDOW_OCTAVES
+        list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance_variance, width))
+        for width in _WINDOW_OCTAVES
     ]
-    if _fit_line_slope(-np.log(wavelengths), np.log(density), chance)[0] > -_MAX_FLAT_EXPONENT:
+    if _fit_line_slope(-np.log(wavelengths), np.log(density), chance_variance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wavelengths[0]), "noise floor"
     is_last_octave = wavelengths <= 2.01 * wavelengths[-1]
     last_exponent, deviation = _fit_line_slope(
-        -np.log(wavelengths[is_last_octave]), np.log(density[is_last_octave]), chance[is_last_octave]
+        -np.log(wavelengths[is_last_octave]), np.log(density[is_last_octave]), chance_variance[is_last_octave]
     )
     candidate_bins = [
-        _find_flattening_bin(window_fit, wavelengths / spacing, density, chance) for window_fit in window_fits
+        _find_flattening_bin(window_fit, wavelengths / spacing, density, chance_variance) for window_fit in window_fits
     ]
-    candidate_bins.append(_find_bin_before_rise(wavelengths / spacing, density, chance))
+    candidate_bins.append(_find_bin_before_rise(wavelengths / spacing, density, chance_variance))
     if last_exponent - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
         candidate_bins.append(int(np.argmin(np.where(is_last_octave, density, math.inf))))
     if not any(candidate_bin is not None for candidate_bin in candidate_bins):
@@ -729,7 +732,7 @@ def _find_noise_wavelength(
         limit = max(limit, CUTOFF_WAVELENGTH_RATIO * float(wavelengths[rising_bins[0]]))
     if rising_bins.size and np.sum(density[noisy_bin:] > density[noisy_bin:].max() / 4) <= 2:
         return limit, "line"
-    if _is_noise_floor(wavelengths, density, chance, limit):
+    if _is_noise_floor(wavelengths, density, chance_variance, limit):
         return limit, "noise floor"
     if rising_bins.size and wavelengths[rising_bins[0]] < 1.4 * wavelengths[-1]:
         return limit, "roll-up"
@@ -744,7 +747,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
     return float(weight @ (deviation * y)) / square, 1 / math.sqrt(square)
 
 
-def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit: float) -> bool:
+def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
     """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in its shortest octave."""
     for max_wavelength, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
@@ -753,7 +756,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
         is_short = wavelengths < max_wavelength
         if is_short.sum() < _NOISE_BINS_PER_OCTAVE // 2:
             return False
-        x, y, variance = -np.log(wavelengths[is_short]), np.log(density[is_short]), chance[is_short]
+        x, y, variance = -np.log(wavelengths[is_short]), np.log(density[is_short]), chance_variance[is_short]
         slope, deviation = _fit_line_slope(x, y, variance)
         weight = 1 / (variance + 0.01)
         scatter = np.square(y - np.average(y, weights=weight)) - variance
@@ -766,7 +769,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance: Floats, limit:
 
 
 def _fit_window_exponents(
-    x: Floats, y: Floats, chance: Floats, octaves: float
+    x: Floats, y: Floats, chance_variance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
     """Fit a power law to each window of a spectrum.
 
@@ -777,11 +780,11 @@ def _fit_window_exponents(
     for first in range(x.size):
         end = int(np.searchsorted(x, x[first] + width + 1e-6))
         if end - first >= _NOISE_BINS_PER_OCTAVE // 2 and x[end - 1] - x[first] > 0.85 * width:
-            yield first, end, *_fit_line_slope(x[first:end], y[first:end], chance[first:end])
+            yield first, end, *_fit_line_slope(x[first:end], y[first:end], chance_variance[first:end])
 
 
 def _find_flattening_bin(
-    window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance: Floats
+    window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance_variance: Floats
 ) -> int | None:
     """Return the bin with the lowest density where a falling spectrum becomes flatter than spectra of surfaces.
 
@@ -792,23 +795,24 @@ def _find_flattening_bin(
         if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
             has_fallen = True
         elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
-            slope = _fit_line_slope(-np.log(points[first:]), np.log(density[first:]), chance[first:])[0]
+            slope = _fit_line_slope(-np.log(points[first:]), np.log(density[first:]), chance_variance[first:])[0]
             if points[first] <= _MAX_HUMP_WAVELENGTH_POINTS or slope > -1:
                 return first + int(np.argmin(density[first:end]))
     return None
 
 
-def _find_bin_before_rise(points: Floats, density: Floats, chance: Floats) -> int | None:
+def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
     """Return the bin with the lowest density before a strong rise towards short wavelengths, or None without a rise."""
     lowest_density, lowest_bin = math.inf, 0
-    for bin_index in np.flatnonzero(chance < 1 / 4):
+    for bin_index in np.flatnonzero(chance_variance < 1 / 4):
         if (
             points[bin_index] <= _MAX_HUMP_WAVELENGTH_POINTS
             and lowest_bin
-            and density[bin_index] > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance[bin_index])) * lowest_density
+            and density[bin_index]
+            > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance_variance[bin_index])) * lowest_density
         ):
             return lowest_bin
-        upper_density = float(density[bin_index]) * (1 + 3 * math.sqrt(chance[bin_index]))
+        upper_density = float(density[bin_index]) * (1 + 3 * math.sqrt(chance_variance[bin_index]))
         if upper_density < lowest_density:
             lowest_density, lowest_bin = upper_density, int(bin_index)
     return None

@@ -255,10 +255,10 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         *(_fit_strip_trend(mean_square_slopes, axis) for axis in range(heights.ndim)), strict=True
     )  # fmt: skip
     variances_by_axis = np.maximum(variances, chance_variance)
-    squares = np.square(trends)
-    if not (squares > MIN_DRIFT_DEVIATIONS**2 * variances_by_axis).any():
+    squared_trends = np.square(trends)
+    if not (squared_trends > MIN_DRIFT_DEVIATIONS**2 * variances_by_axis).any():
         return 0.0
-    return min(MAX_DRIFT, math.sqrt(float((squares - variances_by_axis).clip(0).sum())))
+    return min(MAX_DRIFT, math.sqrt(float((squared_trends - variances_by_axis).clip(0).sum())))
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
@@ -269,16 +269,16 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
     Both are 0 if a strip has no measured points or no slope.
     """
     lines = np.moveaxis(mean_square_slopes, axis, 0)
-    strips = np.array([float(np.nanmean(strip)) if np.isfinite(strip).any() else 0.0
+    strip_means = np.array([float(np.nanmean(strip)) if np.isfinite(strip).any() else 0.0
                        for strip in np.array_split(lines, _NUM_STRIPS)])  # fmt: skip
-    if not (strips > 0).all():
+    if not (strip_means > 0).all():
         return 0.0, 0.0
-    log_slopes = np.log(strips) / 2
+    log_slopes = np.log(strip_means) / 2
     positions = (np.arange(_NUM_STRIPS) + 0.5) / _NUM_STRIPS - 0.5
-    square = float(positions @ positions)
-    trend = float(positions @ log_slopes) / square
+    position_square_sum = float(positions @ positions)
+    trend = float(positions @ log_slopes) / position_square_sum
     residuals = log_slopes - log_slopes.mean() - trend * positions
-    return trend, float(residuals @ residuals) / (_NUM_STRIPS - 2) / square
+    return trend, float(residuals @ residuals) / (_NUM_STRIPS - 2) / position_square_sum
 
 
 def _find_height(body: Profile | Surface) -> float:
@@ -330,8 +330,8 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
         """Return heights near a group of outliers, measured from the line that connects the points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
-        base = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
-        return heights[start:stop] - base
+        baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
+        return heights[start:stop] - baseline
 
     for (group,) in find_objects(label(outliers)[0]):
         width = group.stop - group.start

@@ -235,7 +235,7 @@ def self_affine_surface(
     from scipy.fft import irfft2
 
     hurst, rms = _validate_hurst_exponent_and_rms(hurst_exponent, rms)
-    rows, columns = parse_shape(shape, least=4)
+    rows, columns = parse_shape(shape, min_count=4)
     spacing_y, spacing_x = parse_lengths("spacing", spacing)
     _check_wave_numbers_are_finite(spacing, min(spacing_y, spacing_x))
     extent_y, extent_x = rows * spacing_y, columns * spacing_x

@@ -173,11 +173,11 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
     return upper, lower
 
 
-def parse_shape(shape: Any, *, least: int) -> tuple[int, int]:
-    """Check that a shape has at least `least` rows and columns, and at most MAX_POINTS points. Returns the shape."""
+def parse_shape(shape: Any, *, min_count: int) -> tuple[int, int]:
+    """Check that a shape has at least `min_count` rows and columns, and at most MAX_POINTS points. Return the shape."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
-    rows, columns = (validate_whole_number("shape", size, minimum=least, maximum=MAX_POINTS) for size in shape)
+    rows, columns = (validate_whole_number("shape", size, minimum=min_count, maximum=MAX_POINTS) for size in shape)
     if rows * columns > MAX_POINTS:
         raise ValueError(f"shape must have at most {MAX_POINTS} points, got {short_repr(shape)}")
     return rows, columns

@@ -235,7 +235,7 @@ def isotropic_surface(
     """
     profile = as_body("profile", profile, Profile)
     default_size = min(len(profile), _MAX_DEFAULT_SIDE_POINTS)
-    rows, columns = parse_shape((default_size, default_size) if shape is None else shape, least=4)
+    rows, columns = parse_shape((default_size, default_size) if shape is None else shape, min_count=4)
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)

@@ -75,11 +75,11 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
         for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
             recorded_heights.shape, spacing, radius, height_range
         ):
-            touches = eroded_heights[neighbour_slices] - tip_height >= recorded_heights[point_slices] - tolerance
+            is_touching = eroded_heights[neighbour_slices] - tip_height >= recorded_heights[point_slices] - tolerance
             if is_counting:
-                num_touched[point_slices] += touches
+                num_touched[point_slices] += is_touching
             else:
-                is_certain[neighbour_slices] |= touches & (num_touched[point_slices] == 1) & is_inside[point_slices]
+                is_certain[neighbour_slices] |= is_touching & (num_touched[point_slices] == 1) & is_inside[point_slices]
     history_entry = (
         f"reconstructed for a tip radius of {radius:g} µm, {100 * float(is_certain.mean()):.0f} % of the points certain"
     )
@@ -122,10 +122,10 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 
 
 def _tip_offsets_and_heights(
-    shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float
+    shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Yield, for each offset within the tip, slices of the points at both ends of the offset, and the tip's height."""
-    half_width, half_widths = _tip_half_width(shape, spacing, radius, deepest)
+    half_width, half_widths = _tip_half_width(shape, spacing, radius, max_tip_height)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)
         squared_distance = float(np.square(offsets * spacing).sum())
@@ -139,9 +139,11 @@ def _tip_offsets_and_heights(
         yield point_slices, neighbour_slices, radius - math.sqrt(max(0.0, radius**2 - squared_distance))
 
 
-def _tip_half_width(shape: tuple[int, ...], spacing: Floats, radius: float, deepest: float) -> tuple[float, list[int]]:
+def _tip_half_width(
+    shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
+) -> tuple[float, list[int]]:
     """Return the half width of a spherical tip, in µm and in points per axis, at a height above its lowest point."""
-    half_width = math.sqrt(radius**2 - max(0.0, radius - deepest) ** 2)
+    half_width = math.sqrt(radius**2 - max(0.0, radius - tip_height) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
     ]

@@ -113,8 +113,8 @@ class DecodedText:
     def missing_word_pattern(self) -> re.Pattern[bytes]:
         """Regular expression for the words that mark missing points: the usual words and the words in `words`."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
-        any_word = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
-        return re.compile(rf'(?i)(?<![^\s;,|"])(?:{any_word})(?![^\s;,|"])'.encode())
+        word_alternatives = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
+        return re.compile(rf'(?i)(?<![^\s;,|"])(?:{word_alternatives})(?![^\s;,|"])'.encode())
 
     @cached_property
     def character_type_bits(self) -> NDArray[np.uint8]:

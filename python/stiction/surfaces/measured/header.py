@@ -372,11 +372,11 @@ def parse_declarations(
         factor=factor,
         codes=tuple(code for code, count in zip(codes, is_count, strict=True) if not count),
         counts=tuple(code for code, count in zip(codes, is_count, strict=True) if count),
-        scale="" if factor_line else next(iter(factor_lines), "").strip(),
+        unapplied_factor_line="" if factor_line else next(iter(factor_lines), "").strip(),
         points=next((int(match[1]) for line in lines if (match := _POINT_COUNT_PATTERN.fullmatch(line))), None),
         height_range=find_first_match(_HEIGHT_RANGE_PATTERN, lines, parse_bracketed_length),
         tip_radius=find_first_match(_TIP_RADIUS_PATTERN, lines, parse_bracketed_length),
-        line=factor_line or unit_line,
+        unit_line=factor_line or unit_line,
         slope_line=_find_slope_line(lines[: len(header)], has_names) if is_profile else "",
     )
 

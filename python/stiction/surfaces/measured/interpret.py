@@ -372,7 +372,8 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
     """Raise a single `FormatError` if a scan file declares neither a unit nor a spacing, and the user gives neither."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
-        value is None for value in (raw.positions, raw.spacing, raw.size, raw.stated if raw.heights.ndim == 1 else None)
+        value is None
+        for value in (raw.positions, raw.spacing, raw.size, raw.declared_spacing if raw.heights.ndim == 1 else None)
     )
     if not (lacks_unit and lacks_spacing):
         return
@@ -419,7 +420,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
 
 def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
     """Raise `FormatError` if the spacings of grid points (µm) contradict the spacings or the size in the header."""
-    for step, declared in zip(spacing, raw.stated_spacings or (), strict=False):
+    for step, declared in zip(spacing, raw.declared_spacings or (), strict=False):
         declared_length = declared.to_micrometres()
         if abs(declared_length - step) > max(
             0.51 * declared.digit_in_micrometres, MAX_STEP_UNEVENNESS * declared_length
@@ -543,9 +544,9 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
 
 def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
     """Return the spacing (µm) that the header of a profile declares, and its tolerance (µm) due to rounding."""
-    if raw.stated is None:
+    if raw.declared_spacing is None:
         return None
-    return raw.stated.to_micrometres(), 0.51 * raw.stated.digit_in_micrometres
+    return raw.declared_spacing.to_micrometres(), 0.51 * raw.declared_spacing.digit_in_micrometres
 
 
 class _PositionResolution:

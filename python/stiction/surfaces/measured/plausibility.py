@@ -159,22 +159,24 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     near_heights = heights[~is_far]
     far_values, counts = np.unique(heights[is_far], return_counts=True)
     count_of = dict(zip(far_values.tolist(), counts.tolist(), strict=True))
-    low, high = (
+    low_codes, high_codes = (
         far_values[far_values < near_heights.min()].tolist(),
         far_values[far_values > near_heights.max()].tolist(),
     )
-    values = np.array([*low, near_heights.min(), near_heights.max(), *high])
+    values = np.array([*low_codes, near_heights.min(), near_heights.max(), *high_codes])
     if np.unique(near_heights[:1000]).size < MIN_DISTINCT_HEIGHTS:
         return []
     choices = sorted(
-        itertools.product(range(min(MAX_MISSING_CODES, len(low)) + 1), range(min(MAX_MISSING_CODES, len(high)) + 1)),
+        itertools.product(
+            range(min(MAX_MISSING_CODES, len(low_codes)) + 1), range(min(MAX_MISSING_CODES, len(high_codes)) + 1)
+        ),
         key=sum,
     )[1:]
     # possible codes for missing points, their distances from the other heights, and the range of the other heights
     candidates = []
     for num_low, num_high in choices:
         remaining_values = values[num_low : values.size - num_high]
-        ends = [low[:num_low], high[len(high) - num_high :]]
+        ends = [low_codes[:num_low], high_codes[len(high_codes) - num_high :]]
         distances = [float(remaining_values[0]) - code for code in ends[0]] + [
             code - float(remaining_values[-1]) for code in ends[1]
         ]
@@ -193,7 +195,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         else MIN_REPEATED_CODE_DISTANCE
         if count_of[code] >= MIN_MISSING_CODE_REPEATS
         else math.inf
-        for code in {*low[:MAX_MISSING_CODES], *high[-MAX_MISSING_CODES:]}
+        for code in {*low_codes[:MAX_MISSING_CODES], *high_codes[-MAX_MISSING_CODES:]}
     }
     for ends, distances, other_range in reversed(candidates):
         codes = [*ends[0], *ends[1]]
@@ -219,18 +221,18 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
         neighbours = np.delete(
             counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
         )
-        usual = float(np.median(neighbours))
+        usual_count = float(np.median(neighbours))
         fraction = counts[place] / total
         if (
             values[place] != 0
-            and counts[place] >= MIN_REPEAT_RATIO * usual + MIN_REPEAT_DEVIATIONS * usual**0.5
+            and counts[place] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
             and fraction <= MAX_REPEAT_FRACTION
         ):
             number = float(f"{values[place] / scan.factor:.12g}")
             yield (
                 f"{100 * fraction:.2g} % of the heights are exactly {number:.12g}, which is "
-                f"{counts[place] / usual:.2g} times as frequent as similar heights, like a code for missing points"
-                f"|{number:.12g}"
+                f"{counts[place] / usual_count:.2g} times as frequent as similar heights, like a code for missing "
+                f"points|{number:.12g}"
             )
 
 
@@ -248,15 +250,16 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
     first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first:end], np.abs(values[first:end])
     step = float(np.diff(values[first:end]).min())  # smallest difference between heights in the file
-    usual = max(
+    usual_count = max(
         float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
         for num in NUM_NEAREST_HEIGHTS
     )
-    if counts[place] < 2 * usual + MIN_ZERO_DEVIATIONS * (2 * usual) ** 0.5 + MIN_ZEROS:
+    if counts[place] < 2 * usual_count + MIN_ZERO_DEVIATIONS * (2 * usual_count) ** 0.5 + MIN_ZEROS:
         return None
     return (
         f"{100 * counts[place] / total:.2g} % of the heights are exactly 0, which is "
-        f"{counts[place] / max(usual, 1.0):.2g} times as frequent as similar heights, like a code for missing points|0"
+        f"{counts[place] / max(usual_count, 1.0):.2g} times as frequent as similar heights, like a code for missing "
+        "points|0"
     )
 
 

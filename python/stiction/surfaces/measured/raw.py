@@ -168,9 +168,9 @@ class RawHeights:
     digits: PlaceValueFunction | None = None
     position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
     spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) of heights without positions
-    stated: DeclaredLength | None = None  # grid spacing that the file declares
+    declared_spacing: DeclaredLength | None = None  # grid spacing that the file declares
     # spacing of the rows and spacing of the columns that the file declares
-    stated_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of the map that the file declares
     history: tuple[str, ...] = ()  # choices made when the file was read, such as the column of heights
     source: HeightProvenance = HeightProvenance()
@@ -243,10 +243,10 @@ class HeaderDeclarations:
     factor: float | None = None  # declared factor that converts numbers to `unit`
     codes: tuple[float, ...] = ()  # numbers that mark missing points according to a header
     counts: tuple[float, ...] = ()  # integers in a header that are codes for missing points or counts of missing points
-    scale: str = ""  # header line with a factor or a height range that is not applied
+    unapplied_factor_line: str = ""  # header line with a factor or a height range that is not applied
     points: int | None = None  # declared number of points of a profile
     tip_radius: DeclaredLength | None = None  # declared radius of the stylus tip
-    line: str = ""  # header line that declares the unit or the factor of the heights
+    unit_line: str = ""  # header line that declares the unit or the factor of the heights
     slope_line: str = ""  # header line which declares that the numbers of a profile are slopes
 
 

@@ -191,17 +191,18 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
     # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
     caveats: tuple[FileCaveat, ...] = ()
-    if declared.scale:
+    if declared.unapplied_factor_line:
         text = (
-            f"its header line {printable_text(declared.scale)!r} is a factor or a range of heights; it is not applied"
+            f"its header line {printable_text(declared.unapplied_factor_line)!r} is a factor or a range of heights; it "
+            "is not applied"
         )
         remedy = "accept it if the heights are in their unit; otherwise multiply them by the factor first"
         caveats = (FileCaveat("scale", text, remedy),)
     caveats += _find_contradicting_unit_caveat(table, unit)
     raw = RawHeights(
-        heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), stated=declared.spacing,
+        heights, unit=unit, factor=declared.factor, codes=(*declared.codes, *counts), declared_spacing=declared.spacing,
         size=declared.size, bare_spacing=declared.bare_spacing, source=table.source, caveats=caveats,
-        stated_spacings=declared.spacings, unclear_spacing=declared.unclear_spacing,
+        declared_spacings=declared.spacings, unclear_spacing=declared.unclear_spacing,
         height_range=declared.height_range,
     )  # fmt: skip
     raw = replace(raw, **attributes)
@@ -224,11 +225,11 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
     is_other = (
         LENGTH_UNITS[declared.unit] != LENGTH_UNITS[unit]
         if declared.unit in LENGTH_UNITS
-        else not declared.scale and _NUMBERED_UNIT_PATTERN.fullmatch(declared.unit) is not None
+        else not declared.unapplied_factor_line and _NUMBERED_UNIT_PATTERN.fullmatch(declared.unit) is not None
     )
     if not is_other:
         return ()
-    text = f"its header line {printable_text(declared.line)!r} contradicts the unit of its column, {unit}"
+    text = f"its header line {printable_text(declared.unit_line)!r} contradicts the unit of its column, {unit}"
     return (FileCaveat("scale", text, "accept it if the column is right"),)
 
 
@@ -260,7 +261,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
     raw = _to_raw_heights(
         table, heights, _find_height_unit(table, places[-1]),
         source=replace(table.source, layout=table.source.layout or layout, column=_describe_column(table, places[-1])),
-        stated=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
+        declared_spacing=declared.spacing or (None if declared.spacings is None else declared.spacings[1]), size=None,
         bare_spacing=None if declared.bare_spacing is None else declared.bare_spacing[-1:],
     )  # fmt: skip
     raw = replace(raw, caveats=(*raw.caveats, *_find_calculated_column_caveat(table, places[-1])))
@@ -386,7 +387,7 @@ def _find_calculated_column_caveat(table: ColumnTable, place: int) -> tuple[File
     if is_raw and table.declared.unit is None:
         text = f"its column {printable_text(name)!r} may contain counts of a converter instead of heights"
         return (FileCaveat("scale", text, "accept it if the column contains heights in their unit"),)
-    if table.declared.scale or not is_computed_height(name):
+    if table.declared.unapplied_factor_line or not is_computed_height(name):
         return ()
     text = f"its column {printable_text(name)!r} may contain multiples or functions of the heights"
     return (FileCaveat("scale", text, "accept it if the column contains heights in their unit"),)
@@ -421,17 +422,20 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
         return ()
     if positions.size < 4 or not np.isfinite(positions).all():
         return ()
-    first, second, third = positions[:3].tolist()
-    step = second - first
-    counts_points = step == 1 and first in (0, 1)
-    counts_by_name = bool(name) and step.is_integer() and first.is_integer()
-    if not (counts_points or counts_by_name) or not np.array_equal(positions, first + step * np.arange(positions.size)):
+    first_position, second_position, third_position = positions[:3].tolist()
+    step = second_position - first_position
+    counts_points = step == 1 and first_position in (0, 1)
+    counts_by_name = bool(name) and step.is_integer() and first_position.is_integer()
+    if not (counts_points or counts_by_name) or not np.array_equal(
+        positions, first_position + step * np.arange(positions.size)
+    ):
         return ()
     number = _column_numbers(table)[place]
     return (
         FileCaveat(
             "numbering",
-            f"column {number} counts {first:.0f}, {second:.0f}, {third:.0f}, ... and is used as positions",
+            f"column {number} counts {first_position:.0f}, {second_position:.0f}, {third_position:.0f}, ... and is "
+            "used as positions",
             "if it numbers the points, choose the height column by --columns and give --spacing",
         ),
     )
@@ -602,12 +606,20 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
     raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
-    raw = replace(raw, stated=raw.stated or table.declared.row_spacing, caveats=(*raw.caveats, *caveats))
+    raw = replace(
+        raw, declared_spacing=raw.declared_spacing or table.declared.row_spacing, caveats=(*raw.caveats, *caveats)
+    )
     if (spacings := table.declared.spacings) is None:
         return raw
     spacing = tuple(declared_spacing.to_micrometres() for declared_spacing in spacings)
     return replace(
-        raw, spacing=spacing, position_unit="um", size=None, stated=None, bare_spacing=None, stated_spacings=None
+        raw,
+        spacing=spacing,
+        position_unit="um",
+        size=None,
+        declared_spacing=None,
+        bare_spacing=None,
+        declared_spacings=None,
     )
 
 

@@ -145,7 +145,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     if along_axes[0] and pixel_sizes and not _are_equal(along_axes[0], pixel_sizes[0]):
         unclear = UnclearSpacing(along_axes[0].line.strip())
         spacing = pixel_sizes = None
-    written = [
+    stiction_spacings = [
         find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
         for pattern in _STICTION_SPACING_PATTERNS
     ]
@@ -154,7 +154,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     unitless_values = tuple(value for value in bare_spacings if value is not None)
     return SpacingDeclarations(
         spacing=spacing,
-        spacings=_pair_if_complete(written)
+        spacings=_pair_if_complete(stiction_spacings)
         or _pair_if_complete(along_axes)
         or pixel_sizes
         or _pair_if_complete((along_axes[0], spacing)),

@@ -109,8 +109,8 @@ class NumberBlock:
     dialect: Dialect
     values: Floats  # numbers in a table, with the shape (rows, columns)
     # First line with fewer cells, for example where the shorter of two profiles ends.
-    short: int | None = None
-    omitted: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
+    first_short_line: int | None = None
+    skipped_lines: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
 
     def row_cells(self, line: int) -> list[str]:
         """Return the cells of a table row as text."""
@@ -330,7 +330,7 @@ def parse_number_block(
         usual_width == 2 and _rows_begin_with_positions(blob, cell_separator, num_skipped)
     ):
         num_skipped = 0
-    omitted = tuple(lines[:num_skipped].tolist())
+    skipped_lines = tuple(lines[:num_skipped].tolist())
     lines, row_widths, blob = (
         lines[num_skipped:],
         row_widths[num_skipped:],
@@ -362,7 +362,7 @@ def parse_number_block(
     while values.shape[1] > max(end_widths | {1}) and np.isnan(values[:, -1]).all():
         values = values[:, :-1]  # remove the empty cell after a separator at the end of every line
     first_short_line = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
-    return NumberBlock(text, lines, dialect, values, first_short_line, omitted)
+    return NumberBlock(text, lines, dialect, values, first_short_line, skipped_lines)
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:

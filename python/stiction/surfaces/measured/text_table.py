@@ -141,11 +141,11 @@ def _to_table(
         is_profile=width <= 2,
         has_names=any(column_heads.names),
     )
-    if block.short is not None and not any(column_heads.names):
+    if block.first_short_line is not None and not any(column_heads.names):
         raise FormatError(
-            f"{text.describe_line(block.short)} has fewer cells than the lines above it, and the columns have no "
-            "names; all lines of a matrix must have the same number of cells, and a profile must have one height per "
-            "line"
+            f"{text.describe_line(block.first_short_line)} has fewer cells than the lines above it, and the columns "
+            "have no names; all lines of a matrix must have the same number of cells, and a profile must have one "
+            "height per line"
         )
     block_starts = np.flatnonzero(np.diff(block.lines, prepend=block.lines[0] - 2) > 1)
     return ColumnTable(
@@ -161,7 +161,10 @@ def _to_table(
         else replace(declarations, unit=column_heads.height_unit),
         history=(
             *(printable_text(step, MAX_HISTORY_ENTRY_CHARACTERS) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
-            *(f"{text.describe_line(line)} skipped as a count or a size" for line in block.omitted[:MAX_HISTORY_STEPS]),
+            *(
+                f"{text.describe_line(line)} skipped as a count or a size"
+                for line in block.skipped_lines[:MAX_HISTORY_STEPS]
+            ),
         ),
         source=make_height_provenance(block),
         caveats=_find_cut_number(block),

@@ -47,19 +47,19 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
         for separator in _CELL_SEPARATORS
     }
     # Among separators with equally many columns of numbers, `max` returns the first.
-    separator = max(samples, key=lambda key: len(samples[key].numeric))
-    if not samples[separator].words:
+    separator = max(samples, key=lambda key: len(samples[key].numeric_columns))
+    if not samples[separator].word_counts:
         return text, ()
     table = (
         samples[separator] if len(lines) <= _MAX_SEPARATOR_SEARCH_LINES else _find_word_table(text, lines, separator)
     )
-    if not table.words or len(table.lines) < max(MIN_TABLE_ROWS, len(lines) / 2, largest_run):
+    if not table.word_counts or len(table.lines) < max(MIN_TABLE_ROWS, len(lines) / 2, largest_run):
         return text, ()
     replaced_lines = text.data.decode("utf-8", "replace").split("\n")
     for line, cells in zip(table.lines, table.rows, strict=True):
         replaced_lines[line] = (separator or " ").join(
             _MISSING_WORD_REPLACEMENT
-            if index in table.words
+            if index in table.word_counts
             else f'"{cell}"'
             if separator and separator in cell
             else cell
@@ -67,7 +67,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
         )
     columns = (
         LocatedWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
-        for place, counts in sorted(table.words.items())
+        for place, counts in sorted(table.word_counts.items())
     )
     return replace(text, data="\n".join(replaced_lines).encode()), tuple(columns)
 
@@ -96,10 +96,10 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 class _WordTable:
     """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
 
-    numeric: set[int] = field(default_factory=set)  # indices of columns that contain numbers
+    numeric_columns: set[int] = field(default_factory=set)  # indices of columns that contain numbers
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    words: dict[int, Counter[str]] = field(default_factory=dict)  # how often each word occurs, by column
+    word_counts: dict[int, Counter[str]] = field(default_factory=dict)  # how often each word occurs, by column
     # lines in which a word marks a missing point, by column
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
@@ -117,8 +117,8 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
         return table
     width = widths.most_common(1)[0][0]
     dialect, given_words = Dialect(separator, "."), {word.casefold() for word in text.words}
-    numeric = table.numeric
-    numeric |= {
+    numeric_columns = table.numeric_columns
+    numeric_columns |= {
         index
         for row, numbers in zip(rows, is_number, strict=True)
         for index, number in enumerate(numbers)
@@ -128,11 +128,11 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
     for line, row, numbers in zip(lines, rows, is_number, strict=True):
         if len(row) != width or not any(numbers):
             continue
-        if any(not numbers[index] and cell_kind(row[index], dialect, text) is None for index in numeric):
+        if any(not numbers[index] and cell_kind(row[index], dialect, text) is None for index in numeric_columns):
             continue
         table.lines.append(line)
         table.rows.append(row)
-        for index in set(range(width)) - numeric:
+        for index in set(range(width)) - numeric_columns:
             kinds.setdefault(index, Counter())[row[index]] += 1
             if row[index].casefold() in given_words:
                 table.missing_lines.setdefault(index, []).append(line)
@@ -141,7 +141,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
         if (
             words and not {cell.casefold() for cell in counts} <= given_words
         ):  # ignore a column in which all words mark missing points
-            table.words[index] = words
+            table.word_counts[index] = words
     return table
 
 
