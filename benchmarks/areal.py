@@ -103,7 +103,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
 
 
 def compare_with_boundary_elements() -> list[tuple[str, str]]:
-    """Compare with tamaas: one periodic map at one load (1 % of the area in contact), with a mean error of 1e-6."""
+    """Compare with tamaas on a periodic map, at a load with 1 % of the area in contact and a mean error of 1e-6."""
     import tamaas
 
     points = 1024

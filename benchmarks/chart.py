@@ -26,7 +26,7 @@ RESULT_PATTERNS_BY_TASK = {
         "aspher": r"512 x 512, mean pressure 0.03 .*",
     },
 }
-"""Alternatives to stiction for each task, each with the table row of its relative run time."""
+"""Programs that are compared with stiction, by task, with the table row that contains their relative run time."""
 
 
 def parse_answers_by_question(table: str) -> dict[str, str]:
@@ -35,7 +35,7 @@ def parse_answers_by_question(table: str) -> dict[str, str]:
 
 
 def parse_relative_time(time_text: str, name: str) -> float | None:
-    """Return the run time of a program for a task, relative to stiction, or None if the cell gives none."""
+    """Return the run time of a program relative to stiction from a table cell, or None if the cell has none."""
     if ";" in time_text or " s, " in time_text:
         result = re.search(rf"{name.split()[0]} .*?: ([0-9.]+) times", time_text)
         return float(result[1]) if result else None

@@ -70,7 +70,7 @@ def randomise_sums(sums: dict) -> list[dict]:
 def measure_storage_rates(
     study: Study, sums: list[dict], executor: Executor, *, has_shared_directory: bool
 ) -> tuple[float, float]:
-    """Return the repetitions stored per second, and the processor time (s) of the scheduling process per repetition."""
+    """Return the number of repetitions stored per second, and the scheduler's processor time (s) per repetition."""
     with tempfile.TemporaryDirectory() as directory:
         file = Path(directory) / "sums.pickle"
         file.write_bytes(pickle.dumps(sums))

@@ -33,7 +33,7 @@ def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: f
 
 
 def compute_solution_error(heights: np.ndarray, pressure: np.ndarray) -> float:
-    """Return an error measure for all solvers, Σ p (v - min v)/(F h): an energy bound over load and rms height."""
+    """Return the error Σ p (v - min v)/(F h) of a solution: an energy bound divided by load F and rms height h."""
     n, m = heights.shape
     k = 2 * np.pi * np.hypot(np.fft.fftfreq(n, 1 / n)[:, None], np.fft.rfftfreq(m, 1 / m))
     compliance = np.divide(2 / EFFECTIVE_MODULUS, k, out=np.zeros_like(k), where=k > 0)
@@ -126,7 +126,10 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
 
 
 def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
-    """Print the largest difference from the pressures of tamaas, relative to the highest pressure, in some minutes."""
+    """Print the largest difference from the pressures of tamaas, relative to the highest pressure.
+
+    Takes some minutes.
+    """
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)

@@ -19,7 +19,7 @@ _FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def retain_freed_memory() -> None:
-    """Free a large block, so that the C library keeps blocks of up to this size."""
+    """Free a large block of memory, so that the C library keeps freed blocks of up to this size."""
     block = np.ones(3 << 20)  # 24 MiB
     del block
 
@@ -35,7 +35,7 @@ def median_time(call: Callable[[], object], repeats: int = 5) -> float:
 
 
 def measure_time_unit(repeats: int = 40) -> float:
-    """Return the time unit U in seconds."""
+    """Return the duration (s) of the time unit U, which is one FFT of a fixed input."""
     retain_freed_memory()
     return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
 

@@ -78,7 +78,7 @@ def run_command(
     quiet: bool = True,
     wrapper_command: Iterable[str] = (),
 ) -> str:
-    """Run a command, optionally in another command, and return its output. If it fails, exit with the output."""
+    """Run a command, optionally inside a wrapper command, and return its output. If it fails, exit with the output."""
     full_command = [*wrapper_command, *map(str, command)]
     message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     completed = subprocess.run(  # type: ignore[call-overload]

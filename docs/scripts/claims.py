@@ -276,7 +276,7 @@ class ResampledMeans:
         return interpolate_load_range(*self._reached_load_range(self._amplitudes), 0.5)
 
     def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
-        """Return a mask of the fractal dimensions for which `values` (resample, D) exist, and record the others.
+        """Return a mask of the D for which `values` (resample, D) exist, and record the D for which they do not exist.
 
         The mask is false everywhere if fewer than half of the requested dimensions have a number, or if only one
         dimension is requested, because the remaining dimensions would not represent the range.

@@ -92,7 +92,7 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
 
 
 def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
-    """Return results of the asperity model at the approach at which its elastic load reaches the half-space load."""
+    """Return results of the asperity model at the approach at which its elastic load equals the half-space load."""
     law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
     names = [
@@ -142,7 +142,7 @@ def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ratio_with_interval(values: np.ndarray, column: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean (load,) of the ratio of asperities to half-space, and the limits of its interval."""
+    """Return the geometric mean ratio of asperity to half-space results at each load, and its interval."""
     mean, half_width = mean_and_half_width(np.log(values[:, :, 1, column] / values[:, :, 0, column]))
     return np.exp(mean), np.exp(mean - half_width), np.exp(mean + half_width)
 

@@ -30,24 +30,24 @@ DOCS_DIRECTORY = Path(__file__).parents[1]
 POISSON_RATIO = 0.3
 EFFECTIVE_MODULUS = 1 / (1 - POISSON_RATIO**2)
 CONSTRAINED_MODULUS = (1 - POISSON_RATIO) / ((1 + POISSON_RATIO) * (1 - 2 * POISSON_RATIO))
-"""Stress per strain if the lateral strain is 0."""
+"""Constrained modulus of the solid: stress per strain if the lateral strain is 0."""
 PROFILE_HARDNESS_FACTOR = (2 + math.pi) / math.sqrt(3)
 """Hardness divided by yield strength for a flat punch in plane strain (Prandtl)."""
 BALL_HARDNESS_FACTOR = 2.84
 """Hardness divided by yield strength for a ball (Jackson & Green 2005)."""
 CONTACT_STIFFNESS = 30.0
-"""Pressure per overlap of the rigid flat and the solid, times the width of the smallest element."""
+"""Stiffness of the contact springs (pressure per overlap), times the width of the smallest element."""
 SPRING_LENGTH = 10.0
 NUM_WEDGES = 180
-"""Number of wedges of an axisymmetric solid; CalculiX computes one of them."""
+"""Number of equal wedges into which an axisymmetric solid is divided. CalculiX computes a single wedge."""
 MAX_AREA_FRACTION = 0.4
-"""A/A0 with limited pressure at the largest load of a case."""
+"""Area fraction A/A0 at the largest load of a case, in the half-space model with limited pressure."""
 AREA_FRACTIONS = (0.02, 0.04, 0.07, 0.11, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0)
 """Area fractions A/A0 at which areas are compared."""
 MAX_RMS_SLOPE = 0.1
 """Largest rms slope for which the hardness of a flat surface is used without reservation."""
 MAX_COMPARED_FRACTION = 0.42
-"""Largest A/A0 of areas that summaries include."""
+"""Largest area fraction A/A0 that is included in summaries."""
 ONSET_OF_YIELD = 0.5
 """Mean pressure divided by hardness above which yielding below the surface adds area."""
 POWERS = (2.0, 2.25, 2.5)

@@ -37,7 +37,7 @@ DOCS_DIRECTORY = Path(__file__).parents[1]
 NUM_FINE_POINTS = 160
 """Points per side of the grid on which the half-space model is solved."""
 EDGE_CORRECTION = (math.pi - 1 + math.log(2)) / 24
-"""Area of a grid point by which points in contact overestimate the area, for each side between contact and gap."""
+"""Fraction of a grid cell that is subtracted from the contact area for each side between contact and gap."""
 MIN_NUM_POINTS = 60
 """Smallest number of points in contact for which the area of a ball is compared."""
 AREA_FRACTION_RANGE = (0.02, 0.4)
