@@ -66,7 +66,7 @@ def find_measured_file():
 
 @pytest.fixture(scope="session")
 def create_rough_profiles():
-    """Return a function that generates an upper and a lower profile of a fractal dimension."""
+    """Return a function that generates an upper and a lower profile of a given fractal dimension."""
 
     @functools.lru_cache(maxsize=8)
     def create_pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):

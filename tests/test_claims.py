@@ -161,7 +161,7 @@ def create_result(**sum_functions):
 
 
 def judge_part(name, result, **options):
-    """Return the outcome of one part."""
+    """Return the outcome of one part of a claim."""
     (part,) = (part for part in CLAIM_PARTS if part.name == name)
     return ClaimPartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
 

@@ -39,7 +39,7 @@ def script():
         pytest.skip("the directory docs is not in this tree")
     spec = importlib.util.spec_from_file_location("yielding_area", SCRIPT)
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # the decorator of dataclasses needs the module
+    sys.modules[spec.name] = module  # the dataclass decorator looks up the module by its name
     spec.loader.exec_module(module)
     return module
 

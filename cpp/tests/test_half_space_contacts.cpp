@@ -77,7 +77,7 @@ TEST_CASE("solve_contacts: reaches the given approaches") {
 TEST_CASE("solve_contacts: stops at the first step without a solution") {
   const auto grids = std::make_shared<const HalfSpaceGrids>(periodic_area, modulus);
   const std::vector<double> gap = make_gap(periodic_area);
-  const HalfSpaceSolver solver(gap, grids, unbounded, 1e-300);  // a tolerance that round-off prevents
+  const HalfSpaceSolver solver(gap, grids, unbounded, 1e-300);  // a tolerance that round-off makes unreachable
   const auto contacts =
       stiction::solve_contacts(solver, StepQuantity::mean_pressure, std::vector<double>{0.01, 0.02}, {}, infinite);
   REQUIRE(contacts.size() == 1);

@@ -154,7 +154,7 @@ GENERATED_STUDIES = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # both follow from the mean load and the coefficient
+MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # both loads follow from the mean load and the coefficient
 QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 

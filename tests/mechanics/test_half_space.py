@@ -33,8 +33,8 @@ from stiction.study.members import pair_of
 from support.rough_surfaces import flat_like, periodic_body
 
 EFFECTIVE_MODULUS = 10.0
-DENSE_SOLUTION_TOLERANCE = 1e-8  # error relative to the highest pressure, if both solutions have a tolerance of 1e-11
-MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a sphere whose contact radius is 50 points
+DENSE_SOLUTION_TOLERANCE = 1e-8  # pressure error relative to the highest pressure, for solver tolerances of 1e-11
+MINDLIN_TOLERANCE = 1e-3  # displacement error, relative to that of a sphere whose contact radius is 50 points
 ROUND_OFF = 1e-12
 # Relative error of the true area with about 15 points per contact. The mean error over several grids is below 0.015.
 PLASTIC_EDGE_TOLERANCE = 0.05
@@ -45,7 +45,7 @@ TIGHT_TOLERANCE = 1e-10  # solver tolerance in comparisons of two solutions
 
 # Error relative to the largest displacement. It is larger than round-off because logarithms of distant cells cancel.
 LARGE_GRID_TOLERANCE = 1e-11
-MAX_SECONDS_AFTER_INTERRUPT = 2.0  # seconds of processor time; a complete solution takes ten times as long
+MAX_SECONDS_AFTER_INTERRUPT = 2.0  # limit of processor time (s); a complete solution takes ten times as long
 SOLUTION_TOLERANCE = 1e-5  # relative difference between two solutions whose solver tolerance is 1e-6
 
 

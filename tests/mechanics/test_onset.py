@@ -27,8 +27,8 @@ EFFECTIVE_MODULUS = 10.0
 ROUND_OFF = 1e-12
 # Error relative to the largest value of a solution by dense matrices, at a solver tolerance of 1e-6.
 DENSE_SOLUTION_TOLERANCE = 1e-6
-MINDLIN_TOLERANCE = 1e-3  # relative to the displacement of a ball whose contact radius is 24 points
-TRACTION_TOLERANCE = 0.01  # relative difference from the independent Ciavarella-Jäger principle for rough bodies
+MINDLIN_TOLERANCE = 1e-3  # displacement error, relative to that of a ball whose contact radius is 24 points
+TRACTION_TOLERANCE = 0.01  # relative difference of tractions from the Ciavarella-Jäger principle, for rough bodies
 LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 

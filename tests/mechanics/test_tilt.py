@@ -4,10 +4,10 @@ from scipy.spatial import ConvexHull
 from stiction import Profile, Surface, half_space, self_affine_surface
 from support.rough_surfaces import rough_maps
 
-MAX_FORCE_OFFSET = 1e-4  # residual distance of the resultant force from the centre, relative to the length
+MAX_FORCE_OFFSET = 1e-4  # largest distance of the resultant force from the centre, relative to the side length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference of results from those of dense matrices
+DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference from results of dense matrices
 BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
 
 

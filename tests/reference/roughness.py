@@ -7,7 +7,7 @@ import numpy as np
 
 
 def height_parameters(z, spacing):
-    """Return height and slope parameters; "a" stands for Ra or Pa, "q" for Rq or Pq, and so on."""
+    """Return height and slope parameters by name without the letter R or P: "a" stands for Ra or Pa."""
     n = len(z)
     q = math.sqrt(math.fsum(v * v for v in z) / n)
     slopes = [
