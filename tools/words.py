@@ -129,7 +129,8 @@ def comments(files: TextsByPath) -> Iterator[SampledText]:
             else:
                 joined_comments.append((number, number if is_whole_line else 0, comment))
         for number, _, comment in joined_comments:
-            if len(comment) >= MIN_COMMENT_LENGTH and not re.search(r"----|^(type|fmt|noqa|ruff): ?|NOLINT", comment):
+            is_marker = re.search(r"----|^(type|fmt|noqa|ruff): ?|^namespace |NOLINT", comment)
+            if len(comment) >= MIN_COMMENT_LENGTH and not is_marker:
                 yield f"{name}:{number}", comment
 
 
