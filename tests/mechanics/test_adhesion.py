@@ -327,11 +327,11 @@ def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pu
     residual = np.abs(adhesion_solver.attraction_at_gap(gap) - state.attraction).mean()
     assert residual <= 2 * adhesion_solver.max_residual * (state.contact_load + state.mean_attraction)
     assert net_pressure.mean() == pytest.approx(-0.95 * pull_off, rel=1e-6)
-    plain_state, is_balanced = adhesion_solver.find_equilibrium_at_pressure(start, -0.95 * pull_off, longest=1.0)
+    plain_state, is_balanced = adhesion_solver.find_equilibrium_at_pressure(start, -0.95 * pull_off, max_factor=1.0)
     assert is_balanced
     assert state.contact_load == pytest.approx(plain_state.contact_load, rel=2e-3)
     assert adhesion_solver.minimize_energy(start, -1.03 * pull_off) is None
-    assert not adhesion_solver.find_equilibrium_at_pressure(start, -1.03 * pull_off, longest=1.0)[1]
+    assert not adhesion_solver.find_equilibrium_at_pressure(start, -1.03 * pull_off, max_factor=1.0)[1]
 
 
 class InterruptedRecord(SolutionRecord):

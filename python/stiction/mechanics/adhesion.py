@@ -1,4 +1,4 @@
-"""Adhesive contacts of elastic half-spaces. The attraction between the surfaces decays with the gap.
+"""Equilibria of adhesive elastic half-spaces, whose attraction decays exponentially with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration reduces the undeformed gap g0 by the displacement Kσ due to the
 attraction, solves the contact, and evaluates σ at the new gap, until σ no longer changes.
@@ -38,46 +38,50 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps between two extrapolated steps. Plain steps damp the oscillations due to extrapolation.
+# Number of plain (not extrapolated) steps between two extrapolated steps of the attraction. Plain steps damp the
+# oscillations that extrapolation causes.
 NUM_UNACCELERATED_STEPS = 2
-MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, in lengths of the plain step
+MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the plain step
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
 # maximum number of successive contact solutions that do not reduce the residual of the attraction
 MAX_STALLED_SOLVES = 20
-# largest accepted relative residual of the attraction, as a multiple of the solver tolerance
+# Largest relative residual of the attraction at which the iteration has converged, as a multiple of the solver
+# tolerance
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-MIN_SOLUTION_TOLERANCE = (
-    1e-8  # minimum tolerance of a contact solution, because round-off may prevent convergence to smaller tolerances
-)
+# Minimum tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
+MIN_SOLUTION_TOLERANCE = 1e-8
 # tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# The tolerance is coarser in plain steps, which do not amplify errors of the contact solution.
+# The same fraction if all steps are plain. It is larger, because plain steps do not amplify errors of the contact
+# solution.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
-# During separation, an increase of the attraction below this fraction of its maximum counts as numerical error.
+# While the bodies separate, an increase of the attraction by less than this fraction of its maximum counts as numerical
+# error.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of successive contact loads that are solved while the bodies separate
-# The search for the pull-off load ends if the bodies separate under a load below the lowest equilibrium load.
-# The separation load must be lower by at least this fraction.
+CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of each contact load to the previous one while the bodies separate
+# The search for the pull-off load ends when the bodies separate under a load that is lower than the lowest equilibrium
+# load by at most this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# If decreasing contact loads lead past the minimum load, plain steps must also separate the bodies under a load that is
-# below the minimum load by this fraction.
+# A minimum of the external load over decreasing contact loads is accepted only if plain steps separate the bodies under
+# a load that is lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# A contact solution at an interpolated load is computed only if the load is lower than all equilibrium loads.
-# The load must be lower by at least this fraction of the lowest equilibrium load.
+# An equilibrium at an interpolated contact load is computed only if interpolation predicts an external load that is
+# lower than all equilibrium loads, by at least this fraction of the lowest.
 MIN_LOAD_IMPROVEMENT = 0.003
-# two equilibrium loads are interpolated only if their contact loads differ by at least this fraction
+# External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINEMENT_SOLVES = 6  # maximum number of contact solutions at interpolated loads
-# A separation proves that a load is too low only if the iteration started from an equilibrium at a similar load.
-# The two loads may differ by at most this fraction.
+MAX_REFINEMENT_SOLVES = 6  # maximum number of equilibria that are computed at interpolated contact loads
+# Separation proves that the bodies do not support a load only if the iteration started from an equilibrium under a
+# similar load. The two loads may differ by at most this fraction.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
-MIN_COARSENED_POINTS = 128  # minimum number of points along each side of a grid for a search on a coarser grid first
+# The pull-off load is first searched on a coarser grid if the grid has at least this number of points along each side.
+MIN_COARSENED_POINTS = 128
 
 MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimization
 # The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
@@ -85,7 +89,7 @@ MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 
 
 class EquilibriumNotFoundError(NoSolutionError):
-    """Error raised if the iteration finds no equilibrium with the adhesive attraction."""
+    """Error raised if the iteration of the adhesive attraction finds no equilibrium."""
 
 
 @dataclass
@@ -103,7 +107,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Progress of the search that runs this iteration, from which the search decides when to stop.
+    # Number of iterated states, and the best state, by which the caller decides when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -111,14 +115,14 @@ class _IterationState:
     last_residual: float = math.inf
 
     def to_step_result(self) -> StepResult:
-        """Return the state of the iteration as named arrays and numbers."""
+        """Return the state of the iteration as a mapping of names to arrays and numbers, for storage."""
         result = {name: value for name, value in vars(self).items() if value is not None and name != "best_state"}
         best_state = {} if self.best_state is None else vars(self.best_state)
         return result | {f"best_{name}": value for name, value in best_state.items()}
 
     @classmethod
     def from_step_result(cls, result: StepResult) -> _IterationState:
-        """Restore a state of the iteration from the arrays and numbers that `to_step_result` returned."""
+        """Restore the state of the iteration from the mapping that `to_step_result` returned."""
         values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
         if "best_pressure" in result:
             values["best_state"] = _to_adhesion_state(
@@ -128,7 +132,7 @@ class _IterationState:
 
 
 def _to_array_or_number(value: Any) -> Any:
-    """Return a stored array unchanged, and convert a stored number to a Python number."""
+    """Return a stored array unchanged, or a stored number as a Python number."""
     return value if np.ndim(value) else np.asarray(value).item()
 
 
@@ -143,7 +147,7 @@ def _to_adhesion_state(result: StepResult) -> AdhesionState:
 
 
 class AdhesionSolver:
-    """Solver for the equilibrium states of a contact with adhesive attraction."""
+    """Solver for the equilibria of two elastic half-spaces with adhesive attraction."""
 
     def __init__(
         self, problem: HalfSpaceProblem, *, tolerance: float, report: Callable[[int, float], object] | None,
@@ -174,7 +178,7 @@ class AdhesionSolver:
     def solve_at_contact_pressure(
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
     ) -> AdhesionState:
-        """Return the equilibrium state at a mean contact pressure (GPa), iterated from the nearby state `near`.
+        """Compute the equilibrium at a mean contact pressure (GPa), by iteration from the nearby state `near`.
 
         Nowhere may the attraction exceed the attraction in `earlier_state`: the bodies then support the load when they
         are pulled apart. Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
@@ -201,14 +205,14 @@ class AdhesionSolver:
         return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
 
     def find_equilibrium_at_pressure(
-        self, near: AdhesionState | None, load: float, *, longest: float = MAX_EXTRAPOLATION_FACTOR
+        self, near: AdhesionState | None, load: float, *, max_factor: float = MAX_EXTRAPOLATION_FACTOR
     ) -> tuple[AdhesionState, bool]:
         """Return the contact state at an external pressure (GPa), and whether this state is in equilibrium.
 
         The iteration starts from the state `near`, or from bodies without attraction if `near` is None.
 
         If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
-        certain only with plain steps (`longest` = 1), because extrapolated steps may pass an equilibrium.
+        certain only with plain steps (`max_factor` = 1), because extrapolated steps may pass an equilibrium.
         `EquilibriumNotFoundError` is raised if the iteration has neither converged nor lost contact after
         `MAX_SOLVES_PER_LOAD` contact solutions.
         """
@@ -216,17 +220,17 @@ class AdhesionSolver:
 
         def solve() -> StepResult:
             iteration = self._start_iteration(near)
-            if longest == 1 and iteration.number == 0:
+            if max_factor == 1 and iteration.number == 0:
                 iteration.tolerance_ratio = PLAIN_TOLERANCE_TO_RESIDUAL_RATIO
             states = self._iterate_to_equilibrium(
-                iteration, lambda mean_attraction: max(load + mean_attraction, min_contact), longest
+                iteration, lambda mean_attraction: max(load + mean_attraction, min_contact), max_factor
             )
             for state, residual in states:
                 if residual <= self.max_residual:
                     return vars(state) | {"is_balanced": True}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
                     raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-                # ignore the first two iterations, which may be near an adhesive equilibrium by chance
+                # Ignore the first two residuals, which may be small by chance.
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -239,7 +243,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the initial state of the iteration, or the last state of an interrupted computation."""
+        """Return the first state of the iteration: the stored state of an interrupted run, or else `near`."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -247,12 +251,12 @@ class AdhesionSolver:
         return _IterationState(near.attraction, near.pressure)
 
     def _iterate_to_equilibrium(
-        self, state: _IterationState, contact_load: Callable[[float], float], longest: float
+        self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield the contact after each iteration, and the relative change of the attraction, until the bodies separate.
+        """Yield the contact state and the relative change of the attraction per iteration, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
-        is extrapolated as a geometric series with the ratio of the last two changes, limited to `longest` times the
+        is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the
         last change.
         """
         for number in itertools.count(state.number):
@@ -284,16 +288,16 @@ class AdhesionSolver:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
             state.plain_attraction = None
-            if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and longest > 1:
+            if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and max_factor > 1:
                 state.plain_attraction = next_attraction
-                factor = _extrapolation_factor(residual, previous_residual, longest)
+                factor = _extrapolation_factor(residual, previous_residual, max_factor)
                 next_attraction = np.clip(attraction + factor * attraction_change, 0.0, self.max_attraction)
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution.
+        """Return the tolerance of the next contact solution in the iteration of the attraction.
 
-        It is proportional to the residual of the iteration, within limits.
+        The tolerance is proportional to the residual of the iteration, within limits.
         """
         tolerance = state.tolerance_ratio * self.relative_range * state.residual
         return min(max(self.tolerance, tolerance), MAX_SOLUTION_TOLERANCE)
@@ -328,7 +332,7 @@ class AdhesionSolver:
         return contact_state, attracted_gap + displacement - solution.approach
 
     def at(self, load: float, near: AdhesionState | None) -> AdhesionState:
-        """Return the equilibrium at an external pressure (GPa).
+        """Compute the equilibrium of the adhesive contact under an external pressure (GPa).
 
         The iteration starts from `near`, or without contact for None.
         """
@@ -336,7 +340,7 @@ class AdhesionSolver:
             near = self.find_equilibrium_at_pressure(None, 0.0)[0]
         state, is_balanced = self.find_equilibrium_at_pressure(near, load)
         if not is_balanced:
-            state, is_balanced = self.find_equilibrium_at_pressure(near, load, longest=1.0)
+            state, is_balanced = self.find_equilibrium_at_pressure(near, load, max_factor=1.0)
         if not is_balanced:
             assert near is not None
             least_load = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
@@ -348,7 +352,7 @@ class AdhesionSolver:
         return state
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return the equilibria during separation, including the equilibrium under the lowest external load.
+        """Return the equilibria while the bodies are pulled apart, down to the lowest external load (pull-off).
 
         If the bodies are hard, equilibria at decreasing contact loads lead past the minimum of the external load. If
         this minimum is not certain, loads are tried by energy minimization, until the bodies separate under a load that
@@ -362,7 +366,8 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # Equilibria at given contact loads may be unstable. The energy is minimized from stable equilibria.
+        # An equilibrium that was computed for a contact load may be unstable under its external load. Energy
+        # minimizations start from stable equilibria only.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
         # Lower bound of the minimum load: the contact load is positive, and the attraction is at most the attraction of
         # an earlier state.
@@ -382,7 +387,8 @@ class AdhesionSolver:
                     load = min(max(load, (1 + step) * least_load), next_load)
                     step *= 2
                     if unsupported_load >= next_load:
-                        # The bodies separated from a distant state, and may have passed an equilibrium.
+                        # The iteration that separated the bodies started from a distant state and may have passed an
+                        # equilibrium.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -405,7 +411,7 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return True if the bodies certainly separate under a load slightly below the lowest load of the equilibria.
+        """Return whether the bodies certainly separate under a load slightly below the lowest load in `states`.
 
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
@@ -421,8 +427,11 @@ class AdhesionSolver:
             return False
         try:
             return not any(
-                self.find_equilibrium_at_pressure(start, (1 + margin) * least_load, longest=longest)[1]
-                for margin, longest in ((MINIMUM_LOAD_TOLERANCE, MAX_EXTRAPOLATION_FACTOR), (EXCLUDED_LOAD_MARGIN, 1.0))
+                self.find_equilibrium_at_pressure(start, (1 + margin) * least_load, max_factor=max_factor)[1]
+                for margin, max_factor in (
+                    (MINIMUM_LOAD_TOLERANCE, MAX_EXTRAPOLATION_FACTOR),
+                    (EXCLUDED_LOAD_MARGIN, 1.0),
+                )
             )
         except EquilibriumNotFoundError:
             return False
@@ -465,7 +474,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Continue a series of equilibria to smaller contact loads.
+        """Append equilibria at decreasing contact loads to a series of equilibria, and return the longer series.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -504,7 +513,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Add equilibria to a series, where interpolation predicts a lower external load, and return the series."""
+        """Insert equilibria where interpolation predicts a lower external load, and return the extended series."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -537,12 +546,12 @@ class AdhesionSolver:
         return states
 
     def mean_pressure_to_force(self, mean: float) -> float:
-        """Convert a mean pressure (GPa) to a force (mN)."""
+        """Convert a mean pressure (GPa) on the whole grid to a force (mN)."""
         return mean * self.problem.cell_area * self.problem.gap.size
 
 
 class EnergyMinimizer:
-    """Minimizer of the energy of a contact under a constant load, by preconditioned conjugate gradients."""
+    """Minimizer of the energy of an adhesive contact under constant load, by preconditioned conjugate gradients."""
 
     def __init__(self, solver: AdhesionSolver) -> None:
         self.solver, self.problem, self.record = solver, solver.problem, solver.record
@@ -557,7 +566,7 @@ class EnergyMinimizer:
         )  # fmt: skip
 
     def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Minimize the energy at an external pressure (GPa) from a nearby state. Return None if the bodies separate."""
+        """Minimize the energy at an external pressure (GPa), starting from `near`. Return None after separation."""
         state = self._restore_or_start(near, load)
         for _ in range(state.number, MAX_MINIMIZATION_STEPS):
             self.record.offer_state(state.fields)
@@ -573,7 +582,7 @@ class EnergyMinimizer:
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 
     def _restore_or_start(self, near: AdhesionState, load: float) -> _core.MinimizationState:
-        """Return the last state of an interrupted computation, or the initial state of the minimization."""
+        """Return the stored state of an interrupted minimization, or else the initial state of a new minimization."""
         if (fields := self.record.read_state()) is not None:
             return _core.MinimizationState({name: _to_array_or_number(value) for name, value in fields.items()})
         shape = self.problem.gap.shape
@@ -586,17 +595,17 @@ class EnergyMinimizer:
         return AdhesionState(pressure, attraction, load + float(attraction.mean()), load, state.approach)
 
 
-def _extrapolation_factor(residual: float, previous_residual: float, longest: float) -> float:
-    """Return the length of an extrapolated step as a multiple of the plain step, at most `longest`.
+def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
+    """Return the length of an extrapolated step as a multiple of the plain step, at most `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
     ratio = residual / previous_residual if previous_residual else 0.0
-    return 1 / (1 - ratio) if ratio < 1 - 1 / longest else longest
+    return 1 / (1 - ratio) if ratio < 1 - 1 / max_factor else max_factor
 
 
 def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
-    """Return the equilibrium with the smallest external load."""
+    """Return the equilibrium under the lowest (most negative) external load."""
     return min(states, key=lambda state: state.load)
 
 
@@ -624,7 +633,7 @@ def solve_with_adhesion(
     problem: HalfSpaceProblem, loads: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
-    """Solve the adhesive contact at each external load (mN), starting from the contact at the previous load."""
+    """Solve the adhesive contact under each external load (mN), starting from the solution under the previous load."""
     solutions: list[ContactSolution] = []
     report = None if progress is None else lambda iteration, error: progress(len(solutions), iteration, error)
     solver = AdhesionSolver(problem, tolerance=tolerance, report=report, record=record)
@@ -642,7 +651,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
+    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain, or ""."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,
