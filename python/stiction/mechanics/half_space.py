@@ -57,8 +57,6 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution, HalfSpaceProblem, StepKind
     from stiction.mechanics.patches import PatchSums
 
-# Import the solver only when it is needed: it imports SciPy, which takes longer than all other imports.
-
 BoundaryCondition = Literal["free", "periodic"]
 TiltMode = Literal["fixed", "free"]
 
@@ -202,7 +200,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off(self) -> float:
-        """Largest tension (mN) that the surfaces support when they are pulled apart from the smallest load.
+        """Largest tension (mN) that the surfaces support when they are pulled apart after the smallest load.
 
         The force is computed on first use. The bodies separate at a tension at most 1 % larger. If the computation did
         not converge, a warning contains "at least", and `pull_off_is_bound` is True.
@@ -221,14 +219,14 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Largest tension (mN), and True if it is only a lower bound. Unlike `pull_off`, this gives no warning."""
+        """Pull-off force (mN), and True if this force is only a lower bound. Unlike `pull_off`, it gives no warning."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Contact solutions during separation, from the smallest load to the pull-off force.
+        """Curve of the contact solutions during separation, from the smallest load to the pull-off force.
 
         Raises a `ValueError` if the surfaces do not adhere.
         """
@@ -238,7 +236,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions during separation, and why the largest tension is uncertain ("" if it is certain)."""
+        """Contact solutions during separation, and the reason why the pull-off force is uncertain, or ""."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -257,16 +255,16 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Normal stiffness dF/dδ (mN/µm) at each load for unchanged contact points; infinite for a closed periodic gap.
+        """Normal stiffness dF/dδ (mN/µm) of the fixed set of contact points at each load.
 
-        The stiffness is NaN on a free half-plane, and if the pressure equals the hardness everywhere in contact. The
-        stiffness is computed on first use.
+        The stiffness is infinite in full periodic contact. It is NaN on a free half-plane, and if the pressure equals
+        the hardness everywhere in contact. The stiffness is computed on first use.
         """
         return self._compute_stiffness("stiffness")
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, at each load during first loading.
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, at each load of first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -274,7 +272,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def unloading_closure_stiffness(self) -> Floats:
-        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, at each load during unloading.
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, when unloading from each load.
 
         Yielded points respond elastically as well. A tangential load starts to move the contact elastically, too: the
         initial tangential stiffness per nominal area is this stiffness times E*_t/E*.
@@ -303,7 +301,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._compute_stiffness("unloading_stiffness")
 
     def _compute_stiffness(self, name: str) -> Floats:
-        """Return the stiffness `name` at each load. The compliances at all loads are computed together."""
+        """Return the stiffness with the attribute name `name` at each load, from jointly computed compliances."""
         if self._problem.has_finite_approach or name.endswith("closure_stiffness"):
             cache_compliances(self._contact_solutions, unloading=name.startswith("unloading"))
         return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
@@ -552,8 +550,8 @@ def half_space(
         hardness=None if hardness is None else validate_number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
     work_value, range_value = (
-        validate_number(step_kind, to_core_units(step_kind, given_values, kind), unit=unit, above=above)
-        for step_kind, given_values, kind, unit, above in (
+        validate_number(name, to_core_units(name, value, kind), unit=unit, above=above)
+        for name, value, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),
         )
@@ -593,13 +591,13 @@ def _solve_contacts(
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress, record=record)
     solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=None, record=record)
     solutions: list[ContactSolution] = []
-    num_grouped = max(1, MAX_POINTS_PER_STEP // problem.gap.size)
-    for start in range(0, steps.size, num_grouped):
-        last = solutions[-1] if solutions else None
+    group_size = max(1, MAX_POINTS_PER_STEP // problem.gap.size)
+    for start in range(0, steps.size, group_size):
+        last_solution = solutions[-1] if solutions else None
         solve_group = functools.partial(
             solver.contacts_at,
-            steps[start : start + num_grouped],
-            near=None if last is None else last.on_grid(last.values).ravel(),
+            steps[start : start + group_size],
+            near=None if last_solution is None else last_solution.on_grid(last_solution.values).ravel(),
             progress=None if progress is None else functools.partial(_report_progress, progress, start),
         )
         solutions += from_step_result(problem, record.run_step(solve_group, NoSolutionError))
@@ -609,7 +607,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report an iteration of the step `index` of a group, before which `num_solved` steps were solved."""
+    """Report a solver iteration at the loading step `index` of a group, which follows `num_solved` solved steps."""
     progress(num_solved + index, iteration, error)
 
 
@@ -618,7 +616,7 @@ def _add_adhesion(
 ) -> HalfSpaceProblem:
     """Add an attraction with given work of adhesion (mN/µm) and range (µm) to a problem.
 
-    Increase a range below the grid.
+    If the grid cannot resolve the range, increase the range.
     """
     min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if min_range > adhesion_range:
@@ -651,7 +649,7 @@ def _make_curve(
 
 
 def _total_patches(model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums) -> dict[str, Floats]:
-    """Return the contact sums of `HalfSpaceCurve`, with shape (k,), or (d, k) for d directions, by name."""
+    """Return the contact sums of `HalfSpaceCurve` by name, with the shape (k,), or (d, k) for d directions."""
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]

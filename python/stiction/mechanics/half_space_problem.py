@@ -26,7 +26,7 @@ from stiction.surfaces.profile import Profile, combine_missing_masks
 from stiction.surfaces.surface import Surface
 
 MAX_CACHED_GRID_POINTS = 2**20
-"""Largest number of grid points for which unused kernels remain cached.
+"""Largest number of points of a grid whose elastic kernels stay cached when no problem uses the grid.
 
 Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per thread. Computing the kernels takes a
 quarter of the time of solving a contact with free boundaries.
@@ -52,7 +52,7 @@ def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
     remains_cached: bool = True,
 ) -> _core.HalfSpaceGrids:  # fmt: skip
-    """Return the grids of a half-space problem with their elastic kernels. Equal arguments share the same grids.
+    """Return the grids of a half-space problem with their elastic kernels. Calls with equal arguments share the grids.
 
     Unless `remains_cached` is False, the grids remain cached until the next call, even if no problem uses them.
     """
@@ -174,7 +174,7 @@ class ContactSolution:
         return self.points, self.values, self.share, self.patch
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Place numbers of the contact points on the grid, and return the array with 0 at all other points."""
+        """Return an array on the grid with the given values at the contact points, and 0 at all other points."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
@@ -245,13 +245,13 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures (sum: 1 GPa) that displace all contact points equally without tilt, and this displacement (µm)."""
+        """Pressures, of sum 1 GPa, that displace contact points equally without tilt, and this displacement (µm)."""
         if self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) that displace all points in a mask equally, and this displacement (µm)."""
+        """Return pressures, of sum 1 GPa, that displace all points in a mask equally, and this displacement (µm)."""
         if not self.problem.turns:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -277,9 +277,9 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # Approach and mean displacement due to a nominal pressure of 1 GPa.
-        # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
-        # The contact pressures are the weights of this mean displacement.
+        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa. By
+        # reciprocity, the mean displacement is the mean of the displacements under a uniform pressure, weighted by the
+        # contact pressures.
         approach_of_unit_sum, mean_displacement = self._get_compliances(free_mask)
         closure = approach_of_unit_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
@@ -289,7 +289,7 @@ _RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_complia
 
 
 def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> None:
-    """Compute the missing compliances of all solutions in one call, and store them in the solutions.
+    """Compute the missing compliances of all solutions in one call of the core, and store them in the solutions.
 
     The compliances of a contact are two displacements (µm), due to pressures with a sum of 1 GPa that displace its
     points equally: the displacement of these points, and the sum of the pressures times the displacements under a
@@ -322,14 +322,15 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
     """Return the friction sums of each patch of k solutions for m directions, given as unit vectors of shape (m, 2)."""
     problem = solutions[0].problem
-    if any(solution.problem is not problem for solution in solutions):  # the tilt depends on the load
+    # the tilt, and so the problem, differs between loads
+    if any(solution.problem is not problem for solution in solutions):
         return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
     contacts = [solution.arrays for solution in solutions]
     return patch_sums(contacts, problem.interface_slopes, problem.cell_area, directions)
 
 
 def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArray[Any]]:
-    """Return load, approach and other results of k solutions that do not depend on friction, as for `HalfSpaceCurve`.
+    """Return load, approach and the other fields of `HalfSpaceCurve` that do not depend on friction, for k solutions.
 
     The solutions are for one pair, and may differ in its tilt.
     """
@@ -343,7 +344,8 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     load, approach, error = (
         np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
     )
-    # By reciprocity, the mean displacement is a mean of the displacements due to a uniform pressure.
+    # By reciprocity, the mean displacement is the mean of the displacements under a uniform pressure, weighted by the
+    # contact pressures.
     displacement = np.add.reduceat(values * displacements, first_point)
     attraction_force = np.zeros(load.size)
     if problem.work_of_adhesion > 0:
@@ -363,7 +365,8 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     }
 
 
-# Largest accepted ratio of the gap to the side length of the grid. Such slopes are far too steep for the model.
+# Largest accepted ratio of the gap to the side length of the grid. Larger ratios mean slopes far too steep for the
+# model.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
@@ -490,9 +493,9 @@ class TiltResponse:
     approach: float  # approach (µm) due to a mean pressure of 1 GPa
     moments: Floats  # moments (GPa µm) due to a mean pressure of 1 GPa, along n axes
     slope_pressures: list[Floats]  # change of the pressures (GPa) per unit slope along each axis, at constant load
-    moments_per_slope: (
-        Floats  # change of the n moments per unit slope along n axes; negative definite unless only one point touches
-    )
+    # Change of the n moments per unit slope along n axes. The matrix is negative definite unless only one point
+    # touches.
+    moments_per_slope: Floats
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
@@ -527,7 +530,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum: 1 GPa) with the resultant force at the centre, and the resulting approach (µm)."""
+        """Return pressures, of sum 1 GPa, whose resultant acts at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -579,7 +582,7 @@ class ContactSolver:
     def contacts_at(
         self, steps: Floats, near: Floats | None, progress: Callable[[int, int, float], object] | None
     ) -> StepResult:
-        """Solve the contact at several loads or approaches, each started from the pressures at the step before it.
+        """Solve the contact at several loads or approaches. Each step starts from the pressures of the step before it.
 
         Returns the arrays of `to_step_result`. Raises `NoSolutionError` at the first step whose error exceeds the
         tolerance.
@@ -595,9 +598,11 @@ class ContactSolver:
         if problem.missing is not None and (is_missing := problem.missing.ravel()[result["points"]]).any():
             step = np.repeat(steps[: result["num_points"].size], result["num_points"])[is_missing][0]
             raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
-        last = result["error"].size - 1
-        if last + 1 < steps.size or not result["error"][last] <= self.tolerance:
-            raise self._no_solution_error(steps[last], float(result["error"][last]), int(result["iterations"][last]))
+        last_index = result["error"].size - 1
+        if last_index + 1 < steps.size or not result["error"][last_index] <= self.tolerance:
+            raise self._no_solution_error(
+                steps[last_index], float(result["error"][last_index]), int(result["iterations"][last_index])
+            )
         if not is_load:
             first_point = np.cumsum(result["num_points"]) - result["num_points"]
             steps = np.add.reduceat(result["values"], first_point) * problem.cell_area
@@ -646,7 +651,7 @@ def to_contact_solution(
 
 
 def to_step_result(contact_solution: ContactSolution) -> StepResult:
-    """Convert a contact at one load to named arrays, from which `from_step_result` restores it."""
+    """Convert a contact solution to named arrays, from which `from_step_result` restores the solution."""
     result: StepResult = {name: getattr(contact_solution, name) for name in ("points", "values", "share", "patch")}
     result["num_points"] = np.array([contact_solution.points.size])
     result |= {name: np.array([getattr(contact_solution, name)]) for name in _SCALAR_STEP_NAMES}
@@ -658,7 +663,7 @@ _SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
-    """Restore the contacts that `to_step_result` stored in concatenated arrays, one contact for each load."""
+    """Restore the contact solutions from arrays in which the results of `to_step_result` are concatenated."""
     if problem.turns:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)

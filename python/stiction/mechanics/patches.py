@@ -48,7 +48,7 @@ class PatchSums:
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
-        """Join the patches of several contacts, in the order of the contacts."""
+        """Join the patch sums of several contacts in the order of the contacts."""
         first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
         joined = {
             field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)
@@ -81,7 +81,7 @@ class PatchSums:
         return [self._total(np.where(self.opposes_motion, values, 0.0)) for values in sums]
 
     def _total(self, values: Floats) -> Floats:
-        """Sum values of patches over the patches of each contact."""
+        """Return the sum of a patch quantity over the patches of each contact."""
         return np.asarray(np.add.reduceat(values, self.first_patch, axis=-1))
 
 

@@ -36,8 +36,8 @@ MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one load of a tilting surface
 # Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Smallest change of the moment per unit slope for which a tilt is computed.
-# The moment per unit slope is divided by (mean pressure) · (side length)² / (standard deviation of the gap).
+# Amount by which the change of the moment per unit slope is increased, so that the Newton equations have a solution.
+# Its unit is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
@@ -74,7 +74,7 @@ def solve_with_balanced_tilt(
     def search_balance(
         start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> ContactSolution | None:
-        """Search for the balanced tilt by Newton steps, starting from the tilt of `start`.
+        """Search for the balanced tilt by Newton steps from the tilt of the problem `start`.
 
         Return None if the search fails.
         """
@@ -108,9 +108,9 @@ def solve_with_balanced_tilt(
         return contact_solution
 
     def solve_load(load: float) -> StepResult:
-        last = contact_solutions[-1] if contact_solutions else None
-        start = problem if last is None else last.problem
-        near = None if last is None else last.on_grid(last.values).ravel()
+        last_solution = contact_solutions[-1] if contact_solutions else None
+        start = problem if last_solution is None else last_solution.problem
+        near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
             # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
@@ -131,7 +131,7 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes at which rigid surfaces balance a load.
+    """Return the slopes at which the upper of two rigid surfaces balances a load that acts at its centre.
 
     The load is the sum of the pressures at all points (GPa).
 
