@@ -1,4 +1,4 @@
-"""Bounds on contact area and friction for finer scans, and extrapolation to shorter wavelengths."""
+"""Bounds on the contact area and friction that a finer scan would give, and extrapolated rms gradients."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Smallest spread of ln κ between two resolutions, where κ = A E* h'/F is the area coefficient.
+# Smallest assumed spread of ln κ between two resolutions, where κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
 # Wavelengths to which rms gradients are extrapolated, as fractions of the shortest wavelength of the scan.
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the largest factor by which a finer scan changes the area coefficient κ in 95 % of cases.
+    """Return the largest factor by which a finer scan changes the area coefficient κ, in 95 % of cases.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap from its slopes on the grid, as the half-space model computes them."""
+    """Return the rms gradient of a gap, from the same slopes on the grid as in the half-space model."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the wavelength (µm) at which the rms gradient of a gap reaches `gradient`, and the limits of its interval.
+    """Return the cutoff (µm) at which the rms gradient of a gap equals `gradient`, and the limits of this cutoff.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -75,9 +75,7 @@ def extrapolated_gradients(
 ) -> Floats:
     """Extrapolate the rms gradient of a scan to shorter wavelengths.
 
-    Return an estimate and two limits for each wavelength.
-
-    All numbers are NaN if the Hurst exponent is unknown.
+    Return an estimate and two limits for each wavelength. All numbers are NaN if `estimate` is None.
     """
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
     if estimate is None:
@@ -93,29 +91,33 @@ def extrapolated_gradients(
 
 
 def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floats) -> Floats:
-    """Return the area fractions of elastic contacts for given rms gradients, as arrays (wavelength, load, statistic).
+    """Return the ratio of true to nominal contact area of elastic contacts at given rms gradients.
 
-    `area_of_slope` is the area fraction at an rms gradient of 1, and `spread` the factor of its uncertainty.
+    The axes of the array are wavelengths, loads, and estimate and limits. `area_of_slope` is the area fraction at an
+    rms gradient of 1, and `spread` the factor of its uncertainty.
     """
     spread_factors = np.stack([np.ones(spread.shape), 1 / spread, spread], axis=1)
     return area_of_slope[:, np.newaxis] * spread_factors / gradients[:, np.newaxis, [0, 2, 1]]
 
 
 def interface_area_ratio(gradient: Floats) -> Floats:
-    """Return the ratio of interface area to projected area, 1 + h'²/8, for two surfaces with equal rms slopes h'."""
+    """Return the ratio of interface area to projected area for two equally rough surfaces.
+
+    The ratio is 1 + h'²/8 with the rms gradient h' of the gap.
+    """
     return np.asarray(1 + np.square(gradient) / 8)
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s, for friction at all contacts.
+    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
 
-    The factor is 1 + h'²/16 for height maps with the rms gradient h', and 1 for profiles.
+    The factor is 1 + h'²/16 for height maps whose gap has the rms gradient h', and 1 for profiles.
     """
     return np.asarray(1 + np.square(gradient) / 16 if dimensions == 2 else np.ones(np.shape(gradient)))
 
 
 def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest true contact area that finer scans of a yielding pair can give.
+    """Return the largest true contact area that a finer scan can give if contacts yield.
 
     `area` is the area of this scan, and `plastic_area` is F/H in the same unit. Shorter wavelengths redistribute the
     load between contacts, so the elastic rims of yielding contacts may grow. The limit does not apply to a scan without
@@ -130,7 +132,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the lowest and highest mu_s that finer scans of a yielding pair can give if friction acts at all contacts.
+    """Return the lowest and highest mu_s that a finer scan can give if contacts yield and all contacts have friction.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -144,7 +146,7 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the highest mu_s that finer scans of a yielding pair can give, for numbers or for samples of mu_s."""
+    """Return the highest mu_s that a finer scan can give if contacts yield, from a number or from samples of mu_s."""
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
@@ -154,7 +156,7 @@ def max_friction_for_finer_scans(
 
 
 def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic limits of area and friction, and the bounds for finer scans, to a dataset of `resolution`."""
+    """Add the plastic area F/H, its friction coefficient and bounds for finer scans to a dataset of `resolution`."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

@@ -26,7 +26,8 @@ from stiction.mechanics.model import SlidingRule
 # Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which a specified rms slope may exceed the rms gradient
-# Below this standard deviation of the slopes, the mean of (1 + s²)^(1/2) is a short series, exact to the last bit.
+# Below this standard deviation of the slopes s, the mean of (1 + s²)^(1/2) is computed from a short series, which is
+# exact to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -34,7 +35,7 @@ _R = TypeVar("_R")
 
 
 def validate_positive_arguments(**arguments: ArrayLike) -> list[Floats]:
-    """Check that all arguments of a function are positive, and return them as arrays."""
+    """Check that all arguments are positive, and return them as arrays."""
     arrays = []
     for name, values in arguments.items():
         array = float_array(name, values)
@@ -498,7 +499,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Lengths are divided by the contact radius at zero load or by the height δ, and loads by 3/2 π w R.
+        # Contact radii a are divided by the radius at zero load, heights by δ, and loads by 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -833,7 +834,7 @@ def hardness_under_shear(
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient after junction growth if all contacts yield.
+    """Compute the friction coefficient of contacts that all yield, after junction growth.
 
     Parameters
     ----------

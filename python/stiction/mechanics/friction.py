@@ -1,4 +1,4 @@
-"""Normal and tangential load of a contact from contact sums: F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Friction law, and loads from sums over contacts: F = elastic + mu0 · frictional + tau0 · adhesive.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -54,10 +54,10 @@ STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # NumPy
 _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
 LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
-"""Names of the contact sums that determine the normal and the tangential load for every mu0 and tau0."""
+"""Names of the sums over contacts that give the normal and the tangential load for any mu0 and tau0."""
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
-"""Largest magnitude of a coefficient that is attributed to round-off."""
+"""Largest magnitude of a friction coefficient that counts as round-off."""
 
 MAX_SHEAR_STRENGTH_RATIO, MAX_RUBBER_SHEAR_STRENGTH_RATIO = 0.1, 1.0
 """Maximum plausible ratios tau0/E* for stiff bodies, and for rubber and gels.
@@ -69,27 +69,26 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 
 
 PLANE_STRAIN_RATIO = 2 + np.pi
-"""Ratio of hardness to shear strength of a flat punch in plane strain, to which slip-line formulas are scaled."""
+"""Ratio H/k of hardness to shear strength for a flat punch in plane strain, the case of the slip-line formulas."""
 
 MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
-"""Ratios of hardness to shear strength: plane strain, central value, and a rough circular flat punch.
+"""Ratios of hardness to shear strength: minimum (plane strain), central value, maximum (rough circular flat punch).
 
 Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 11 (1960) 33.
 """
 
 MAX_BULK_SHEAR_EFFECT = 0.05
-"""Largest fraction of the friction force that shear of the softer body may remove and that is still neglected."""
+"""Relative reduction of the friction force by shear of the softer body up to which the reduction is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Limits of the table of `_fraction_below`: smallest mean pressure, as a fraction of the largest, and entries per axis.
-"""
+"""Smallest mean pressure in the table of `_fraction_below`, relative to the largest, and number of entries per axis."""
 
 NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
 
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Friction law: a contact with force F and true area A carries mu0 F + tau0 A.
+    """Friction law: a contact with normal force F and true area A has the friction force mu0 F + tau0 A.
 
     Contacts that yield carry less pressure while they are sheared. Their pressure at the onset of sliding follows from
     slip lines, or from p² + α τ² = H². Elastic contacts of soft bodies lose area while they are sheared.
@@ -126,12 +125,12 @@ class FrictionLaw:
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
         """
-        elastic, *strength_sums = (_get_sum(sums, f"{name}_{part}") for part in _LOAD_CONTRIBUTIONS)
+        elastic, *strength_sums = (_get_sum(sums, f"{name}_{contribution}") for contribution in _LOAD_CONTRIBUTIONS)
         frictional, adhesive = self.contributions(*strength_sums)
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient, tangential load by normal load, from contact sums.
+        """Return the friction coefficient, the tangential load divided by the normal load, from contact sums.
 
         Arguments are as for `load`.
         """
@@ -139,7 +138,7 @@ class FrictionLaw:
         return np.asarray(tangential / normal)
 
     def yield_pressure(self, hardness: Any) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or NaN if they seize.
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or NaN if the contacts seize.
 
         The pressure is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
         """
@@ -149,7 +148,7 @@ class FrictionLaw:
         return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient of contacts that all yield, or NaN if they seize.
+        """Return the friction coefficient if all contacts yield, or NaN if the contacts seize.
 
         With slip lines, it is at most 2/R, the coefficient of contacts whose softer body shears. R is the ratio of
         hardness to shear strength.
@@ -158,16 +157,16 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the relative change of the friction coefficient of yielding contacts if they grow by slip-line theory.
+        """Return the relative change of the plastic friction coefficient due to junction growth by slip-line theory.
 
         The change is negative if the softer body shears.
         """
-        without = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
+        plain_coefficient = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
         slip_lines = FrictionLaw(self.mu0, self.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
-        return float(slip_lines.plastic_coefficient(hardness)) / without - 1 if without > 0 else 0.0
+        return float(slip_lines.plastic_coefficient(hardness)) / plain_coefficient - 1 if plain_coefficient > 0 else 0.0
 
     def is_stronger_than_body(self, hardness: Any) -> Any:
-        """Return whether the interface of yielding contacts is stronger than a body with a given hardness (GPa)."""
+        """Return whether yielding contacts have a stronger interface, in shear, than a body of given hardness (GPa)."""
         if not self.uses_slip_lines:
             return self.bulk_strength_ratio(hardness) >= 1
         return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
@@ -183,7 +182,7 @@ class FrictionLaw:
     def onset(
         self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
     ) -> OnsetState:
-        """Return the state of the contacts at the onset of sliding.
+        """Return the state of yielding or elastic contacts at the onset of sliding.
 
         Parameters
         ----------
@@ -229,16 +228,16 @@ class FrictionLaw:
             # At the limit pressure, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
-            limited = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
+            limited_traction = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
                 adhesive, strength
             )
-            fraction = limited / (frictional + adhesive)
+            fraction = limited_traction / (frictional + adhesive)
         return np.where(fraction < 1 - MAX_BULK_SHEAR_EFFECT, fraction, 1.0)
 
 
 @dataclass(frozen=True)
 class OnsetState:
-    """State of contacts at the onset of sliding.
+    """State of contacts at the onset of sliding: plastic friction coefficient, true area and friction fraction.
 
     Attributes
     ----------
@@ -309,12 +308,15 @@ def _tabulate_fractions_below() -> Floats:
     means = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
     means = np.minimum(means, 0.9999)  # a mean of 1 would give the rate 0, whose logarithm is not finite
     shape = 1.5 - 0.65 * means
-    low, high = np.full_like(means, -12.0), np.full_like(means, 12.0)
+    log_low, log_high = np.full_like(means, -12.0), np.full_like(means, 12.0)
     for _ in range(60):
-        middle = 0.5 * (low + high)
-        rate = np.exp(middle)
+        log_middle = 0.5 * (log_low + log_high)
+        rate = np.exp(log_middle)
         is_mean_larger = gamma(1 / shape) * gammainc(1 / shape, rate) / shape / rate ** (1 / shape) > means
-        low, high = np.where(is_mean_larger, middle, low), np.where(is_mean_larger, high, middle)
+        log_low, log_high = (
+            np.where(is_mean_larger, log_middle, log_low),
+            np.where(is_mean_larger, log_high, log_middle),
+        )
     ratios = np.linspace(0.0, 1.0, NUM_TABULATED_VALUES)
     with np.errstate(divide="ignore"):
         limits = means * ratios / (1 - ratios)
@@ -322,9 +324,9 @@ def _tabulate_fractions_below() -> Floats:
 
 
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
-    """Return the pressure p at which p² + α (mu0 p + tau0)² = H²."""
+    """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # If the contact seizes, the difference of the two squares is zero or negative.
+    # If the contact seizes, this difference of squares is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -335,7 +337,7 @@ def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
-    """Sums over contacts that determine normal and tangential loads for any mu0 and tau0."""
+    """Sums over all contacts of a pair, from which normal and tangential loads follow for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -434,7 +436,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
     for name, quantity in QUANTITIES.items()
     if quantity.kind == "validity"
 }
-"""Numerator and denominator of each validity indicator, as names of sums."""
+"""Names of the contact sums in the numerator and in the denominator of each validity indicator."""
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
@@ -474,7 +476,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return the contact sums that give normal and tangential load, each sum divided by the elastic normal load."""
+    """Return the contact sums of the normal and the tangential load, each divided by the elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -488,7 +490,7 @@ class FrictionCurve(PlotReprMixin):
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the normal load F_N (mN) at each step. The arrays of mu0 and tau0 (GPa) are broadcast.
+        """Return the normal load F_N (mN) at each loading step. The arrays of mu0 and tau0 (GPa) are broadcast.
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
@@ -513,7 +515,7 @@ class FrictionCurve(PlotReprMixin):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each step. Arguments are as for `normal_load`."""
+        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each loading step, from mu0 and tau0 (GPa)."""
         normal_load = self._broadcast_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 

@@ -12,14 +12,13 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MAX_CLOSURE_EXTRAPOLATION = (
-    10.0  # largest accepted maximum closure V of a fit, in multiples of the largest computed closure
-)
+# A fit is rejected if its maximum closure V is larger than this multiple of the largest computed closure.
+MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Bandis' closure law of a joint, p = K c / (1 - c/V), with the deviation of its fit.
+    """Bandis' law p = K c / (1 - c/V) of a joint, with pressure p, closure c, and largest deviation of the fit.
 
     Attributes
     ----------

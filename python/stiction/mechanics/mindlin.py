@@ -37,7 +37,7 @@ NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes with which a smooth 
 def compliance_ratio(
     poisson: float | Sequence[float], compliance_share: float, transverse_fraction: Floats | float = 0.5
 ) -> Floats:
-    """Return the tangential compliance of two bodies divided by their normal compliance, E*/E*_t.
+    """Return the ratio of the tangential to the normal compliance of two bodies, E*/E*_t.
 
     The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
     Johnson, Contact Mechanics, 1985, eq. 3.75). `transverse_fraction` is the mean of sin²: 1/2 for circles
@@ -49,7 +49,7 @@ def compliance_ratio(
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the stiffnesses (mN/µm) of elliptic punches, π E* a/K(1 - b²/a²), along both axes.
+    """Return the normal stiffness (mN/µm) of each elliptic punch, π E* a/K(1 - b²/a²), from its semi-axes a >= b.
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -116,7 +116,8 @@ class AsperityTangentialProblem:
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # The tangential load is a concave function of the displacement, so its initial tangent gives a lower bound.
+            # The tangential load is a concave function of the displacement, so its initial tangent bounds the
+            # displacement from below.
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -149,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths of all springs, 3/4 mu0 F s² + 2/π tau0 A s, with s = (1 - t²)^(1/2) in `sine`."""
+        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, with s = (1 - t²)^(1/2) in `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
@@ -179,7 +180,7 @@ class AsperityTangentialProblem:
 
 
 class HalfSpaceTangentialProblem:
-    """Half-space contact at one normal load under a tangential load."""
+    """Half-space contact at a constant normal load, and its slip states under tangential loads."""
 
     def __init__(
         self,
@@ -257,7 +258,7 @@ class HalfSpaceTangentialProblem:
         )
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that slip dissipates in first loading: Σ traction times slip times cell area.
+        """Return the energy (mN µm) that slip dissipates in first loading: the sum of traction · slip · cell area.
 
         The sum is over the slipping points. The energy does not depend on the displacement of distant points.
         """

@@ -164,7 +164,6 @@ class Onset(PlotReprMixin):
     def traction(self, index: int) -> Floats:
         """Return the traction (GPa) of each grid point at `tangential_load[index]`; 0 outside the contact.
 
-        The traction is 0 outside the contact.
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 
         Raises
@@ -338,11 +337,11 @@ def compute_onset(
 
 DEFAULT_POISSON_RATIO = 0.3  # Poisson's ratio of both bodies if the study specifies none
 MIN_RELATIVE_STRENGTH = 1e-9
-"""Smallest mu0, or smallest ratio of tau0 to the modulus, for an onset. Smaller strengths are lost in round-off."""
+"""Smallest mu0, or smallest tau0/E*, for which an onset of sliding is computed. Less friction is lost in round-off."""
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert a negative index, which counts from the end, to a nonnegative index."""
+    """Check an index, and return it as a nonnegative index. A negative index counts from the end."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -353,7 +352,7 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 
 def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
-    """Check that mu0 or tau0 (GPa) is large enough for an onset, and return both."""
+    """Check that mu0 and tau0 (GPa) are not both negligible, and return both as floats."""
     values = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
     if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
@@ -364,7 +363,10 @@ def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) ->
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
-    """Parse one direction of motion (degrees from +x towards +y). For profiles, it must be along x."""
+    """Parse a single direction of motion, and return its angle from +x towards +y in degrees.
+
+    With `line`, for profiles, the direction must be along x.
+    """
     model = ContactModel(direction=direction)
     if model.angles().ndim > 0:
         raise ValueError(f"direction must be a single angle, got {short_repr(direction)}")
@@ -386,7 +388,7 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
 
 
 def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return fractions of the sliding load. An integer n stands for n equal steps up to 1."""
+    """Return the fractions of the sliding load that `steps` specifies. An integer n means n equal steps up to 1."""
     if np.ndim(steps) == 0:
         count = validate_whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count
@@ -429,7 +431,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Find the tangential load at which the displacement has a given size (µm), and return the slip state."""
+    """Find the slip state at a given displacement (µm), by a search for its tangential load."""
     from scipy.optimize import brentq
 
     sliding_displacement = sliding_state.displacement

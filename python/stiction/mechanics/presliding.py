@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
-MIN_FIT_POINTS = 3  # minimum number of load steps for a fit of two parameters
+MIN_FIT_POINTS = 3  # minimum number of load steps for a fit of the two Iwan parameters
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -32,16 +32,15 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 # Longest default cutoff wavelength, as a fraction of the shortest side of the surfaces.
 _MAX_CUTOFF_RATIO = 1 / 30
-# Friction at all contacts comes first, because most measured values of mu0 refer to this rule.
+# The rule "all" comes first, because most measured values of mu0 refer to friction at all contacts.
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ = A E* h'/F at small loads; on Gaussian maps, κ is 2.05 to 2.5
 # Attributes of a load curve that have one number per load, which is the same for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-_VARIABLE_NAMES_BY_FIELD = {
-    "load_share_at_hardness": "load_fraction_at_hardness"
-}  # names of result variables that differ from the attributes of a load curve
+# Names of result variables that differ from the names of the attributes of a load curve.
+_VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
 
 
 def resolution(
@@ -294,7 +293,7 @@ class _BodyPair:
 
 
 def _solve_at_loads(
-    upper: Any, lower: Any, loads: Floats, along: tuple[Direction, ...], **options: Any
+    upper: Any, lower: Any, loads: Floats, directions: tuple[Direction, ...], **options: Any
 ) -> dict[str, Floats]:
     """Solve the contact of two bodies at all loads (mN), and return the results by name.
 
@@ -310,7 +309,7 @@ def _solve_at_loads(
             curve_for_rule = curve if sliding == curve.sliding else curve.with_sliding(sliding)
             curves = [curve_for_rule]
             if curve.direction.ndim == 0:
-                curves = [curve_for_rule.with_direction(direction) for direction in along]
+                curves = [curve_for_rule.with_direction(direction) for direction in directions]
             for name in LOAD_SUM_NAMES:
                 sums = [np.atleast_2d(getattr(directed_curve, name)) for directed_curve in curves]
                 results[name][rule_index, indices] = np.mean(sums, axis=(0, 1))
@@ -324,7 +323,7 @@ def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return the dataset of contact areas, pressures and sums over the cutoff, with NaN where the solver failed."""
+    """Return area, pressure and contact sums at each cutoff as a dataset, with NaN where the solver failed."""
     import xarray as xr
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
@@ -381,7 +380,7 @@ def _add_plastic_limits(
     result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
     hardness: float | None, parameters: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, the plastic wavelength and extrapolated elastic contacts to a `resolution` dataset."""
+    """Add the plastic limit, the plastic wavelength and extrapolated elastic areas to a `resolution` dataset."""
     gap = pair.compute_gap(pair.upper, pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
     estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)

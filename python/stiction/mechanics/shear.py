@@ -132,7 +132,7 @@ class ShearBox:
         return _measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
-        """Return the offsets of the upper face along the path, in grid points, with shape (count, axes).
+        """Return the offsets of the upper face in grid points along the path, with shape (count, axes).
 
         The offsets are spread evenly over the path (µm) and rounded to grid points, without repetitions.
         """
@@ -206,7 +206,7 @@ class ShearBox:
         return np.asarray((offsets * self.lower.spacings) @ self._motion)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
-        """Return the first grid points of the overlap, on the upper and on the lower face, and the overlap's shape."""
+        """Return the first grid point of the overlap on the upper and the lower face, and the shape of the overlap."""
         lower_start = [max(0, int(step)) for step in offset]
         upper_start = [start - int(step) for start, step in zip(lower_start, offset, strict=True)]
         shape = [
@@ -242,7 +242,7 @@ class ShearBox:
 
     @cached_property
     def _slopes(self) -> tuple[list[Floats], list[Floats]]:
-        """Slopes of the upper and of the lower face along each axis."""
+        """Slopes of the upper and of the lower face along each axis, at all grid points."""
         upper_slopes, lower_slopes = (
             grid_slopes(body.heights, body.spacings, periodic=self.boundary == "periodic")
             for body in (self.upper, self.lower)
@@ -250,7 +250,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array over the overlap that marks the edges of the two faces.
+        """Return an array that marks the grid points of the overlap at the edges of the two faces.
 
         It is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
@@ -292,7 +292,7 @@ class ShearBox:
     def solve(
         self, offsets: NDArray[np.int64], record: SolutionRecord, progress: Callable[[int, int], object] | None = None
     ) -> list[StepResult]:
-        """Solve the contacts at all offsets, in order.
+        """Solve the contact of the faces at each offset of the upper face, in order.
 
         If the record stores steps, finished steps are not computed again.
         """
@@ -307,16 +307,16 @@ class ShearBox:
         return rows
 
     def _solve_step(
-        self, offset: NDArray[np.int64], first: StepResult | None, previous: StepResult | None
+        self, offset: NDArray[np.int64], first_row: StepResult | None, previous_row: StepResult | None
     ) -> StepResult:
-        """Solve the contact at an offset. The elastic load is varied until the normal load reaches its target."""
+        """Solve the contact at an offset of the upper face, with an elastic load that gives the target normal load."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
         overlap_area = _measured_area(upper, lower)
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
-        if self.stiffness and first is not None and not math.isfinite(float(first["height"])):
+        if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
             # If the height of the first contact is unknown, the dilation and the normal load are unknown too.
             missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
@@ -325,13 +325,13 @@ class ShearBox:
             """Return the normal load minus its target, and the target (mN), for an elastic load (mN)."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
-            if first is None:
+            if first_row is None:
                 return self._normal_load(rows[-1]) - self.load, self.load
-            rise = float(rows[-1]["height"]) - float(first["height"])
+            rise = float(rows[-1]["height"]) - float(first_row["height"])
             target = self.load + (self.stiffness * rise if self.stiffness else 0.0)
             return self._normal_load(rows[-1]) - target, target
 
-        guess = self.load if previous is None else float(previous["elastic_load"])
+        guess = self.load if previous_row is None else float(previous_row["elastic_load"])
         guess = guess if math.isfinite(guess) else self.load
         try:
             status = _find_root(compare_load, guess, self.load, max_load)
@@ -409,7 +409,7 @@ class ShearBox:
         return xr.DataArray(pressure, coordinates, tuple(coordinates), attrs=attributes)
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
-        """Return the solved steps as a dataset over the displacement."""
+        """Return the results of all solved steps as a dataset over the shear displacement."""
         import xarray as xr
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
@@ -439,11 +439,11 @@ class ShearBox:
 
 
 def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
-    return tuple(slice(first, first + count) for first, count in zip(start, shape, strict=True))
+    return tuple(slice(start_index, start_index + count) for start_index, count in zip(start, shape, strict=True))
 
 
 def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return the part of a face in a range of grid rows and columns."""
+    """Return the part of a face within a range of grid rows and columns."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
@@ -465,59 +465,65 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which the excess of the normal load is 0, by a bracketed secant method.
+    """Find the elastic load at which the excess of the normal load is 0, and return the status of the search.
 
-    Return the status.
-
-    The last call of `compare_load` is at this elastic load.
+    The method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
-    below, above = 0.0, max_load  # elastic loads between which the solution lies
-    trial, last = min(guess, 0.9 * max_load), None
+    lower_load, upper_load = 0.0, max_load  # elastic loads between which the solution lies
+    trial_load, last_trial = min(guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
-        excess, target = compare_load(trial)
+        excess, target = compare_load(trial_load)
         if abs(excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK
-        below, above = (trial, above) if excess < 0 else (below, trial)
-        if excess < 0 and trial > MAX_ELASTIC_LOAD_RATIO * max(target, load):
+        lower_load, upper_load = (trial_load, upper_load) if excess < 0 else (lower_load, trial_load)
+        if excess < 0 and trial_load > MAX_ELASTIC_LOAD_RATIO * max(target, load):
             return STATUS_SELF_LOCKED
-        if excess > 0 and trial < MIN_ELASTIC_LOAD_RATIO * load:
+        if excess > 0 and trial_load < MIN_ELASTIC_LOAD_RATIO * load:
             return STATUS_NO_CONTACT
-        if below > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
+        if lower_load > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
         # In the first step, assume that the normal load is proportional to the elastic load.
-        slope = (excess + target) / trial if last is None else (excess - last[1]) / (trial - last[0])
-        last = trial, excess
-        step = trial - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
-        step = min(max(step, trial / MAX_LOAD_FACTOR), trial * MAX_LOAD_FACTOR)
-        if not below < step < above:
-            step = (trial + (above if excess < 0 else below)) / 2
-        trial = step
+        slope = (
+            (excess + target) / trial_load
+            if last_trial is None
+            else (excess - last_trial[1]) / (trial_load - last_trial[0])
+        )
+        last_trial = trial_load, excess
+        step = trial_load - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
+        step = min(max(step, trial_load / MAX_LOAD_FACTOR), trial_load * MAX_LOAD_FACTOR)
+        if not lower_load < step < upper_load:
+            step = (trial_load + (upper_load if excess < 0 else lower_load)) / 2
+        trial_load = step
     return STATUS_NOT_SOLVED
 
 
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
-    """Return the dilation angle (degrees) at each displacement: the arctangent of the dilation's slope.
+    """Return the dilation angle (degrees) at each displacement: the arctangent of the slope of the dilation.
 
     The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, it is the
     slope of the line to the only neighbour.
     """
     index = np.arange(displacement.size)
-    first, last = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)
-    slopes = (dilation[..., last] - dilation[..., first]) / (displacement[last] - displacement[first])
+    previous_index, next_index = np.maximum(index - 1, 0), np.minimum(index + 1, displacement.size - 1)
+    slopes = (dilation[..., next_index] - dilation[..., previous_index]) / (
+        displacement[next_index] - displacement[previous_index]
+    )
     return np.asarray(np.degrees(np.arctan(slopes)))
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the attributes of a shear curve: peak coefficient, its displacement and status, and final coefficient.
 
-    The peak is NaN if the faces lock. The value at the end is NaN if the faces slide there without a tangential load.
+    The peak is NaN if the faces lock. The final coefficient is NaN if the faces slide without a tangential load.
     """
     names = "peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa"
     summary: dict[str, Any] = dict.fromkeys((*names, "end"), math.nan)
     coefficient, status = dataset["friction_coefficient"].values, dataset["status"].values
     summary["end"] = float(coefficient[-1])
-    lost = [name for name in (STATUS_SELF_LOCKED, STATUS_NOT_REACHED, STATUS_NOT_SOLVED) if (status == name).any()]
-    summary["peak_status"] = lost[0] if lost else STATUS_OK if np.isfinite(coefficient).any() else str(status[0])
+    failures = [name for name in (STATUS_SELF_LOCKED, STATUS_NOT_REACHED, STATUS_NOT_SOLVED) if (status == name).any()]
+    summary["peak_status"] = (
+        failures[0] if failures else STATUS_OK if np.isfinite(coefficient).any() else str(status[0])
+    )
     if summary["peak_status"] == STATUS_OK:
         index = int(np.nanargmax(coefficient))
         displacement, dilation = dataset["displacement"].values, dataset["dilation"].values
