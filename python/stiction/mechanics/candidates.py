@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap is grooved if its range along one axis is less than this fraction of its whole range.
+# A gap counts as constant along an axis if its range along this axis is below this fraction of its whole range.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -75,7 +75,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return one line with the number of contact candidates and the method of the search."""
+        """Return one line with the number of contact candidates, the maximum approach and the curvature requirement."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -157,7 +157,7 @@ def candidates(
         curvature=curvature,
     )  # fmt: skip
     if isinstance(upper, Surface) and len(core) == 0:
-        # The minima of a grooved gap are lines instead of points.
+        # The minima of a gap that is constant along one axis are lines instead of points.
         gap = upper.heights - lower.heights
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
@@ -172,7 +172,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the contact candidates (None if two surfaces were given) and the contact model."""
+    """Return the given contact candidates, or None for two surfaces, and the contact model of the keyword arguments."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

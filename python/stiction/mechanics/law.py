@@ -17,7 +17,7 @@ from stiction._units import short_repr
 
 
 def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a parameter of a contact law: unit ("µm", "GPa" or ""), default and limits.
+    """Return a dataclass field for a parameter of a contact law, with unit ("µm", "GPa" or ""), default and limits.
 
     Parameters without limits must be above 0.
     """
@@ -26,7 +26,10 @@ def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Base class of the contact laws, which give force and area of one contact. `CONTACT_LAWS` lists all laws."""
+    """Base class of the contact laws, which give force and area of a single contact from its overlap and radius.
+
+    `CONTACT_LAWS` lists all laws.
+    """
 
     name: ClassVar[str]
 
@@ -45,7 +48,7 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class HertzSphere(ContactLaw):
-    """Elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact if a << R (a: contact radius).
+    """Hertz law of elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact for contact radii a << R.
 
     Notes
     -----
@@ -61,7 +64,7 @@ class HertzSphere(ContactLaw):
 
 @dataclass(frozen=True)
 class HertzCylinder(ContactLaw):
-    """Elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2). Exact if a << R (a: half-width).
+    """Hertz law of elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 
     Parameters
     ----------
@@ -86,7 +89,7 @@ class HertzCylinder(ContactLaw):
 
 @dataclass(frozen=True)
 class JacksonGreen(ContactLaw):
-    """Elastic, perfectly plastic spheres, described by a fit to finite element results.
+    """Jackson-Green law of elastic, perfectly plastic spheres, a fit to finite element results.
 
     Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν). Above, the contact grows
     faster, and the mean pressure tends to a hardness that decreases from 2.84 S_y as the contact radius a grows.

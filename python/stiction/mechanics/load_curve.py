@@ -199,7 +199,7 @@ class SurfaceLoadCurve(LoadCurve):
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the lateral force (mN) that keeps the upper surface on its path; a force to the left is positive.
+        """Return the lateral force (mN) that keeps the upper surface on its path; positive to the left of the motion.
 
         Shape and arguments are as for `normal_load`.
         """

@@ -33,7 +33,7 @@ _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches that are computed together.
 # Larger approaches take longer, so the computation stops after the batch in which all loads are reached.
 _APPROACHES_PER_BATCH = 16
-# Depth to which contact candidates are searched for, as a multiple of the requested depth.
+# Approach up to which contact candidates are searched for, as a multiple of the largest requested approach.
 _SEARCH_DEPTH_FACTOR = 5.0
 
 
@@ -111,7 +111,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that stores the minima of its gap, so that pressing it again is fast."""
+    """Pair of surfaces that stores the minima of its gap, so that further calls of `press` are fast."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -143,7 +143,7 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a function of the C++ core with the pair's gap minima or, for "cell" detection, with both surfaces."""
+        """Call a function of the C++ core with the minima of the gap or, for "cell" detection, with both surfaces."""
         model = make_pair_model(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":
@@ -165,7 +165,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and its status: "ok", or why it is NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and a status: "ok" or the reason for NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)
@@ -177,8 +177,8 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # Compute approaches with equal ratios, up to the approach at which all points touch.
-    # Parallel surfaces have a gap without range, for which no approach is computed.
+    # Compute approaches with equal ratios, up to the approach at which all points touch. If the surfaces are parallel,
+    # the range of their gap is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)

@@ -35,7 +35,7 @@ MAX_RUBBER_MODULUS = 0.1
 
 
 class MaterialValue(float):
-    """Property of a material: a typical number, its range and its source.
+    """Property of a material: a representative number, its range and its source.
 
     Attributes
     ----------
@@ -59,9 +59,9 @@ class MaterialValue(float):
 
     def __new__(cls, low: float, high: float, source: str) -> MaterialValue:
         """Create a material property from a range of nonnegative numbers."""
-        for name, end in (("low", low), ("high", high)):
-            if validate_number(name, end) < 0:
-                raise ValueError(f"{name} must be at least 0, got {short_repr(end)}")
+        for name, limit in (("low", low), ("high", high)):
+            if validate_number(name, limit) < 0:
+                raise ValueError(f"{name} must be at least 0, got {short_repr(limit)}")
         representative = low if low == high else math.sqrt(low * high) if low > 0 else high / 2
         value = super().__new__(cls, representative)
         value.low, value.high, value.source = low, high, source
@@ -117,7 +117,7 @@ class Material:
 
 
 def material(name: str) -> Material:
-    """Return a material by its name.
+    """Return a built-in material by its name or an alias.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def material(name: str) -> Material:
 
 @cache
 def materials() -> tuple[Material, ...]:
-    """Return all materials.
+    """Return all built-in materials, sorted by kind and name.
 
     Returns
     -------
@@ -210,7 +210,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction of the compliance of two bodies that the lower body contributes.
+    """Return the fraction that the lower body contributes to the compliance of two bodies.
 
     Parameters
     ----------
@@ -241,10 +241,10 @@ def compliance_fraction(upper: Material, lower: Material) -> float:
     >>> round(compliance_fraction(material("steel"), material("ptfe")), 3)
     0.997
     """
-    first, second = (
+    upper_modulus, lower_modulus = (
         _validate_material(name, body).plane_strain_modulus for name, body in (("upper", upper), ("lower", lower))
     )
-    return first / (first + second)
+    return upper_modulus / (upper_modulus + lower_modulus)
 
 
 def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
@@ -296,10 +296,10 @@ def is_coating_formula(name: str) -> bool:
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 
-def _is_formula_of_another_material(name: str, other: Material) -> bool:
+def _is_formula_of_another_material(name: str, other_material: Material) -> bool:
     """Return whether a name is a formula that equals the other name except for case, such as "TiN" and "tin"."""
     letters = "".join(character for character in name if character.isalnum())
-    exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other))
+    exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other_material))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):
         return False
     words = re.findall(r"[^\W\d_]+", name)

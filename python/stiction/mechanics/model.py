@@ -100,7 +100,7 @@ class ContactModel:
         self.core()
 
     def angles(self) -> Floats:
-        """Return the directions of motion in degrees from +x towards +y.
+        """Return the directions of motion of the upper surface in degrees from +x towards +y.
 
         The shape is () for one direction and (m,) for a sequence.
         """
@@ -108,7 +108,7 @@ class ContactModel:
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
-        """Return the m directions of motion as unit vectors (x, y), with shape (m, 2)."""
+        """Return the m directions of motion of the upper surface as unit vectors (x, y), with shape (m, 2)."""
         return np.array([_unit_vector(angle) for angle in self._angles])
 
     def _has_many_directions(self) -> bool:
@@ -124,13 +124,13 @@ class ContactModel:
         )
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles, whose direction of motion must be along x."""
+        """Return the model with the defaults for profiles. Raise a `ValueError` if its direction is not along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction on profiles must be "+x" or "-x", got {short_repr(self.direction)}')
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
-        """Return the model with the defaults for surfaces."""
+        """Return the model with the defaults for surfaces. Raise a `ValueError` if the model is for profiles only."""
         if self.detection == "cell":
             raise ValueError(
                 'detection must be "gap-minimum" on surfaces, got "cell", which the paper defines only along a line'
@@ -164,7 +164,7 @@ class ContactModel:
 
 
 def _parse_angle(direction: Any) -> float:
-    """Parse a direction of motion (degrees from +x towards +y), and return it from 0 up to 360."""
+    """Parse a direction of motion, and return its angle from +x towards +y, from 0 to below 360 degrees."""
     if isinstance(direction, str):
         if direction not in ("+x", "-x"):
             raise ValueError(f'direction must be "+x", "-x" or an angle in degrees, got {short_repr(direction)}')
@@ -227,9 +227,9 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given effective modulus (GPa), or the default modulus if the surfaces are generated.
+    """Return the given effective modulus (GPa), or the default modulus if none is given for generated surfaces.
 
-    For generated surfaces, the default is the modulus of the paper. For measured surfaces, a modulus is required.
+    The default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
     if effective_modulus is None:
         check_modulus_is_given({}, *bodies)
@@ -244,7 +244,7 @@ def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Su
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` that requires a modulus if one of the history entries names a file."""
+    """Raise a `ValueError` for a missing effective modulus if any of the history entries is not empty."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "

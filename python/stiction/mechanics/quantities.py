@@ -66,7 +66,7 @@ class ResultQuantity:
     numerator: str = ""
     denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a validity indicator
     sum_under_load: str = ""  # for a sum at zero load: name of the corresponding sum under load
-    # range to which the limits of an interval of the quantity are restricted
+    # range to which the limits of the quantity's interval are clipped
     bounds: tuple[float, float] = (-math.inf, math.inf)
     # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
@@ -93,7 +93,7 @@ class ResultQuantity:
 
     @property
     def table_unit(self) -> str:
-        """Unit of the quantity in tables and reports: "%", or the core's unit without a prefix."""
+        """Unit of the quantity in tables and reports, before a prefix is chosen: "%" or `unit`."""
         return "%" if self.percent else self.unit
 
     @property
@@ -161,10 +161,11 @@ def _directed_sum_quantities() -> dict[str, ResultQuantity]:
     )
 
 
-def _zero_load_quantity(part: str, unit: str) -> ResultQuantity:
+def _zero_load_quantity(contribution: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
-        unit=unit, words=f"{part} part of the tangential load without a normal load", kind="sum", along=_MOTION_AXES,
-        sum_under_load=f"tangential_{part}", stored=frozenset({"adhesion"}),
+        unit=unit, words=f"{contribution} part of the tangential load without a normal load", kind="sum",
+        along=_MOTION_AXES,
+        sum_under_load=f"tangential_{contribution}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
@@ -516,17 +517,17 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "rms": _coordinate_quantity("um", "Sq of each surface", "Sq"),
     "effective_modulus": _coordinate_quantity("GPa", "effective modulus"),
 }  # fmt: skip
-"""Descriptions of all quantities and coordinates of results, in the order in which outputs show them."""
+"""Descriptions of all quantities and coordinates of results, by name, in the order in which outputs show them."""
 
 
 def select_quantity_names(condition: Callable[[ResultQuantity], Any]) -> tuple[str, ...]:
     """Return the names of the quantities that fulfil a condition, in the order of the table."""
-    return tuple(name for name, each in QUANTITIES.items() if condition(each))
+    return tuple(name for name, quantity in QUANTITIES.items() if condition(quantity))
 
 
 def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
     """Return the names of the quantities that an output, such as "csv" or "report", shows."""
-    return select_quantity_names(lambda each: view in each.shown)
+    return select_quantity_names(lambda quantity: view in quantity.shown)
 
 
 def is_requested(name: str, names: Collection[str] | None) -> bool:
@@ -553,87 +554,95 @@ AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
 """Additional sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(
-    select_quantity_names(lambda each: each.kind == "sum" and each.along == (*_MOTION_AXES, "step"))
+    select_quantity_names(lambda quantity: quantity.kind == "sum" and quantity.along == (*_MOTION_AXES, "step"))
 )
 """Sums that depend on the direction and on the sliding rule."""
 
 HALF_SPACE_SUM_QUANTITIES = (
     *(name for name in SUM_QUANTITIES if "half-space" in QUANTITIES[name].stored),
-    *select_quantity_names(lambda each: "half-space" in each.stored and "asperities" not in each.stored),
+    *select_quantity_names(lambda quantity: "half-space" in quantity.stored and "asperities" not in quantity.stored),
 )
 """Quantities that a half-space result stores for each pair at each load."""
 
-YIELDING_QUANTITIES = select_quantity_names(lambda each: "yielding" in each.stored)
+YIELDING_QUANTITIES = select_quantity_names(lambda quantity: "yielding" in quantity.stored)
 """Quantities that a half-space result also stores if yielding below the surface increases the contact area."""
 
-ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and each.along == _MOTION_AXES)
+ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(
+    lambda quantity: "adhesion" in quantity.stored and quantity.along == _MOTION_AXES
+)
 """Sums that determine the tangential load at the onset of sliding without a normal load, for any mu0 and tau0."""
 
-PULL_OFF_QUANTITIES = select_quantity_names(lambda each: "adhesion" in each.stored and not each.along)
+PULL_OFF_QUANTITIES = select_quantity_names(lambda quantity: "adhesion" in quantity.stored and not quantity.along)
 """Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""
 
 ADHESION_QUANTITIES = (
-    *select_quantity_names(lambda each: "adhesion" in each.stored and "step" in each.along),
+    *select_quantity_names(lambda quantity: "adhesion" in quantity.stored and "step" in quantity.along),
     *PULL_OFF_QUANTITIES,
     *ZERO_LOAD_SUM_QUANTITIES,
 )
 """Additional quantities in results of adhesive bodies. All except the first are independent of the load."""
 
-LOAD_INDEPENDENT_QUANTITIES = select_quantity_names(lambda each: "table" in each.shown and "step" not in each.along)
+LOAD_INDEPENDENT_QUANTITIES = select_quantity_names(
+    lambda quantity: "table" in quantity.shown and "step" not in quantity.along
+)
 """Quantities of adhesive bodies that do not depend on the load."""
 
-ONSET_QUANTITIES = select_quantity_names(lambda each: "onset" in each.stored)
+ONSET_QUANTITIES = select_quantity_names(lambda quantity: "onset" in quantity.stored)
 """Quantities of the onset of sliding that a result of generated bodies stores, if its study requests them."""
 
-DISTRIBUTION_QUANTITIES = select_quantity_names(lambda each: "fraction_below" in each.along)
+DISTRIBUTION_QUANTITIES = select_quantity_names(lambda quantity: "fraction_below" in quantity.along)
 """Quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
-GAP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and "step" not in each.along)
+GAP_QUANTITIES = select_quantity_names(lambda quantity: "measured" in quantity.stored and "step" not in quantity.along)
 """Quantities of the gap of each member, which do not depend on the load."""
 
-LOAD_STEP_QUANTITIES = select_quantity_names(lambda each: "measured" in each.stored and each.along == _STEP_AXIS)
+LOAD_STEP_QUANTITIES = select_quantity_names(
+    lambda quantity: "measured" in quantity.stored and quantity.along == _STEP_AXIS
+)
 """Status and statistics that a result of measured bodies stores for each member at each load."""
 
-RATIO_QUANTITIES = select_quantity_names(lambda each: each.kind in ("ratio", "validity") and each.along == _STEP_AXIS)
+RATIO_QUANTITIES = select_quantity_names(
+    lambda quantity: quantity.kind in ("ratio", "validity") and quantity.along == _STEP_AXIS
+)
 """Quantities at a load that are ratios of contact sums."""
 
 STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
-    lambda each: each.kind == "ratio" and each.unit == STIFFNESS_PER_AREA_UNIT
+    lambda quantity: quantity.kind == "ratio" and quantity.unit == STIFFNESS_PER_AREA_UNIT
 )
 """Stiffnesses divided by the nominal area."""
 
 STIFFNESS_QUANTITIES = select_quantity_names(
-    lambda each: each.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and each.along == _STEP_AXIS
+    lambda quantity: quantity.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and quantity.along == _STEP_AXIS
 )
-"""Stiffnesses at a load. Their mean is the inverse of the mean compliance: the derivative of a mean displacement."""
+"""Stiffnesses at a load. Their mean over members is the inverse of the mean compliance."""
 
-UNCERTAINTY_QUANTITIES = select_quantity_names(lambda each: each.kind == "uncertainty" and each.is_directed)
+UNCERTAINTY_QUANTITIES = select_quantity_names(lambda quantity: quantity.kind == "uncertainty" and quantity.is_directed)
 """Uncertainties of the coefficient averaged over all directions."""
 
 VALIDITY_RATIO_OPERANDS = frozenset(
     part
-    for each in QUANTITIES.values()
-    if each.kind == "validity" and each.shown
-    for part in (each.numerator, *each.denominator)
+    for quantity in QUANTITIES.values()
+    if quantity.kind == "validity" and quantity.shown
+    for part in (quantity.numerator, *quantity.denominator)
 )
 """Sums from which the displayed validity indicators are computed."""
 
 INTERPOLATED_QUANTITIES = tuple(
     name
-    for name, each in QUANTITIES.items()
-    if each.stored and each.along == _STEP_AXIS and (each.shown or name in VALIDITY_RATIO_OPERANDS)
+    for name, quantity in QUANTITIES.items()
+    if quantity.stored and quantity.along == _STEP_AXIS and (quantity.shown or name in VALIDITY_RATIO_OPERANDS)
 )
 """Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 
 
 def quantity_attributes(name: str) -> dict[str, str]:
-    """Return the attributes with which a dataset describes a quantity."""
+    """Return the attributes of a dataset variable that describe a quantity: unit and long name."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
 
 INTERVAL_KIND_ATTRIBUTE = "interval_kind"
-"""Name of the variable's attribute that replaces `ResultQuantity.interval_kind`."""
+"""Name of the attribute of a dataset variable that overrides `ResultQuantity.interval_kind`."""
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
