@@ -27,7 +27,7 @@ from stiction.study.interfaces import (
     SLIDING_RULES,
 )
 
-MIN_SLIDING_TESTS = 3  # minimum number of tests that slid for an estimate of the errors of the tests
+MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding from which the errors of the tests are estimated
 
 
 def calibrate(

@@ -29,15 +29,14 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Number of nuisance points that are drawn in each adaptation of their distribution, and maximum number of nuisance
-# points in the result.
-# A nuisance point is one combination of the nuisance parameters.
+# Numbers of nuisance points (combinations of the nuisance parameters): drawn in each adaptation of the proposal
+# distribution, and at most in the result.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Initial number of nuisance points in a result without nuisance parameters, and upper limit of the initial number.
-# Each nuisance parameter doubles the initial number. Points are added until the effective sample size is large enough.
+# Initial number of nuisance points of a result without nuisance parameters, and upper limit of the initial number. Each
+# nuisance parameter doubles the initial number. Points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter, in standard deviations
-MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the distribution from which nuisance points are drawn
+MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the proposal distribution
 # The adaptation ends if the effective sample size is at least this fraction of the number of nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # Nuisance points are added to the result until their effective sample size reaches this number.
@@ -59,7 +58,7 @@ GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # 
 
 @dataclass(frozen=True)
 class _BestFit:
-    """Least-squares fit to friction tests: mu0, tau0, nuisance parameters and residuals."""
+    """Least-squares fit to friction tests: mu0, tau0, nuisance parameters and residuals of the best fit."""
 
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
@@ -73,7 +72,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grid of mu0 and tau0, for each sample of the nuisance parameters."""
+    """Limits of the grids of mu0 and tau0, one grid per sample of the nuisance parameters."""
 
     triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
     deviance_range: float
@@ -88,7 +87,7 @@ class _GridLimits:
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Grid of mu0 and tau0 for each sample of the nuisance parameters, with the log-probability of each cell."""
+    """Grids of mu0 and tau0, one per sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
     # ln(probability) of the tests, without the prior of the nuisance parameters; shape (points, tau0, mu0).
@@ -163,7 +162,7 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients a and b and the right sides of the test equations a mu0 + b tau0 = right side.
+        """Return the coefficients a and b and the right sides of the test equations, a mu0 + b tau0 = right side.
 
         `scores` are normal scores of the nuisance parameters, with the shape (points, nuisances): each point is one
         sample. The coefficients have the shape (points, tests). If mu0 and tau0 (GPa) of shape (points, ...) are given,
@@ -195,8 +194,8 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Exclude strengths at which the interface is stronger than the softer body: tests would not measure
-                    # such an interface.
+                    # Exclude strengths at which the interface is stronger than the softer body, because no test
+                    # measures such an interface.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -224,7 +223,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return how an offset that all tests of a run share changes the residuals, as unit vectors and norms.
+        """Return the change of the residuals by a common offset of all tests in a run, as unit vectors and norms.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -238,7 +237,7 @@ class CalibrationProblem:
             np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Errors of all tests due to scatter between runs, for a relative standard deviation of 1 between runs.
+        # Errors of all tests due to the spread between runs, for a relative standard deviation of 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -274,7 +273,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Divide the equations of tests with sliding by their errors, and remove the correlation of tests in one run.
+        """Divide the equations of tests with sliding by their errors, and remove the correlation of tests of one run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -283,7 +282,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform the equations of tests with sliding so that the tests in one run are uncorrelated.
+        """Transform the equations of tests with sliding so that tests of the same run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -299,7 +298,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of the tests that slid, divided by their errors, and the coefficients of the equations.
+        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -351,7 +350,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of the tests with sliding for each row of `points`, if contacts grow under shear."""
+            """Return residuals of the tests with sliding for each row of `points`, with junction growth."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -371,8 +370,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # The residual is not finite at a step of the fit that makes the interface stronger than the softer
-                # body.
+                # The residual is infinite after a step that makes the interface stronger than the softer body.
                 test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
@@ -459,14 +457,14 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the true area per load, A/F (1/GPa), each the weighted mean over the tests that slid."""
+        """Return samples of the true area per load, A/F (1/GPa), averaged over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that all tests share, or None if the tests have different α or α has no effect.
+        """Junction growth α that all tests share; None if the tests have different α, or if α has no effect.
 
         It is 0 if no test has junction growth, although junction growth would affect at least one test.
         """
@@ -514,16 +512,18 @@ class CalibrationProblem:
         """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
         from scipy.special import ndtr
 
-        first = self._friction[0]
-        if self.shared_hardness is not None and first.area_factor is not None:
-            return np.asarray(self.shared_hardness.quantile(ndtr(scores[first.area_factor.nuisance_name("hardness")])))
+        first_test = self._friction[0]
+        if self.shared_hardness is not None and first_test.area_factor is not None:
+            return np.asarray(
+                self.shared_hardness.quantile(ndtr(scores[first_test.area_factor.nuisance_name("hardness")]))
+            )
         hardnesses = {equation.hardness for equation in self._friction}
-        return np.full(NUM_STRENGTH_PAIRS, first.hardness if len(hardnesses) == 1 else math.nan)
+        return np.full(NUM_STRENGTH_PAIRS, first_test.hardness if len(hardnesses) == 1 else math.nan)
 
     # ---- Density of mu0 and tau0 for given nuisance parameters ------------------------------------------------------
 
     def _evaluate_probability_grids(self, points: Floats) -> _ProbabilityGrid:
-        """Return the log-probability on a grid of mu0 and tau0, for each sample of the nuisance parameters.
+        """Compute the log-probability on a grid of mu0 and tau0 for each sample of the nuisance parameters.
 
         Each row of `points` is one sample. Its last element is the logarithm of the scale of the errors.
         """
@@ -588,7 +588,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / error[:, np.newaxis, np.newaxis]
             )
-        # For each nuisance point, the prior is uniform in mu0 and in tau0 A/F.
+        # The prior of each nuisance point is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -618,7 +618,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the grid limits for contacts that grow under shear, in which mu0 extends around its best fit.
+        """Return the grid limits if contacts grow under shear: the range of tau0, and of mu0 around its best fit.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -637,7 +637,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test limits tau0 from above, because mu0 is at least 0: compute the limit for mu0 = 0.
+            # Each test gives an upper limit of tau0: the tau0 for mu0 = 0, the smallest possible mu0.
             error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -657,15 +657,15 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals vary more slowly with mu0 below its best fit than above.
-        # Below its best fit, residuals vary with mu0 at least as much as without junction growth.
+        # Residuals vary more slowly with mu0 below the best mu0 than above, but at least as much as without junction
+        # growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the lower limit of mu0 on the grid, and the cell width, for each tau0."""
+        """Return the lower limit of mu0 and the width of the mu0 cells at each tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -732,7 +732,7 @@ class CalibrationProblem:
         return self._draw_samples_from_grids(points, grid, log_weight)
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the initial proposal distribution of the nuisance parameters."""
+        """Return mean and covariance of the initial proposal distribution from which nuisance parameters are drawn."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
@@ -753,7 +753,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw samples of the nuisance parameters, and return the samples with their grids and log-weights."""
+        """Draw samples of the nuisance parameters, and return the samples, their grids and their log-weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -776,7 +776,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw mu0, tau0 (GPa) and nuisance parameters from the grid cells, in proportion to the cells' weights."""
+        """Draw mu0, tau0 (GPa) and nuisance parameters from the grid cells, with the weights of the cells."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -801,7 +801,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
-        """Suggest further tests that would separate mu0 from tau0, with the standard errors to expect.
+        """Suggest further tests that would separate mu0 from tau0, each with the expected standard errors of both.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -836,7 +836,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Concatenate the grids of several batches of nuisance samples."""
+    """Concatenate the grids of several batches of nuisance points."""
     limits = [grid.limits for grid in grids]
     names = (
         "triangular_factors",
@@ -867,7 +867,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, known: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Return the nonnegative mu0 and tau0 (GPa) that solve weighted test equations by least squares."""
+    """Return the nonnegative mu0 and tau0 (GPa) that fit the weighted test equations by least squares."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in known]
@@ -899,38 +899,40 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at the best mu0 is near its minimum."""
-    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
-    curvature = second[:, 1] ** 2 + first[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
+    """Return the range of tau0 (GPa) in which the density, at the mu0 that maximizes it, is not negligible."""
+    first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
+    curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (
-        second[:, 2] / second[:, 1],
-        (second[:, 1] * second[:, 2] + first[:, 1] * first[:, 2]) / curvature,
+        second_row[:, 2] / second_row[:, 1],
+        (second_row[:, 1] * second_row[:, 2] + first_row[:, 1] * first_row[:, 2]) / curvature,
     )
-    tau0_at_zero_mu0 = first[:, 2] / np.where(first[:, 1] == 0, 1e-300, first[:, 1])
+    tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first[:, 2] - first[:, 1] * tau0  # mu0 of the best fit, times a positive factor
-        return np.asarray((second[:, 2] - second[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
+        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # mu0 of the best fit, times a positive factor
+        return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(
         [
-            deviance(np.maximum(each, 0.0))
-            for each in (unbounded_best, best_at_bound, tau0_at_zero_mu0, np.zeros(len(unbounded_best)))
+            deviance(np.maximum(tau0, 0.0))
+            for tau0 in (unbounded_best, best_at_bound, tau0_at_zero_mu0, np.zeros(len(unbounded_best)))
         ],
         axis=0,
     )
     max_deviance = min_deviance + deviance_range
-    deviance_at_bound = (second[:, 2] - second[:, 1] * best_at_bound) ** 2 + (
-        first[:, 2] - first[:, 1] * best_at_bound
+    deviance_at_bound = (second_row[:, 2] - second_row[:, 1] * best_at_bound) ** 2 + (
+        first_row[:, 2] - first_row[:, 1] * best_at_bound
     ) ** 2
     half_width, half_width_at_bound = (
-        np.sqrt(max_deviance) / second[:, 1],
+        np.sqrt(max_deviance) / second_row[:, 1],
         np.sqrt(np.maximum(max_deviance - deviance_at_bound, 0.0) / curvature),
     )
     limits = []
     for sign in (-1.0, 1.0):
-        end = unbounded_best + sign * half_width
-        limits.append(np.where(first[:, 2] - first[:, 1] * end >= 0, end, best_at_bound + sign * half_width_at_bound))
+        bound = unbounded_best + sign * half_width
+        limits.append(
+            np.where(first_row[:, 2] - first_row[:, 1] * bound >= 0, bound, best_at_bound + sign * half_width_at_bound)
+        )
     low = np.maximum(limits[0], 0.0)
     return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
@@ -938,10 +940,12 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
 def _find_tau0_range_at_fixed_mu0(
     mu0: float, triangular_factors: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which -2 ln(density) at a fixed mu0 is close to its minimum."""
-    first, second = triangular_factors[:, 0], triangular_factors[:, 1]
-    curvature = second[:, 1] ** 2 + first[:, 1] ** 2
-    centre = (second[:, 1] * second[:, 2] + first[:, 1] * (first[:, 2] - first[:, 0] * mu0)) / curvature
+    """Return the range of tau0 (GPa) in which the density at a fixed mu0 is not negligible."""
+    first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
+    curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
+    centre = (
+        second_row[:, 1] * second_row[:, 2] + first_row[:, 1] * (first_row[:, 2] - first_row[:, 0] * mu0)
+    ) / curvature
     half_width = np.sqrt(deviance_range / curvature)
     low = np.maximum(centre - half_width, 0.0)
     return low, np.maximum(centre + half_width, low + half_width)

@@ -1,4 +1,4 @@
-"""Friction tests, with their contact sums per load and the uncertainty of the true area."""
+"""Friction tests, with their contact sums per load and with the uncertainty of their true area."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from stiction.study.moduli import UncertainModulus, find_default_area_loss, pars
 from stiction.study.study import parse_study_of_dataset
 
 MIN_PLASTIC_AREA_RATIO, NEGLIGIBLE_GROWTH_EFFECT = 0.5, 0.05
-"""Area ratio and growth effect above which a coefficient counts as dependent on junction growth.
+"""Area ratio and growth effect above which a friction coefficient depends on junction growth.
 
 The area ratio is the true area divided by the area of plastic contact. The growth effect is the relative change of the
 coefficient due to junction growth. A coefficient depends on junction growth if it exceeds both limits.
@@ -59,12 +59,12 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = field(default=None, compare=False)  # compared by `moduli` instead
+    effective_modulus: float | str | None = field(default=None, compare=False)  # comparisons use `moduli` instead
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # excluded from comparisons, which use `lost_fraction`
+    # Comparisons use `lost_fraction` instead.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
     # Elastic constants at the central moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
@@ -120,14 +120,14 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """True contact area of a test divided by the computed area, as a function of the uncertain inputs."""
+    """Ratio of the true to the computed contact area of a test, as a function of the uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
     surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share the parameter.
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter.
 
         Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
         """
@@ -141,15 +141,18 @@ class AreaFactor:
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
         """Convert cumulative probabilities of the nuisance parameters to samples of the inputs, by input name."""
-        return {name: each.quantile(columns[self.nuisance_name(name)]) for name, each in self.uncertain_inputs.items()}
+        return {
+            name: estimate.quantile(columns[self.nuisance_name(name)])
+            for name, estimate in self.uncertain_inputs.items()
+        }
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α with which the test is evaluated, or None if the evaluation includes no junction growth."""
+        """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
         return None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
+        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
 
         The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
         growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
@@ -159,14 +162,14 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball, whose contact area is proportional to E*^(-2/3)."""
+    """Area factor of a test with a ball, whose contact area is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
     area_loss: float  # central area loss under shear
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the ratio of true to computed area of a ball as a function of the inputs, or None if it is always 1.
+        """Return the area factor of a ball as a function of the inputs, or None if the factor is always 1.
 
         It is 1 if the moduli are exact and shear does not change the area.
         """
@@ -184,7 +187,7 @@ class _BallAreaFactor(AreaFactor):
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a test on measured surfaces, whose contacts were computed, at one load."""
+    """Area factor of a test on measured surfaces, from a result in which their contacts were computed."""
 
     area: AreaFunction
     load: float
@@ -193,11 +196,11 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the ratio of true to computed area as a function of the inputs, or None if it is always 1."""
+        """Return the area factor as a function of the inputs, or None if the factor is always 1."""
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {
-            name: each.estimate for name, each in inputs.uncertain.items() if name not in ("mu0", "tau0", "creep")
+            name: entry.estimate for name, entry in inputs.uncertain.items() if name not in ("mu0", "tau0", "creep")
         }
         creep = inputs.estimate("creep")
         if wait != 1 and creep is None:
@@ -210,11 +213,11 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α with which the test is evaluated, or None if the evaluation includes no junction growth."""
+        """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
         return self.inputs.estimate("junction_growth")
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area at the onset of sliding divided by the computed area, and the friction fraction.
+        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
 
         The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
         growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
@@ -241,7 +244,7 @@ class _AreaFactorFromResult(AreaFactor):
 
 
 MIN_COEFFICIENT_UNCERTAINTY = 1e-15
-"""Smallest standard uncertainty of a measured coefficient. A smaller one would cause an overflow of the weights."""
+"""Smallest accepted standard uncertainty of a measured coefficient, whose weight would otherwise overflow."""
 
 
 @dataclass(frozen=True)
@@ -343,14 +346,14 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Ratio of true to computed area as a function of the inputs, or None if neither inputs nor shear change it."""
+        """Ratio of true to computed area as a function of the inputs; None if inputs and shear do not change it."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth by slip-line theory would change the coefficient of a test noticeably."""
+    """Return whether junction growth by slip-line theory would change a test's coefficient by more than the limits."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
@@ -399,7 +402,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Average contact sums at a load (mN) over members and directions, and divide the sums by the elastic load."""
+    """Average contact sums at a load (mN) over members and directions, and divide the averages by the elastic load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of values of tau0 that one search for the range of tau0 tests, and number of successively finer searches.
+# Number of values of tau0 in one search for the range of tau0, and number of searches, each in a smaller range.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
 MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative with respect to mu0, as a fraction of 0.1 + mu0
@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the nonnegative mu0 of least squares at each tau0, by the Gauss-Newton method.
+    """Return the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
 
         def draw_scores(name: Hashable) -> Floats:
-            # If the input also affects the tests of the fit, use its samples from the fit.
+            # If the parameter also affects the tests of the fit, use its samples from the fit.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
@@ -116,7 +116,7 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-            """Return coefficients and their upper limits, which are infinite if the softer body shears."""
+            """Return coefficients and their upper limits. An upper limit is infinite if the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
@@ -126,7 +126,7 @@ class Interface(InterfaceStrength):
             return values, np.where(fraction < 1, np.inf, values)
 
         coefficients, upper_coefficients = zip(
-            *(compute_coefficients(*each) for each in self.strength_samples), strict=True
+            *(compute_coefficients(*strengths) for strengths in self.strength_samples), strict=True
         )
         value, lower, _ = cover_credible_intervals(coefficients)
         _, _, upper = cover_credible_intervals(upper_coefficients)
@@ -139,11 +139,11 @@ class Interface(InterfaceStrength):
         if not sums.study.is_measured:
             return value, lower, upper
         combined = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
-        # The mean over a single position has no interval.
+        # The mean over a single position has no interval. Then return the interval of the fit.
         return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the names of an area factor's nuisance parameters that the fit of mu0 and tau0 does not include."""
+        """Return the nuisance parameters of an area factor that the fit of mu0 and tau0 does not include, by name."""
         uncertain_inputs = area_factor.uncertain_inputs
         joint_names = {
             "hardness": "hardness" in uncertain_inputs
