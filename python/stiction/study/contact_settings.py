@@ -111,7 +111,7 @@ LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
 
 
 def _parse_law(value: object) -> LawName | LawTableSettings:
-    """Parse the key `law` of a study file: the name of a contact law, or a section with its parameters."""
+    """Parse the value of the key `law`: the name of a contact law, or a section with the parameters of the law."""
     for name in CONTACT_LAWS_BY_NAME:
         if value == name:
             return name  # type: ignore[return-value]
@@ -458,7 +458,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `half_space` for the materials, adhesion, boundary conditions and tilt."""
+        """Return the arguments of `half_space` that the section sets: materials, adhesion, boundaries and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -497,7 +497,7 @@ class AsperityModelSettings(CommonContactSettings):
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the asperity model of the section for one sliding rule, by default the first rule of the section."""
+        """Return the contact model of the section for one sliding rule, by default the first rule of the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -679,9 +679,9 @@ def parse_contact_settings(
 
 
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add `num_loads` loads (mN) in geometric progression to given loads.
+    """Add a geometric progression of `num_loads` loads (mN), which extends beyond the given loads, to these loads.
 
-    The progression begins below the smallest given load and ends above the largest, both by the factor `margin`.
+    The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     # Leave out a load of the series that nearly equals a requested load.
@@ -703,7 +703,7 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: given loads, and loads around and between them.
+    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
 
     All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
     of successive loads is at most `MAX_AREAL_LOAD_RATIO`.

@@ -22,7 +22,7 @@ from stiction.mechanics.materials import (
 
 # number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded
 NUM_MATERIAL_DIGITS = 3
-# Number of digits of elastic constants from which E* of every pair of materials has three exact digits.
+# Number of digits of elastic constants, from which E* of every pair of materials has three correct digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -35,7 +35,7 @@ class PairElasticity:
     compliance_share: float = 0.5
     poisson_ratio: float | None = None  # Poisson's ratio of the softer body
     hardness: MaterialValue | None = None  # hardness of the softer body, GPa
-    source: str = ""  # description of the effective modulus, if materials are given
+    source: str = ""  # description of E* and the materials for users, if materials are given
     hardness_source: str = ""
     materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
     poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
@@ -169,9 +169,9 @@ def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
 
 
 def _load_material(argument: str, name: str) -> Any:
-    """Load a material by its name.
+    """Return the material that a user names in an argument, or raise an `ArgumentError` with advice.
 
-    The error message for an unknown name states the argument and, if the name looks like a file name, a hint.
+    If the name looks like a file name, the error says which arguments are files.
     """
     try:
         return material(name)

@@ -56,8 +56,7 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# Largest product of the numbers of directions and frequencies of generated surfaces. The product determines the run
-# time.
+# Largest number of directions times number of frequencies of generated surfaces, which determines the run time.
 MAX_HARMONICS = 1_000_000
 
 

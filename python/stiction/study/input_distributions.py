@@ -27,11 +27,12 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# With this number of samples, two inputs that contribute equally have budget fractions that differ by less than 0.01.
+# Number of samples of each input. With fewer samples, the budget fractions of two inputs that contribute equally could
+# differ by more than 0.01.
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest accepted standard uncertainty of an input, relative to its central value
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
-"""Regular expression that finds a range, an uncertainty or a hardness scale in the text of an input."""
+"""Regular expression that finds a range, an uncertainty or a hardness scale in an input's text."""
 
 _VICKERS_BY_ROCKWELL = {
     20: 238,
@@ -48,7 +49,8 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness (HV) of steels by Rockwell C hardness (HRC), from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Half width of the range of a hardness converted from HRC, relative to the hardness: the error is 10 to 20 HV.
+# Half width of the range of a hardness converted from HRC, relative to the hardness. The conversion error is 10 to 20
+# HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean contact pressure (GPa) of a Vickers indentation at 1 HV.
@@ -72,8 +74,8 @@ MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects slip-line theory
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Smallest and largest accepted exponent n of the area of yielding contacts.
-# Fine asperities have exponents far above the lower limit, and steps have exponents below the upper limit.
+# Smallest and largest accepted exponent m of the area of yielding contacts. Fine asperities have exponents far above
+# the lower limit, and steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
 # Largest accepted creep exponent: the hardness falls to a third in each decade of time.
@@ -101,7 +103,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Text of an input: an exact number with up to six digits, or a range as the user wrote it."""
+        """Short text of an input: an exact number with up to six digits, or a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
@@ -129,7 +131,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # probability of negative numbers, which no sample may have
+        # Probability of negative numbers, at which the normal distribution is truncated.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -169,8 +171,8 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
     """Parse the text of an input, such as a range, to a distribution. Single spaces must separate the words."""
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
-        is_uniform, first, last = match.groups()
-        low, high = (_parse_value(name, end, kind) for end in _complete_units(first, last))
+        is_uniform, first_text, last_text = match.groups()
+        low, high = (_parse_value(name, limit, kind) for limit in _complete_units(first_text, last_text))
         if not 0 <= low < high:
             raise ValueError(f"{name} must be a range from a smaller to a larger value, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and low == 0:
@@ -183,14 +185,15 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
             return UncertainInput(math.sqrt(low * high), low, high, "log-normal", text)
         return UncertainInput(0.5 * (low + high), low, high, "normal", text)
     if match := _PLUS_MINUS_PATTERN.fullmatch(text):
-        first, last = match.groups()
-        if percent_match := _PERCENT_PATTERN.fullmatch(last):
-            value = _parse_value(name, f"{first} {percent_match[2]}".strip(), kind)
+        first_text, last_text = match.groups()
+        if percent_match := _PERCENT_PATTERN.fullmatch(last_text):
+            value = _parse_value(name, f"{first_text} {percent_match[2]}".strip(), kind)
             deviation = value * _parse_value(name, percent_match[1], "") / 100
             deviation = math.hypot(deviation, ROCKWELL_CONVERSION_ERROR * value / Z_95) if is_rockwell else deviation
         elif is_rockwell:
             central_value, standard_uncertainty = (
-                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", text_part).strip()) for text_part in (first, last)
+                _parse_number(name, _TRAILING_UNIT_PATTERN.sub("", text_part).strip())
+                for text_part in (first_text, last_text)
             )
             limits = (central_value - Z_95 * standard_uncertainty, central_value + Z_95 * standard_uncertainty)
             if not min(_VICKERS_BY_ROCKWELL) <= limits[0] <= limits[1] <= max(_VICKERS_BY_ROCKWELL):
@@ -198,10 +201,12 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
                 raise ValueError(
                     f"{name} must be from {hardness_limits}, including its uncertainty, got {short_repr(text)}"
                 )
-            low, high = (_parse_value(name, f"{end:g} HRC", kind) for end in limits)
+            low, high = (_parse_value(name, f"{limit:g} HRC", kind) for limit in limits)
             return _convert_rockwell_hardness(low, high, text)
         else:
-            value, deviation = (_parse_value(name, text_part, kind) for text_part in _complete_units(first, last))
+            value, deviation = (
+                _parse_value(name, text_part, kind) for text_part in _complete_units(first_text, last_text)
+            )
         if not deviation > 0:
             raise ValueError(f"{name} must have an uncertainty above 0, got {short_repr(text)}")
         if kind in ("hardness", "modulus") and value < Z_95 * deviation:
@@ -240,9 +245,9 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a number that is not negative.
+    """Parse a nonnegative number, or a quantity with a unit, and return it in core units.
 
-    With `kind`, a text contains a unit, and the value is returned in core units.
+    A text contains a unit if `kind` is not empty.
     """
     if isinstance(source, str) and not kind:
         return _parse_number(name, source)
@@ -489,7 +494,7 @@ def _parse_input_value(name: str, source: Any) -> InputValue:
 
 
 def _make_exact_value(value: float) -> InputValue:
-    """Convert a number or a quantity to an exact input."""
+    """Create an exact input from a number or a quantity."""
     number = float(value)
     text = value.text if isinstance(value, Quantity) else repr(number)
     return InputValue(number, UncertainInput(number, number, number, "exact", text))

@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-SAME_VALUE_TOLERANCE = 1e-3  # a replaced input within this relative difference counts as the input of the study
+SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replacement counts as the input of the study
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
@@ -148,7 +148,7 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of an input (in GPa or dimensionless), with which contacts are computed."""
+        """Return the central value of an input (GPa, or dimensionless), which is the value in contact computations."""
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
@@ -156,11 +156,11 @@ class Inputs:
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return the ratio of E* for samples of the inputs to the central E* of the study."""
+        """Return E* for samples of the inputs, divided by the central E* of the study."""
         return self._modulus.relative_modulus(samples)
 
     def replaced(self, **values: float) -> Inputs:
-        """Return a copy of the inputs with other central values, such as ``hardness=1.2`` (GPa).
+        """Return a copy of the inputs in which some have other central values, such as ``hardness=1.2`` (GPa).
 
         A value that differs from the value of the study has no uncertainty. If it is mu0 or tau0, the joint
         distribution of both no longer applies.
@@ -221,8 +221,8 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the strength of the interface that a study names.
+    """Return the joint distribution of mu0 and tau0 that the interface of a study defines, or None.
 
-    Returns None if the study names no interface, or if the interface file is missing or changed.
+    The result is None if the study names no interface, or if the interface file is missing or changed.
     """
     return Inputs.from_study(study).strength

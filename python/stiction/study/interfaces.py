@@ -53,12 +53,13 @@ MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
-"""Limits of the p-value of a fit's residuals.
+"""Smallest p-values of a fit's residuals for which the rule is not excluded, and for which errors are not scaled.
 
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# A lower limit is moved to the bound of its quantity if the distance is below this fraction of the interval's width.
+# The lower limit of an interval is set to the bound of the quantity, 0, if their distance is below this fraction of the
+# width of the interval.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -78,7 +79,7 @@ ValueWithLimits = tuple[float, float, float]  # a number with the lower and the 
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Fit of mu0 and tau0 to friction tests under one sliding rule: joint samples, and the quality of the fit."""
+    """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
     chi_squared: float  # chi-squared of the best fit; meaningless if the tests have no given errors
@@ -317,7 +318,7 @@ class InterfaceStrength:
 
 
 def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median and the limits of the 95 % credible interval of a sample set.
+    """Return the median of samples and the limits of their 95 % credible interval.
 
     The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
     shortest interval is returned.
@@ -337,8 +338,8 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
 
 
 def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
-    """Return the median of the first sample set, and an interval that covers the credible intervals of all sets."""
-    values, lows, highs = zip(*(compute_credible_interval(each, 0.0) for each in samples), strict=True)
+    """Return the median of the first sample set, and the interval that covers the 95 % intervals of all sets."""
+    values, lows, highs = zip(*(compute_credible_interval(sample_set, 0.0) for sample_set in samples), strict=True)
     return values[0], min(lows), max(highs)
 
 
@@ -460,7 +461,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read one interface file, or all in a directory, and return kind, mu0, tau0 and other texts by file name.
+    """Read an interface file, or all in a directory, and return kind, mu0, tau0 and other texts by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -506,7 +507,7 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            # raises an error whose message lists the published interfaces
+            # `named` raises an error whose message lists the published interfaces.
             strength = InterfaceStrength.named(name_or_path)
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)

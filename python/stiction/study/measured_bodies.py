@@ -1,4 +1,4 @@
-"""Measured bodies of a study: keys of the study file, and reading, preparation and checksums of scan files."""
+"""Measured bodies of a study: keys of the study file, and the reading, preparation and checksums of scan files."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:
-    """Wrapper of a measured body that the user has passed as an object instead of a file.
+    """Wrapper of a measured body that the user passes as an object instead of a file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -259,7 +259,7 @@ class MeasuredBodySettings(SettingsSection):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, directory: Path, side: str) -> MeasuredBodySettings:
-        """Write bodies in memory to files in a directory, and return a copy that refers to these files."""
+        """Write bodies in memory to files in a directory, and return a copy of the body that names these files."""
         return self._apply_to_scans(lambda scan: scan._with_saved_body(directory, side))
 
     def _with_saved_body(self, directory: Path, side: str) -> MeasuredBodySettings:
@@ -314,7 +314,7 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_height_factor(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy in which the heights of all scans are multiplied by a further factor.
+        """Return a copy of the body in which the heights of all scans are multiplied by an additional factor.
 
         Raises a `ValueError` if the product of this factor and the height factor of a scan is out of range.
         """
@@ -326,11 +326,11 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"height_factor": factor * scan.height_factor}))
 
     def without_directories(self) -> MeasuredBodySettings:
-        """Return a copy in which the paths of scan files are reduced to file names."""
+        """Return a copy of the body in which the names of scan files have no directories."""
         return self._apply_to_scans(lambda scan: scan.model_copy(update={"file": Path(scan.file).name}))
 
     def with_masked_outliers(self, *, interpolate: bool) -> MeasuredBodySettings:
-        """Return a copy in which the outliers of all scans are missing points.
+        """Return a copy of the body in which the outliers of all scans are missing points.
 
         With `interpolate`, the heights at missing points are interpolated in scans that would otherwise reject missing
         points.
@@ -350,15 +350,15 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and height maps from all scans of the body. Spectra are omitted."""
+        """Profiles and height maps that the scans of the body contain. Spectra are omitted."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
-        """Return the cutoff (µm) for this scan: the cutoff of the pair, but at most the largest cutoff of the scan."""
+        """Return the cutoff (µm) of this scan: the cutoff of the pair, but at most the scan's maximum cutoff."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
-        """Return the fraction of points that are interpolated, and the size of the largest gap in the data.
+        """Return the fraction of interpolated points, and the size of the largest gap between measured points.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -393,7 +393,7 @@ class MeasuredBodySettings(SettingsSection):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # reading from a device or a pipe might never end
+            check_is_file(path)  # a device or a pipe may have no end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except UnreadableFileError as error:
@@ -410,7 +410,7 @@ class MeasuredBodySettings(SettingsSection):
         return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
-        """Return a copy with absolute paths of scan files. Relative paths are resolved against `directory`."""
+        """Return a copy of the body with absolute paths of scan files. `directory` is the base of relative paths."""
         return self._apply_to_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -418,7 +418,7 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_checksums(self) -> MeasuredBodySettings:
-        """Return a copy with the checksums of all scan files. Missing checksums are computed."""
+        """Return a copy of the body with the checksums of all scan files. Missing checksums are computed."""
         return self._apply_to_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -456,7 +456,7 @@ class _ScanFile:
 
 @functools.lru_cache(maxsize=16)
 def _read_body(file: _ScanFile) -> MeasuredBody:
-    """Read the body from a scan file. Each combination of content and reading options is read only once."""
+    """Read the body from a scan file, or return the cached body of an equal file with equal reading options."""
     settings = file.settings
     if is_spectrum_file(file.path):
         for name in ("unit", "spacing", "channel", "columns", "crop"):

@@ -53,7 +53,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
     pressed: ClassVar[str]
-    """Name of the bodies that are pressed, in reports, such as "Profiles"."""
+    """Name of the pressed bodies in reports, such as "Profiles"."""
 
     kind: Literal["measured"] = Field(default="measured", description="Kind of surfaces: two measured files.")
     upper: MeasuredBodySettings = Field(
@@ -295,12 +295,17 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource:
         """Return a source of members: pairs of random height maps with the spectra of two scans."""
-        first, second = scans
-        if isinstance(first, JoinedSpectrum) or isinstance(second, JoinedSpectrum):
+        upper_scan, lower_scan = scans
+        if isinstance(upper_scan, JoinedSpectrum) or isinstance(lower_scan, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())
             return MapMemberSource(
                 SpectralSurfacePairs(
-                    to_joined_spectrum(first), to_joined_spectrum(second), self.level, seed, cut_offs, shortest_cutoff
+                    to_joined_spectrum(upper_scan),
+                    to_joined_spectrum(lower_scan),
+                    self.level,
+                    seed,
+                    cut_offs,
+                    shortest_cutoff,
                 ),
                 scans,
             )

@@ -31,7 +31,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: a pair of bodies, their relative shift (µm), their line number, and a mark for surrogates."""
+    """Member of a study: a pair of bodies, with relative shift (µm), line number, and True if they are surrogates."""
 
     pair: BodyPair
     x: float
@@ -91,12 +91,12 @@ class BodyAttributes:
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
-        """Create attributes from a nominal area (µm²) and other values, converted to the types that a result stores."""
+        """Create attributes from a nominal area (µm²) and other values, converted to the data types in a result."""
         return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study: returns the pair of bodies for each member index."""
+    """Source of the members of a study, which returns a member (pair of bodies) for each index."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member (pair of bodies) with a given index.
@@ -188,7 +188,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two height maps, flip the upper map, and return the pairs of pieces that both maps form.
+    """Level two height maps, flip the upper map, and return the source of overlapping pairs of pieces.
 
     The upper map is also rotated by an angle in degrees.
     """
@@ -229,7 +229,7 @@ class MapMemberSource:
         """Return the maps, the area and the grid that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # a scan contains no wavelengths below two points
+        if isinstance(pairs, SpectralSurfacePairs):  # the shortest wavelength of a scan is two grid spacings
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

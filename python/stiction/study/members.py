@@ -38,14 +38,14 @@ from stiction.surfaces.surface import Surface
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16  # maximum number of pairs of filtered and levelled scans that are cached
 NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-# Number of points that is assumed for a scan whose file does not exist yet: a profile (False) or a map (True).
+# Number of points that is assumed for a scan whose file is missing. The key is False for a profile and True for a map.
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Generate the random phases (rad) of Eq. 1 for one body, by direction (rows) and frequency (columns)."""
+    """Generate the random phases (rad) of Eq. 1 for one body: a row per direction, a column per frequency."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -74,7 +74,7 @@ def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repet
 
 
 def generate_unscaled_profile(study: Study, repetition: int, side: Side, dimension: float) -> Profile:
-    """Generate a profile for one body with a given fractal dimension.
+    """Generate a profile with a given fractal dimension for one body.
 
     The heights are not scaled to the amplitude of the study.
     """
@@ -107,7 +107,7 @@ def generate_profile_pairs(
 
 
 def generate_unscaled_surface(study: Study, repetition: int, side: Side, dimension: float) -> Surface:
-    """Generate a height map for one body with a given fractal dimension.
+    """Generate a height map with a given fractal dimension for one body.
 
     The heights are not scaled to the amplitude of the study.
     """
@@ -137,7 +137,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate the pair of surfaces that `run` generates for one repetition of a study.
+    """Generate the pair of surfaces that `run` presses in one repetition of a study.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def pair_of(
 
 
 def _get_grid_properties(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan, with which the grids of several scans are compared.
+    """Return type, shape and spacing of a scan. Scans whose properties are equal have equal grids.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -196,15 +196,15 @@ def _get_grid_properties(body: Any) -> tuple[Any, ...]:
 
 
 class PreparedBodies:
-    """Measured bodies of a study, read from their files and ready to form members.
+    """Measured bodies of a study, read from their files, from which the members of the study are made.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
 
     def __init__(self, surfaces: MeasuredSurfaceSettings, seed: int) -> None:
         self._surfaces, self._seed = surfaces, seed
-        self._parts = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
-        for side, scans in zip(SIDES, self._parts, strict=True):
+        self._scans_by_side = [[scan.read() for scan in getattr(surfaces, side).scans] for side in SIDES]
+        for side, scans in zip(SIDES, self._scans_by_side, strict=True):
             if len(scans) > 1 and len({_get_grid_properties(scan) for scan in scans}) > 1:
                 raise ValueError(
                     f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
@@ -229,7 +229,7 @@ class PreparedBodies:
 
     def _prepare_member_source(self, wavelength: float, upper: int, lower: int) -> MemberSource:
         surfaces, indices = self._surfaces, (upper, lower)
-        scan_pair = self._parts[0][upper], self._parts[1][lower]
+        scan_pair = self._scans_by_side[0][upper], self._scans_by_side[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
         upper_cutoff, lower_cutoff = (file.limit_cut_off(wavelength) for file in files)
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
@@ -237,8 +237,8 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans that are low-pass filtered at a cutoff (µm, 0 for none)."""
         surfaces = self._surfaces
-        # For each pair of scans, number the members from 0.
-        # Surrogates keep the member number of the study, which is the random seed of a surrogate.
+        # Each pair of scans numbers its members from 0. Only surrogates keep the member number of the study, which is
+        # their random seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
@@ -262,7 +262,7 @@ class PreparedBodies:
             if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
                 attributes[f"{side}_filled"] = interpolated
         attributes |= self._drift_attributes | self._lay_attributes
-        for side, scans in zip(SIDES, self._parts, strict=True):
+        for side, scans in zip(SIDES, self._scans_by_side, strict=True):
             masks = [mask for scan in scans if (mask := getattr(scan, "missing", None)) is not None]
             if pierced := sum(map(compute_scattered_missing_fraction, masks)) / len(scans):
                 attributes[f"{side}_pierced"] = pierced
@@ -270,7 +270,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Filtered scans from which members are cut. The list is empty for a gap and for spectra."""
+        """Upper and lower filtered scan from which members are cut. The list is empty for a gap and for spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         candidates = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
@@ -278,7 +278,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Ratio of the rms slope across the lay to the slope along it, for each map; {} if the bodies have no lay."""
+        """Attributes for the ratio of rms slopes across and along the lay of each map; {} if the bodies have no lay."""
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
@@ -287,7 +287,7 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Drift of the roughness for each body with a single scan.
+        """Attributes for the drift of the roughness along a scan, for each body with a single scan.
 
         Each attribute also contains the body's fraction of the mean square slope of the gap.
         """
@@ -304,10 +304,10 @@ class PreparedBodies:
 
     def _find_measured_fraction(self) -> float:
         """Return the fraction of the area that was measured on both bodies, averaged over the first few members."""
-        if all(getattr(scan, "missing", None) is None for scans in self._parts for scan in scans):
+        if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than the average needs
+        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than are averaged
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
@@ -351,12 +351,12 @@ def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
 
 
 def check_last_member(study: Study) -> None:
-    """Raise a `ValueError` if the study has more repetitions than the measured bodies can form members."""
+    """Raise a `ValueError` if the measured bodies form fewer members than the study has repetitions."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
         load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes that describe the bodies of a study in a result. Generated bodies have no attributes."""
+    """Return the attributes of a result that describe the bodies of its study; none for generated bodies."""
     return load_bodies(study).attributes if study.is_measured else BodyAttributes()

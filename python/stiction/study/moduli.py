@@ -1,4 +1,4 @@
-"""Uncertainty of the effective modulus E*, given directly or by Young's moduli and Poisson's ratios."""
+"""Effective modulus E* with its uncertainty, from E* itself or from the elastic constants of both bodies."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stiction.surfaces.pairing import SIDES
 
 MODULUS_NAMES = ("young", "poisson")
 
-DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # default exponent of the area of yielding contacts, for rough surfaces
+DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"  # default exponent m in the closed form of yielding areas
 ELASTOMER_AREA_LOSS = "0..0.3"
 """Default range of the fraction of the true area that elastomers lose under shear before they slide.
 
@@ -37,7 +37,7 @@ def find_default_area_loss(effective_modulus: float) -> str | None:
 
 @dataclass(frozen=True)
 class UncertainModulus:
-    """Effective modulus E* with its uncertainty, which may come from the moduli of both bodies.
+    """Effective modulus E* with its uncertainty, given for E* or for the elastic constants of both bodies.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class UncertainModulus:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return the ratio of E* for samples of the elastic constants to E* at their central values."""
+        """Return E* for samples of the elastic constants, divided by E* at the central values of the constants."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.middle
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -87,7 +87,7 @@ def _compute_compliance(young: Any, poisson: Any) -> Any:
 
 
 def find_material_moduli(body: Material) -> dict[str, UncertainInput]:
-    """Return the distributions of a material's Young's modulus (GPa) and Poisson's ratio, from the published ranges."""
+    """Return distributions of Young's modulus (GPa) and Poisson's ratio of a material, from their published ranges."""
     poisson = replace(_build_input_from_range(body.poisson_ratio, "normal"), maximum=MAX_POISSON_RATIO)
     return {"young": _build_input_from_range(body.young_modulus, "log-normal"), "poisson": poisson}
 

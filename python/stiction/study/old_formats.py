@@ -1,4 +1,4 @@
-"""Conversion of study files that earlier versions wrote to the current format.
+"""Conversion of study files of earlier versions to the current format.
 
 Earlier studies had the central values of uncertain inputs in `[contact]` and `[friction]`, and their ranges in a
 section `[known]`. The ranges of materials were looked up by name.
@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.values import StudyError
 
 MAX_MATERIAL_ROUNDING_ERROR = 0.006
-"""Largest relative difference between the hardness of a material and the rounded hardness in an old study file."""
+"""Largest relative difference between a material's hardness and the rounded hardness in an old study file."""
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:
@@ -47,29 +47,31 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
 
 
 class _ContradictionError(Exception):
-    """Error raised if the central value of an input lies outside its range in the same old study file."""
+    """Error raised if an old study file gives an input a central value outside the range of the input."""
 
 
 def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
     materials = _find_materials(contact)
     if contact.get("hardness") is not None:
-        hardness = _parse("hardness", contact["hardness"])
+        hardness = _parse_input_or_none("hardness", contact["hardness"])
         softer_material = softest_material(*materials)
         if known.get("hardness") is not None:
-            contact["hardness"] = _merge("contact.hardness", contact["hardness"], known["hardness"])
+            contact["hardness"] = _merge_value_and_range("contact.hardness", contact["hardness"], known["hardness"])
         elif hardness is not None and softer_material is not None and softer_material.hardness is not None:
             value = softer_material.hardness
             is_rounded = math.isclose(hardness, value, rel_tol=MAX_MATERIAL_ROUNDING_ERROR)
             if is_rounded and value.low < value.high and value.low <= hardness <= value.high:
                 contact["hardness"] = f"{hardness.text} ({value.low:g}..{value.high:g} GPa)"
     if contact.get("junction_growth") and known.get("junction_growth") is not None:
-        contact["junction_growth"] = _merge(
+        contact["junction_growth"] = _merge_value_and_range(
             "contact.junction_growth", contact["junction_growth"], known["junction_growth"]
         )
     contact |= {} if "poisson_ratio" not in contact else {"poisson": contact.pop("poisson_ratio")}
     if known.get("effective_modulus") is not None:
         key = "contact.effective_modulus"
-        contact["effective_modulus"] = _merge(key, contact.get("effective_modulus"), known["effective_modulus"])
+        contact["effective_modulus"] = _merge_value_and_range(
+            key, contact.get("effective_modulus"), known["effective_modulus"]
+        )
         return contact
     if known.get("young") is not None and known.get("poisson") is not None:
         return _replace_effective_modulus(contact, {name: known[name] for name in MODULUS_NAMES}, is_one_material=False)
@@ -93,9 +95,9 @@ def _replace_effective_modulus(
 
     If these give another E*, the E* of the file is kept, with the range that follows from the ranges of the moduli.
     """
-    modulus = _parse("effective_modulus", contact.get("effective_modulus", "10 GPa"))
+    modulus = _parse_input_or_none("effective_modulus", contact.get("effective_modulus", "10 GPa"))
     values = {
-        name: [_parse(name, entry) for entry in (entries if isinstance(entries, list) else [entries])]
+        name: [_parse_input_or_none(name, entry) for entry in (entries if isinstance(entries, list) else [entries])]
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
@@ -119,7 +121,7 @@ def _replace_effective_modulus(
         for name, estimate in uncertain_modulus.inputs.items()
     ]
     factor = math.exp(float(np.hypot.reduce([0.0, *half_widths])))
-    low, high = (exact_quantity_text(float(f"{modulus * each:.4g}"), "GPa") for each in (1 / factor, factor))
+    low, high = (exact_quantity_text(float(f"{modulus * ratio:.4g}"), "GPa") for ratio in (1 / factor, factor))
     return contact | ({} if low == high else {"effective_modulus": f"{modulus.text} ({low}..{high})"})
 
 
@@ -134,11 +136,11 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
         if not isinstance(values, list) or len(values) != 1:
             reason = f"must have one value, because known.{name} is {text!r}, got {short_repr(values)}"
             raise _ContradictionError(f"friction.{name}: {reason}")
-        converted_section[name] = _merge(f"friction.{name}", values[0], text)
+        converted_section[name] = _merge_value_and_range(f"friction.{name}", values[0], text)
     if (source := known.get("interface")) is None:
         return converted_section
     strengths = [
-        _parse(name, value[0] if isinstance(value, list) and value else value)
+        _parse_input_or_none(name, value[0] if isinstance(value, list) and value else value)
         for name, value in (("mu0", converted_section.get("mu0")), ("tau0", converted_section.get("tau0", "0 MPa")))
     ]
     try:
@@ -161,7 +163,7 @@ def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:
         return ()
 
 
-def _parse(name: str, entry: Any) -> InputValue | None:
+def _parse_input_or_none(name: str, entry: Any) -> InputValue | None:
     """Parse an input in an old study file, or return None if the input is invalid."""
     try:
         return parse_input_value(name, entry)
@@ -169,13 +171,13 @@ def _parse(name: str, entry: Any) -> InputValue | None:
         return None
 
 
-def _merge(key: str, central: Any, text: Any) -> Any:
-    """Combine the central value and the range of an input in one text.
+def _merge_value_and_range(key: str, central: Any, text: Any) -> Any:
+    """Combine the central value and the range of an input in one text, such as "0.3 (0.2..0.4)".
 
     Raises a `_ContradictionError` if the central value is outside the range.
     """
     name = key.partition(".")[2]
-    central_value, value = _parse(name, central), _parse(name, text)
+    central_value, value = _parse_input_or_none(name, central), _parse_input_or_none(name, text)
     if central_value is None or value is None:
         return text if central_value is not None or central is None else central
     if math.isclose(central_value, value, rel_tol=1e-9):

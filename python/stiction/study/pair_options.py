@@ -34,7 +34,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Object of a library such as surfalize or xarray, whose attribute `data` contains heights."""
+    """Object of a library such as surfalize or xarray that contains heights in its attribute `data`."""
 
     @property
     def data(self) -> object:
@@ -193,7 +193,7 @@ class PairProperties(Protocol):
 
 @dataclass(frozen=True)
 class OptionCondition:
-    """Condition under which an option applies, and the error message for an option that does not apply."""
+    """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     holds: Callable[[PairProperties], bool]
     message: str  # message of a condition, after the option name; {name} stands for another option
@@ -213,7 +213,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Return a decorator that turns a function of a pair into an option condition with an error message."""
+    """Return a decorator that converts a function of a pair to an option condition with an error message."""
 
     def decorate(holds: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(holds, message)
@@ -223,7 +223,7 @@ def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]],
 
 @make_condition("must be one map")
 def is_gap_map(pair: PairProperties) -> bool:
-    """Return whether the user gives a height map of the gap instead of two bodies."""
+    """Return whether the gap is given as a single height map."""
     return pair.are_maps and pair.scan_counts == (1, 1)
 
 
@@ -772,7 +772,7 @@ class EnsembleOptions(OptionGroup):
 
 
 class ExtraComputationOptions(OptionGroup):
-    """Options that request computations in addition to the result, such as the onset of sliding."""
+    """Options that request further computations, such as the onset of sliding."""
 
     title: ClassVar[str] = "Computing"
 
@@ -850,7 +850,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Options of `pair`, by the name of the surface function's argument that has the same meaning."""
+"""Name of the option of `pair` that corresponds to an argument of surface functions, by name of the argument."""
 
 
 def format_command_line_name(name: str) -> str:

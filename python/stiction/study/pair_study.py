@@ -74,9 +74,9 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# Default number of relative positions of two profiles, which take a few seconds to compute.
+# Default number of relative positions of two profiles. The computation of so many takes a few seconds.
 DEFAULT_NUM_POSITIONS = 64
-# Number of additional loads of adhesive contacts, in the two decades below the requested loads.
+# Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of 0, as a fraction of the largest attraction on one grid cell
 DEFAULT_CONTACT_LAW = "hertz-sphere"  # contact law of the asperity model if none is given
@@ -122,7 +122,7 @@ class MeasuredPair:
 
     @classmethod
     def from_values(cls, **values: object) -> MeasuredPair:
-        """Create a pair from the values of options, given by field name of `PairOptions`.
+        """Create a measured pair from the values of options, given by field name of `PairOptions`.
 
         Raises an `ArgumentError` if a value is invalid.
         """
@@ -239,7 +239,7 @@ class MeasuredPair:
 
     @cached_property
     def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:
-        """First scan of the upper and of the lower body."""
+        """First scan of the upper body and first scan of the lower body."""
         upper, lower = (file.read() for file in self.files)
         return upper, lower
 
@@ -315,7 +315,7 @@ class MeasuredPair:
 
     @cached_property
     def elasticity(self) -> PairElasticity:
-        """Elastic constants of the pair. Uncertain constants have their central values."""
+        """Elastic constants of the pair, from the central values of uncertain constants."""
         modulus, young, poisson = (
             self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
         )
@@ -323,7 +323,7 @@ class MeasuredPair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[InputValue]]:
-        """Inputs of the study that the user gives with an uncertainty, by name."""
+        """Inputs of the study for which the user gives an uncertainty, by name."""
         inputs: dict[str, list[InputValue]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
@@ -401,7 +401,7 @@ class MeasuredPair:
         return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option. For an uncertain option, the value is the central value."""
+        """Return the value of an option, or the central value if the user gives the option with an uncertainty."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -424,7 +424,8 @@ class MeasuredPair:
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # Replace a load of 0 by a small fraction of the attraction on a grid cell. The pull-off force is larger.
+        # Replace a load of 0 by a small fraction of the attraction on one grid cell, which is smaller than the pull-off
+        # force.
         if 0.0 in forces:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
@@ -464,7 +465,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as the user gives them: (mN, False) for a force, or (GPa, True) for a pressure."""
+        """Loads as the user gives them, each with a mark: (mN, False) for a force, or (GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -746,7 +747,7 @@ class MeasuredPair:
                 return None
             interface_growth = None if self.given_interface is None else self.given_interface.junction_growth
             if interface_growth is not None:
-                return _build_entry(interface_growth) or None
+                return _build_growth_entry(interface_growth) or None
             given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
@@ -787,7 +788,7 @@ class MeasuredPair:
         softer = softest_material(*self._materials)
         if softer is not None and softer.kind != "metal":
             raise ArgumentError(
-                f"{{indent}} must not be given for {softer.name}, because the size effect is that of metals"
+                f"{{indent}} must not be given for {softer.name}, because only metals have the size effect"
             )
         depth = self._parse_quantity("indent", value)
         if not depth > 0:
@@ -872,7 +873,8 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, the surfaces equal those of the final study, so that the bodies are prepared only once.
+        # With checksums, the settings of the surfaces equal those of the final study, so that bodies are prepared only
+        # once.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property
@@ -883,7 +885,7 @@ class MeasuredPair:
         return area
 
 
-def _build_entry(estimate: UncertainInput) -> InputValue:
+def _build_growth_entry(estimate: UncertainInput) -> InputValue:
     """Return the study entry of a junction growth, whose central value may differ from the middle of the range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
@@ -929,29 +931,31 @@ def _split_at_commas(value: Any) -> Any:
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
-def _list_scans(side: str, given: Any) -> list[Any]:
-    """Return the scans of a body as a list, given a list, a directory, file names separated by commas, or one scan."""
-    if isinstance(given, (str, Path)) and "\0" in str(given):
-        raise ArgumentError(f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(given)))
-    if isinstance(given, (list, tuple)):
-        scans = list(given)
-    elif isinstance(given, str) and not given.strip():  # `Path('')` is the current directory
-        scans = [given]
-    elif isinstance(given, (str, Path)) and Path(given).is_dir():
-        scans = sorted(path for path in Path(given).iterdir() if not (path.is_dir() or path.name.startswith(".")))
-    elif isinstance(given, (str, Path)) and "," in str(given) and not Path(given).exists():
-        scans = split_values(str(given))
+def _list_scans(side: str, scan_input: Any) -> list[Any]:
+    """Return the scans of a body as a list, from a list, a directory, file names with commas, or a single scan."""
+    if isinstance(scan_input, (str, Path)) and "\0" in str(scan_input):
+        raise ArgumentError(
+            f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(scan_input))
+        )
+    if isinstance(scan_input, (list, tuple)):
+        scans = list(scan_input)
+    elif isinstance(scan_input, str) and not scan_input.strip():  # `Path('')` is the current directory
+        scans = [scan_input]
+    elif isinstance(scan_input, (str, Path)) and Path(scan_input).is_dir():
+        scans = sorted(path for path in Path(scan_input).iterdir() if not (path.is_dir() or path.name.startswith(".")))
+    elif isinstance(scan_input, (str, Path)) and "," in str(scan_input) and not Path(scan_input).exists():
+        scans = split_values(str(scan_input))
     else:
-        return [given]
+        return [scan_input]
     if not scans:
-        raise ArgumentError(f"{{{side}}} must contain at least one scan, got {{got}}", got=repr(str(given)))
+        raise ArgumentError(f"{{{side}}} must contain at least one scan, got {{got}}", got=repr(str(scan_input)))
     if any(isinstance(scan, str) and not scan.strip() for scan in scans):
-        raise ArgumentError(f"{{{side}}} must not contain an empty file name, got {{got}}", got=repr(str(given)))
+        raise ArgumentError(f"{{{side}}} must not contain an empty file name, got {{got}}", got=repr(str(scan_input)))
     return scans
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
-    """Return the wavelengths at which the spectrum of a scan is instrument noise, or may hide such noise.
+    """Return the wavelengths at which the spectrum of a scan is instrument noise or may hide noise.
 
     Returns None if noise affects the slope only slightly.
     """

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from stiction.mechanics.quantities import MAX_STORED_VALUE
 
 MIN_POSITIVE_STORED_VALUE = 1 / MAX_STORED_VALUE
-"""Smallest allowed value above 0 of a stored load, area or length, so that quotients of stored values are finite."""
+"""Smallest positive number of a stored load, area or length. Quotients of stored numbers are then finite."""
 
 ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers for which no narrower bounds are specified."""
@@ -84,7 +84,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # Permit infinite numbers only if the bounds are infinite. The bounds of finite numbers are always finite.
+        # Permit an infinite number only if it equals a bound. Compare finite numbers with finite bounds.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)
@@ -131,13 +131,13 @@ def check_attributes(attributes: Mapping[str, Any], specs: Mapping[str, Attribut
 
 
 def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
-    """Raise a `DamagedFileError` if the numbers of a stored variable do not increase strictly along an axis."""
+    """Raise a `DamagedFileError` unless the numbers of a stored variable increase strictly along an axis."""
     if not (np.diff(values, axis=axis) > 0).all():
         raise DamagedFileError(f"has {name} with values that do not increase")
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` unless a contact sum is NaN exactly at the loads for which the solver failed.
+    """Raise a `DamagedFileError` unless a contact sum is NaN exactly at the loads without a solution.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """

@@ -85,7 +85,7 @@ MAX_STUDY_BYTES = 1_000_000  # maximum size of a study file, in bytes
 MAX_PARAMETER_COMBINATIONS = 1000
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
-"""Keys whose value selects the class of a section, each as a pair of section and key."""
+"""Keys whose value selects the class of a section, as pairs of section name and key."""
 
 _LEADING_KEYS = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "materials", "young", "poisson",
@@ -113,14 +113,14 @@ _SURFACE_CLASSES_BY_KIND = {
     "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
     "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
 }
-"""For each `kind` of surfaces: the key that selects the class of `[surfaces]`, and the classes by value of this key.
+"""Key that selects the class of `[surfaces]`, and the classes by value of this key, for each `kind` of surfaces.
 
 The first class is the default.
 """
 
 
 def select_surface_settings_class(section: Mapping[str, Any]) -> type[SurfaceSettings]:
-    """Return the class for the section `[surfaces]`, given its keys `kind`, `generator` and `press`."""
+    """Return the class of a section `[surfaces]`, which its keys `kind`, `generator` and `press` select."""
     key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
     return cases[select_key_value(key, section, cases)]
 
@@ -226,7 +226,7 @@ def select_friction_settings_class(surfaces: type[SurfaceSettings], mechanics: s
 
 
 class EnsembleSettings(SettingsSection):
-    """Section for the ensemble: number of members, and seed of the random numbers."""
+    """Section `[ensemble]` of a study: number of members, and seed of the random numbers."""
 
     repetitions: int = Field(
         default=100, ge=1, le=100_000_000,
@@ -250,7 +250,7 @@ def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class FigureSettings(SettingsSection):
-    """Section with the figures that are drawn from a result of generated surfaces."""
+    """Section `[figures]` of a study: the figures that are drawn from a result of generated surfaces."""
 
     draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
         default=("friction", "area"), description="Figures that `run` and `plot` draw."
@@ -301,7 +301,7 @@ def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section. Validation replaces it by a section with defaults that suit the surfaces."""
+    """Return an empty section, which validation replaces by a section with defaults that suit the surfaces."""
     return {}
 
 
@@ -485,11 +485,11 @@ class Study(SettingsSection):
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the coordinates of a result that describe the motion: sliding rules, and directions in degrees."""
+        """Return the coordinates of a result for the motion: sliding rules, and directions in degrees."""
         return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
-        """Return a copy of the study with absolute paths and checksums of all scan files.
+        """Return a copy of the study in which all scan files have absolute paths and checksums.
 
         If a directory is given, bodies in memory are written to it. Raises a `ValueError` if a file cannot be read.
         """
@@ -703,7 +703,7 @@ def find_section_differences(
     serialized, differences = (first.model_dump(), second.model_dump()), []
     for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
         field = type(first).model_fields.get(name) or type(second).model_fields[name]
-        if not field.repr:  # compare two bodies in memory by their checksums
+        if not field.repr:  # skip a body in memory, which is compared by its checksum
             continue
         first_value, second_value = getattr(first, name, None), getattr(second, name, None)
         if first_value == second_value:
@@ -720,7 +720,7 @@ def find_section_differences(
 
 
 def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the keys in which two studies differ and whose difference affects the members.
+    """List the differences between two studies that affect the members: keys with both values.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
@@ -774,6 +774,6 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    if not data:  # reject an empty file, which is a mistake although all keys have defaults
+    if not data:  # An empty file is a mistake, although all keys have defaults.
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

@@ -11,7 +11,7 @@ from stiction.surfaces.pairing import SIDES
 
 @dataclass(frozen=True)
 class StudyDescription:
-    """Description of a study for reports: its name, its file, and its differences from the defaults.
+    """Description of a study for reports: its name, the text of its file, and its differences from the defaults.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class StudyDescription:
 
 
 def describe_study(study: Study) -> StudyDescription:
-    """Describe a study for reports by its name, its file, and its differences from the defaults."""
+    """Describe a study for reports by its name, the text of its file, and its differences from the defaults."""
     if study.is_measured:
         return StudyDescription(get_pair_name(study), _strip_directories(study).to_toml(), [])
     name, file_text = _find_built_in_name(study), study.to_toml()

@@ -1,4 +1,4 @@
-"""Types of the values in a study file: quantities with units, ascending lists, and ranges."""
+"""Types of the values in a study file: quantities with units, increasing lists, and ranges of equal steps."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _parse_direction(value: object) -> Any:
 
 
 def direction_to_degrees(direction: Direction) -> float:
-    """Convert a direction of motion, such as "+y" or 30, to degrees from +x towards +y, from 0 up to 360."""
+    """Convert a direction of motion, such as "-x" or 30, to an angle from +x towards +y, from 0 to below 360°."""
     return {"+x": 0.0, "-x": 180.0}[direction] if isinstance(direction, str) else direction % 360.0
 
 
@@ -184,18 +184,18 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # Let validation bypass the constructor, so that it reports the errors of all nested sections together.
+    # Let pydantic bypass the constructor of nested sections, so that one error lists the faults of all sections.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
 class SettingsSectionVariant(SettingsSection):
-    """Base class for sections with several variants, each of which is a class with different keys."""
+    """Base class of the variants of a section. Each variant is a class with its own keys."""
 
     place: ClassVar[str]  # name of a section variant in error messages, such as "measured surfaces"
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select this variant of a section, each with the only value that the variant allows."""
+        """Return the keys that select this variant of a section, with the value that selects the variant."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -220,7 +220,7 @@ def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, A
 
 
 class _ValueRange(SettingsSection):
-    """Range of equally spaced numbers, from a first to a last number."""
+    """Range of numbers with equal steps, from a first to a last number."""
 
     start: Any
     stop: Any
@@ -250,7 +250,7 @@ class FractalDimensionRange(_ValueRange):
 
 
 class _SteppedValueRange(_ValueRange):
-    """Range of quantities with equal differences (linear) or equal ratios (geometric) between neighbours."""
+    """Range of quantities with equal differences (linear) or equal ratios (geometric) of neighbours."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -261,7 +261,7 @@ class _SteppedValueRange(_ValueRange):
         return self
 
     def values(self) -> Floats:
-        """Compute the quantities of the range in µm or mN."""
+        """Compute the quantities of the range in core units (µm or mN)."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
@@ -281,7 +281,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Mark the input as a range or a list before validation, so that a message mentions only one of the two forms.
+# Tag a value as a range or a list before validation, so that an error message mentions only this form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -397,7 +397,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # tomllib takes a time that increases with the square of the number of dots in a key.
+    # Limit the number of dots in a key, because the run time of tomllib increases with the square of this number.
     pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
@@ -409,7 +409,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def validate_section(section_class: type[_SettingsClass], data: Mapping[str, Any], source: str) -> _SettingsClass:
-    """Create a section of a given class from its keys, or raise a `StudyError` if a key or value is invalid.
+    """Create a section of a given class from keys and values, or raise a `StudyError` if a key or value is invalid.
 
     Error messages start with `source`, the name of the study.
     """
@@ -439,11 +439,11 @@ _ERROR_MESSAGE_TEMPLATES = {
     "string_too_short": "must have at least {min_length} characters",
     "string_too_long": "must have at most {max_length} characters",
 }  # fmt: skip
-"""Error messages that replace the messages of pydantic, by pydantic's error type."""
+"""Templates of error messages that replace the messages of pydantic, by the error type of pydantic."""
 
 
 def _convert_validation_error(section_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
-    """Convert an error that pydantic reports to the invalid key and a message about its value."""
+    """Return the invalid key and a message about its value, for an error that pydantic reports."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location
@@ -471,13 +471,17 @@ MAX_SUGGESTIONS = 3  # maximum number of similar names that a message suggests f
 
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
-    """Return a hint for an unknown key: similar keys of the section, or the command that lists all keys."""
+    """Return a hint for an unknown key: the similar keys of the section, or the command that lists all keys."""
     classes = [section_class]
     for parent_key in location[:-1]:
-        fields = [each.model_fields[str(parent_key)] for each in classes if str(parent_key) in each.model_fields]
-        classes = [each for field in fields for each in find_section_classes(field.annotation)]
-    keys = dict.fromkeys(name for each in classes for name in each.model_fields)
-    keys |= dict.fromkeys(name for each in classes for name in getattr(each, "other_keys", ()))
+        fields = [
+            known_class.model_fields[str(parent_key)]
+            for known_class in classes
+            if str(parent_key) in known_class.model_fields
+        ]
+        classes = [known_class for field in fields for known_class in find_section_classes(field.annotation)]
+    keys = dict.fromkeys(name for known_class in classes for name in known_class.model_fields)
+    keys |= dict.fromkeys(name for known_class in classes for name in getattr(known_class, "other_keys", ()))
     unknown_key = str(location[-1])[:MAX_WORD_LENGTH]
     similar_keys = [*difflib.get_close_matches(unknown_key, keys, n=3), *(name for name in keys if unknown_key in name)]
     names = " or ".join(map(repr, list(dict.fromkeys(similar_keys))[:MAX_SUGGESTIONS]))
@@ -488,4 +492,4 @@ def find_section_classes(annotation: Any) -> list[type[SettingsSection]]:
     """Return the section classes that the type annotation of a study field contains."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, SettingsSection) else []
-    return [each for argument in get_args(annotation) for each in find_section_classes(argument)]
+    return [section_class for argument in get_args(annotation) for section_class in find_section_classes(argument)]
