@@ -11,7 +11,7 @@ from contextlib import suppress
 from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
 
 MIN_ADDRESS_SPACE = 2**30
-"""Minimum address space in bytes (ulimit -v). With less, OpenBLAS may block forever while SciPy is imported."""
+"""Minimum address space (bytes, ulimit -v). With less, OpenBLAS may block forever while SciPy is imported."""
 
 ALLOCATIONS_PER_COLLECTION = 1_000_000
 """Number of new objects after which Python's garbage collector searches for unused cycles of objects.
@@ -24,9 +24,9 @@ A command with a short computation allocates fewer objects, most of them in impo
 def main() -> None:
     """Run a command, and exit with status 0 after success, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # Let OpenBLAS use one thread: all matrices are small, and waiting threads would occupy the processor for 0.1 s.
+    # Limit OpenBLAS to one thread: all matrices are small, and waiting threads would occupy the processor for 0.1 s.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # No plugins are used. To find them, pydantic would read the metadata of all installed packages.
+    # Disable plugins of pydantic, which would otherwise read the metadata of all installed packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Prevent xarray from importing Dask, because the import takes 0.3 s and only computations on clusters use Dask.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
@@ -41,7 +41,7 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            # imported here, so that Ctrl-C during the import of the application is handled too
+            # import the application here, so that Ctrl-C during its import is handled, too
             from stiction.cli.application import run_command_line
         status = run_command_line()
     except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
@@ -51,27 +51,27 @@ def main() -> None:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(status)
-    # At the exit, Python would search all objects of the imported libraries for unused cycles, which takes 0.2 s.
+    # Keep Python from searching all objects of imported libraries for unused cycles at the exit, which takes 0.2 s.
     gc.freeze()
     sys.exit(status)
 
 
 def _redirect_closed_streams() -> None:
-    """Redirect closed standard streams to the null device, so that no other file gets their descriptors."""
+    """Redirect standard streams that are closed to the null device, so that no other file gets their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            # the null device gets the lowest free descriptor, which is the closed one
+            # opening the null device assigns the lowest free descriptor, which is that of the closed stream
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 
 
 def _address_space_limit() -> float:
-    """Return the limit of this process's address space in bytes, or infinity if there is no limit."""
+    """Return the limit of the address space (bytes) of this process, or infinity without a limit."""
     try:
         import resource
-    except ImportError:  # Windows has no module `resource`
+    except ImportError:  # the module `resource` is missing on Windows
         return math.inf
     soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -1,4 +1,4 @@
-"""Typer application of all commands: help texts, messages, output and exit statuses."""
+"""Typer application with all commands: help texts, messages, output, and exit statuses."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def print_message(text: str, kind: str = "") -> None:
-    """Print a message on standard error if possible, with escaped control characters."""
+    """Print a message on standard error, with escaped control characters. A failure to print is ignored."""
     lines = [f"stiction: {kind}{printable_text(line, MAX_QUOTED_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
@@ -40,25 +40,25 @@ def print_message(text: str, kind: str = "") -> None:
     try:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
-    except OSError:  # printing failed, because standard error is closed or its disk is full
+    except OSError:  # standard error is closed, or its disk is full
         _redirect_to_null_device(sys.stderr)
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
-    """Redirect a stream after a failed write, because flushing the stream at exit would raise the same error."""
-    with suppress(OSError):  # a stream may have no file descriptor
+    """Redirect a stream to the null device after a failed write, because the flush at exit would fail again."""
+    with suppress(OSError):  # the stream may have no file descriptor
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
-    """Print that the command was interrupted, and return an exception with exit status 130."""
+    """Print that the command was interrupted, and return an exception that exits with status 130."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
 
 
 def show_status(text: str) -> None:
-    """Show the current operation in a line on the terminal, which the next message overwrites."""
+    """Show what the command is doing in a line on the terminal, which the next message overwrites."""
     if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -76,7 +76,7 @@ def is_stderr_terminal() -> bool:
 
 
 def print_output(text: str) -> None:
-    """Print a result on standard output, and ignore a closed output pipe."""
+    """Print text on standard output. If the pipe that reads the output is closed, do nothing."""
     lines = [printable_text(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
         lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]
@@ -90,11 +90,11 @@ def print_output(text: str) -> None:
 
 
 _BOLD_TEXT_PATTERN = re.compile("^(μ_s [=≥] [^ ]+( \\[.*?\\])?|Quote it|Quote with care|Do not quote)(?![^ ;])")
-"""Pattern of the text that is printed in bold on terminals: the friction coefficient and the assessment."""
+"""Pattern of the text that terminals show in bold: the friction coefficient and the assessment."""
 
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning on standard error, unless the same warning has been printed before."""
+    """Print a warning on standard error, unless a warning with the same text has been printed before."""
     if str(message) not in _PRINTED_WARNINGS:
         _PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")
@@ -126,7 +126,7 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
-"""Module and help line of each command, by group. The help text therefore needs no import of the modules."""
+"""Module and help line of each command, by group, so that the help text needs no import of the modules."""
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -134,35 +134,35 @@ EXIT_STATUS_HELP = (
 
 
 def format_help_epilog(*lines: str) -> str:
-    """Return the end of a help text: examples and exit statuses."""
+    """Return the end of a command's help text: examples, and the meaning of the exit statuses."""
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Matches a default given as text, which typer prints in parentheses.
+# Matches a default that is described by text, which typer prints in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 _OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to the name of an option
 
 
 SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
-"""Key in the `meta` of a context that makes the help list all options."""
+"""Key in the `meta` of a typer context that makes the help list all options."""
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even one with the default value."""
+    """Return whether the command line contains an option or argument, even if it equals the default."""
     parameter_source = context.get_parameter_source(name)
     return parameter_source is not None and parameter_source.name != "DEFAULT"
 
 
 class _CommandWithHelpPanels(TyperCommand):
-    """Command whose help lists options in panels, without types and ranges."""
+    """Command whose help lists the options in panels, without their types and ranges."""
 
-    common: Collection[str] = ()  # options that the short help of a command lists, if the command has many options
+    common: Collection[str] = ()  # options in the short help of a command that has many options
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        # Reject an empty text, because Path("") is the current directory.
+        # Reject an empty path, because Path("") is the current directory.
         if "" in values and "." not in values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
@@ -171,7 +171,7 @@ class _CommandWithHelpPanels(TyperCommand):
         return remainder
 
     def invoke(self, ctx: Any) -> Any:
-        with exit_on_interrupt():  # OpenBLAS raises SIGINT if it cannot start its threads
+        with exit_on_interrupt():  # OpenBLAS sends SIGINT if it cannot start its threads
             import_module("numpy")
         return super().invoke(ctx)
 
@@ -197,7 +197,7 @@ class _CommandWithHelpPanels(TyperCommand):
 
 
 class _LazyCommandGroup(TyperGroup):
-    """Group of commands that imports the module of a command only when the command runs."""
+    """Group of commands in which the module of a command is imported only when the command runs."""
 
     def list_commands(self, ctx: Any) -> list[str]:
         return [name for group in COMMANDS_BY_GROUP.values() for name in group]
@@ -220,11 +220,11 @@ class _LazyCommandGroup(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:  # typer itself would exit without a message
+        except KeyboardInterrupt:  # handled here, because typer would exit without a message
             raise report_interruption() from None
 
 
-# Disable rich markup: importing rich takes half of the time to print the help.
+# Disable rich markup, because importing rich takes half of the time in which the help is printed.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -245,7 +245,7 @@ app = typer.Typer(
 )
 
 _COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # typer application of each command, by name
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options that the short help lists, by command
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options in the short help of each command
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
@@ -259,14 +259,14 @@ def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[F
 
 
 _OPTION_NAMES_BY_ARGUMENT = {"height_scale": "--scale-heights", "compute=True": "--compute"}
-"""Names of the options of `at` that differ from the argument names of `Result.at`."""
+"""Options of the command `at` whose names differ from the arguments of `Result.at`, by argument."""
 
 
 def _option_name(argument: str) -> str:
-    """Return the command-line option for an argument of a Python function."""
+    """Return the command-line option that corresponds to an argument of a Python function."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
-    # Import the options only when one is needed, so that the help needs no numeric package.
+    # Import the module of the options only here, so that the help needs no numeric package.
     pair_options = import_module("stiction.study.pair_options")
     return str(pair_options.format_command_line_name(argument))
 
@@ -285,7 +285,7 @@ def run_command_line() -> int:
         with _reraise_hidden_interrupts():
             status = int(app(standalone_mode=False, prog_name="stiction") or 0)
             with suppress(BrokenPipeError):
-                sys.stdout.flush()  # flush the help text, because typer prints it without flushing
+                sys.stdout.flush()  # typer prints the help text without flushing
             return status
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -295,7 +295,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Replace the wording of the validation library for numbers that are out of range.
+            # Replace pydantic's wording for numbers that are out of range.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _add_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
@@ -310,7 +310,7 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # Either a thread could not start, or a library ran out of memory.
+    # Raised if a thread cannot start, or if a library runs out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
@@ -323,7 +323,7 @@ def run_command_line() -> int:
 
 
 def _discard_unwritable_output() -> None:
-    """Discard output that cannot be written. Otherwise, Python would exit with a traceback and status 120."""
+    """Discard output that cannot be written, because Python would otherwise exit with a traceback and status 120."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -332,7 +332,7 @@ def _discard_unwritable_output() -> None:
 
 
 def _add_command_suggestion(message: str) -> str:
-    """Return the parser's error message and, if the command is unknown, the name of a similar command."""
+    """Return the error message of the parser or, if a command is unknown, a message that suggests a similar command."""
     unknown_command = re.match(r"No such command '([^']*)'", message)
     names = [name for group in COMMANDS_BY_GROUP.values() for name in group]
     suggestions = difflib.get_close_matches(unknown_command[1], names, n=1) if unknown_command else []
@@ -345,7 +345,7 @@ def _add_command_suggestion(message: str) -> str:
 
 @contextmanager
 def _reraise_hidden_interrupts() -> Iterator[None]:
-    """Replace an exception that an interrupt caused, such as an ImportError, by KeyboardInterrupt."""
+    """Raise KeyboardInterrupt instead of another exception that an interrupt has caused, such as an ImportError."""
     try:
         yield
     except Exception as error:
@@ -358,7 +358,7 @@ def _reraise_hidden_interrupts() -> Iterator[None]:
 
 
 def _handle_unraisable(unraisable: Any) -> None:
-    """Raise a KeyboardInterrupt again in the main thread if Python ignored it in a destructor.
+    """Raise a KeyboardInterrupt again in the main thread if it was raised in a destructor, where Python ignores it.
 
     An AttributeError is ignored: the destructor of an object raises it if the constructor was interrupted.
     """

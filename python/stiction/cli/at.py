@@ -166,7 +166,7 @@ def at(
 
 
 def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
-    """Warn about loads without a coefficient, or raise a `ValueError` if no load has a coefficient."""
+    """Warn about loads without a coefficient, or raise a `ValueError` if all loads lack a coefficient."""
     from stiction.views.text import missing_loads_text
 
     if not missing_loads:
@@ -181,7 +181,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print a result at several height factors. If `compute` is True, missing results are computed first."""
+    """Print friction for scaled heights. If `compute` is true, missing results are computed first."""
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
@@ -215,7 +215,7 @@ def _print_height_factor_results(
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Parse loads from the command line, by default the loads of the study.
+    """Parse the loads on the command line, or return the loads of the study if none are given.
 
     Return the loads (mN) in ascending order.
     """
@@ -243,7 +243,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if result.nominal_area is None:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
             force *= result.nominal_area
-        # Round forces as `pair` does, so that equal loads compare as equal.
+        # Round forces as in `pair`, so that equal loads compare equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 
@@ -251,7 +251,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the computed fractal dimensions and amplitudes (µm) nearest to the requested ones.
+    """Select the computed fractal dimensions and amplitudes (µm) that are nearest to requested ones.
 
     By default, all dimensions and the first amplitude are selected.
     """

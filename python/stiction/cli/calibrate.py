@@ -140,11 +140,11 @@ def calibrate(
 
 
 BALL_YIELD_PRESSURE_RATIO = 0.39
-"""Ratio of mean pressure to hardness at which a ball begins to yield: 1.1/2.84 (Johnson 1985, ch. 6)."""
+"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, chapter 6)."""
 
 
 def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
-    """Return a caveat if a ball or its flat may yield at one of the loads (mN), or else "".
+    """Return a caveat if the ball or its flat may yield at one of the loads (mN), or "" if neither yields.
 
     The hardness is known only if the materials are given by name.
     """
@@ -156,7 +156,8 @@ def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
     max_pressure = 1 / ball.area_per_load(max_load)
     if max_pressure <= yield_limit:
         return ""
-    yield_load = max_load * (yield_limit / max_pressure) ** 3  # by Hertz, the mean pressure is proportional to F^(1/3)
+    # The mean pressure of a Hertz contact is proportional to F^(1/3).
+    yield_load = max_load * (yield_limit / max_pressure) ** 3
     num_tests = sum(load > yield_load for load in loads)
     tests = "the test" if num_tests == 1 else f"the {num_tests} tests"
     return (

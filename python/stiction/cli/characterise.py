@@ -180,7 +180,7 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(output_paths) == 1 else ""
-            # The command line in the report leaves out directories and the option --output.
+            # The report quotes the command line without directories and without the option --output.
             arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
                 if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(
@@ -202,7 +202,7 @@ def characterise(
 def _print_joined_spectrum(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print the spectrum joined from several scans, and write its files."""
+    """Print the spectrum that is joined from several scans, and write the requested files."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
@@ -230,7 +230,7 @@ def _print_joined_spectrum(
 
 
 def _name_scans(files: list[Path]) -> list[str]:
-    """Return the file names of scans, or their paths if two file names are equal."""
+    """Return names for scans: file names or, if two file names are equal, paths."""
     names = [file.name for file in files]
     return names if len(set(names)) == len(names) else list(map(str, files))
 
@@ -238,7 +238,7 @@ def _name_scans(files: list[Path]) -> list[str]:
 def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print the comparison of two scans of the same area, and write its files."""
+    """Print the comparison of two scans of the same area, and write the requested files."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.profile import Profile
@@ -275,7 +275,7 @@ def _print_scan_comparison(
 
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the paths of the files to write. Existing files are not replaced, except figures and reports."""
+    """Return the paths of the files to write. Only figures and reports may replace existing files."""
     from stiction._files import check_replaceable
     from stiction.views.files import REPORT_FILE_SIGNATURE
     from stiction.views.style import FIGURE_FILE_SIGNATURES
@@ -336,7 +336,7 @@ def _select_row_or_column(body: Profile | Surface, row: int | None, column: int 
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a trend or form from a body: by default a line from a profile, and a plane from a surface."""
+    """Subtract a trend or form from a body. By default, it is a line for a profile, and a plane for a surface."""
     from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
     from stiction.surfaces.profile import Profile
 
@@ -351,7 +351,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _reject_unused_options(context: typer.Context, *, together: bool, repeated: bool) -> None:
-    """Raise a `ValueError` for an option that has no effect on a joined spectrum or on repeated scans."""
+    """Raise a `ValueError` if an option was given that has no effect on joined spectra or on repeated scans."""
     names = ["lc", "ls", "robust", "band", "texture", *(["tip"] if repeated else [])]
     given_names = [name for name in names if option_was_given(context, name)]
     if given_names and (together or repeated):
@@ -359,7 +359,7 @@ def _reject_unused_options(context: typer.Context, *, together: bool, repeated: 
 
 
 def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str, Any]:
-    """Parse the filter options `--lc`, `--ls` and `--robust` of roughness parameters."""
+    """Parse the options `--lc`, `--ls` and `--robust`, which set the filters for roughness parameters."""
     from stiction._arguments import parse_quantity
 
     long_cutoff = None if lc is None else parse_quantity("lc", lc, "length")
@@ -368,7 +368,7 @@ def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str,
 
 
 def _parse_band(text: str | None) -> tuple[float, float] | None:
-    """Parse the shortest and the longest wavelength (µm) of the band to which a Hurst exponent is fitted."""
+    """Parse the limits (µm) of the wavelength band to which a Hurst exponent is fitted, the shortest first."""
     from stiction._arguments import parse_quantity
 
     if text is None:

@@ -1,4 +1,4 @@
-"""Computation of a study from the command line: directory, workers and messages."""
+"""Computation of a study by a command: directory, workers, and messages."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ _FILE_ENDINGS = (".nc", ".csv", ".pdf", ".png", ".svg", ".txt", ".html", ".json"
 
 
 def open_executor(workers: int | None, scheduler: str | None) -> contextlib.AbstractContextManager[Executor]:
-    """Return an executor that runs tasks in a number of threads, or on the workers of a Dask scheduler."""
+    """Return an executor that runs tasks in the given number of threads, or on the workers of a Dask scheduler."""
     if scheduler is None:
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    if sys.modules.get("dask") is None:  # `main` has prevented the import of Dask
+    if sys.modules.get("dask") is None:  # allow the import of Dask, which `main` has prevented
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part` into the number of the part and the total number of parts."""
+    """Parse the option `--part` into two numbers: the number of the part, and the number of all parts."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
@@ -46,7 +46,7 @@ def parse_part(text: str | None) -> tuple[int, int] | None:
 
 
 def check_output_directory(directory: Path) -> None:
-    """Raise a `StudyError` if the output directory is a file, or if its name has a file extension."""
+    """Raise a `StudyError` if the output directory is a file, or has a name with a file extension."""
     if directory.is_file():
         raise StudyError(
             f"{printable_path(directory)} must be a directory, got a file; use --output DIR to choose a directory"
@@ -56,7 +56,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return advice for an output directory that already contains another study."""
+    """Return advice for the case that the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -74,7 +74,7 @@ def compute_result_in_directory(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip
-    """Run `complete_result` and print its messages. After Ctrl-C, also print how to resume.
+    """Run `complete_result` and print its messages. If Ctrl-C is pressed, print how to resume.
 
     `print_written` is called with the names of written files, and `show_companions` with the complete result.
     """
@@ -91,7 +91,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         detail = ""
-        with contextlib.suppress(StoreError):  # no result is stored yet
+        with contextlib.suppress(StoreError):  # there may be no stored result yet
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"

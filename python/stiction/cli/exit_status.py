@@ -1,4 +1,4 @@
-"""Exit statuses of `stiction`, and a context that exits on Ctrl-C while modules are imported."""
+"""Exit statuses of the command `stiction`, and a context that exits on Ctrl-C while modules are imported."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # do not replace a custom handler, nor a setting that ignores SIGINT, as in a background job
+        yield  # keep a custom handler, or a setting that ignores SIGINT as in a background job
         return
     try:
         signal.signal(signal.SIGINT, exit_process)

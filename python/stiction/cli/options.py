@@ -1,4 +1,4 @@
-"""Options that several commands share, and loading of a file with reading options."""
+"""Options that several commands share, and a function that loads a file with reading options."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ PartOption = Annotated[
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
-    """Load a profile or surface from a file, with the reading options of the command line."""
+    """Load a profile or surface from a file, with the reading options that the command line contains."""
     from stiction.study.pair_options import split_option_text
     from stiction.surfaces.measured.reading import read_with_interpretation
     from stiction.surfaces.measured.spectrum_file import is_spectrum_file
@@ -72,7 +72,7 @@ def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReadi
 
 
 def show_reader_import_status(file: Path) -> None:
-    """Show a message on the terminal while SurfaceTopography is imported to read a file."""
+    """Show a message on the terminal if SurfaceTopography must be imported to read a file."""
     from stiction.surfaces.measured.reading import READERS
 
     if file.suffix.lower() not in READERS and file.is_file() and "SurfaceTopography" not in sys.modules:
@@ -80,7 +80,7 @@ def show_reader_import_status(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` with a reason if one of several options was given."""
+    """Raise a `ValueError` with the given reason if one of several options was given."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

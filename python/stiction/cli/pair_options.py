@@ -14,23 +14,23 @@ from stiction.study.pair_options import OPTION_GROUPS, PAIR_OPTIONS, format_comm
 PAIR_SHORT_HELP_PARAMETERS = frozenset(name for name, declared in PAIR_OPTIONS.items() if declared.is_common) | {
     "upper", "lower", "output", "help_all",
 }  # fmt: skip
-"""Names of the parameters that the short help of `pair` lists."""
+"""Names of the parameters in the short help of the command `pair`."""
 
 
 class _CommandLineOptionNames(dict[str, str]):
-    """Mapping from the placeholders in help texts to the command-line names of options."""
+    """Mapping that replaces placeholders in help texts by the command-line names of options."""
 
     def __missing__(self, name: str) -> str:
         return format_command_line_name(name)
 
 
 def format_option_help(name: str) -> str:
-    """Return the help text of a `pair` option, with command-line names instead of placeholders."""
+    """Return the help text of a `pair` option, in which command-line names replace the placeholders."""
     return PAIR_OPTIONS[name].help.format_map(_CommandLineOptionNames())
 
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
-    """Declare a `pair` option for the command line, in the help panel of its group."""
+    """Declare a `pair` option for the command line, in the help panel of the option's group."""
     declared = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
@@ -44,7 +44,7 @@ def pair_argument(name: str) -> Any:
 
 
 def read_given_options(context: typer.Context) -> dict[str, object]:
-    """Return the `pair` options that the command line contains, by field name."""
+    """Return the `pair` options that the command line contains, keyed by the field names of `PairOptions`."""
     values: Mapping[str, object] = context.params
     return {name: value for name, value in values.items() if name in PAIR_OPTIONS and option_was_given(context, name)}
 

@@ -1,4 +1,4 @@
-"""Output of results for all commands: friction and assessment on the terminal, tables, figures and reports."""
+"""Output of results by all commands: friction and assessment on the terminal, tables, figures, and reports."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# Maximum number of lines with caveats: more would make the output of `pair` and `run` longer than 24 lines.
+# Maximum number of lines with caveats, so that the output of `pair` and `run` fits in 24 lines.
 MAX_CAVEAT_LINES = 5
 
-VERBOSE_OPTION = "--verbose"  # option that prints all points and all caveats
+VERBOSE_OPTION = "--verbose"  # option that prints all result points and all caveats
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all result points and caveats of a stored result without computing anything."""
+    """Return the command that prints all points and caveats of a stored result without a new computation."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -55,19 +55,19 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the friction of a measured pair, but not its cutoff study or its onset of sliding."""
+    """Print the friction of a measured pair, without its cutoff study and its onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print the cutoff study and the onset of sliding of a measured pair, unless the result has no coefficient."""
+    """Print the cutoff study and the onset of sliding of a measured pair, if it has a coefficient."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
 
 def print_sentences(result: Result) -> None:
-    """Print the quotable sentence of a result at each load. Each sentence is one line, which is not wrapped."""
+    """Print the sentences to quote of a result, one line per load, without wrapping the lines."""
     summary = _summarize(result)
     print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
 
@@ -78,14 +78,14 @@ def print_result_json(result: Result, command: str, **fields: Any) -> None:
 
 
 def _summarize(result: Result) -> Summary:
-    """Return the summary of a result, which is empty if the result has no coefficient.
+    """Return the summary of a result, without result points if there is no coefficient.
 
     If `Result.summary` raises a `ValueError`, the summary has no points, and `no_points_reason` contains the message.
     """
     import xarray
 
     try:
-        # Creating the study has already printed the warning about tau0.
+        # Ignore the warning about a large tau0, which was printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
             return result.summary()
     except StoreError:
@@ -95,7 +95,7 @@ def _summarize(result: Result) -> Summary:
 
 
 def write_pair_files(result: Result, *, print_written: Callable[[str], None]) -> None:
-    """Write report, table and figure of a measured pair to the result directory, and print the file names.
+    """Write report, table and figure of a measured pair to its result directory, and print the names of the files.
 
     If another command has stored other mu0, tau0 or loads in the directory in the meantime, the files are written for
     these, so that they agree with the stored study.
@@ -121,11 +121,12 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    with contextlib.suppress(ValueError):  # the computation of the report raises the same error again
-        # Evaluate these points before the report and the figure, which two processes draw from the same points.
+    with contextlib.suppress(ValueError):  # the same error is raised again when the report is computed
+        # Evaluate these points first, because report and figure, which two processes draw, both use the points.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
-        from stiction.views.figures import draw_figures  # imports Matplotlib, which must not delay the evaluation
+        # Imported here, because the import of Matplotlib would delay the evaluation.
+        from stiction.views.figures import draw_figures
 
         replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
         figure_paths = draw_figures(result, directory, first=True)
@@ -134,7 +135,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
 
 
 def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = ("png",)) -> None:
-    """Draw the figures of a result to files in a directory, and print their names."""
+    """Draw the figures of a result, write them to files in a directory, and print the names of the files."""
     from stiction.views.figures import draw_figures
 
     show_status("drawing")
@@ -143,5 +144,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages: to standard error if JSON is printed to standard output."""
+    """Return the function that prints messages: on standard error if standard output contains JSON."""
     return print_message if as_json else print_output

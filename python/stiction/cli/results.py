@@ -1,4 +1,4 @@
-"""Commands for results of pairs and studies: info, plot, report and export."""
+"""Commands for stored results of pairs and studies: `info`, `plot`, `report` and `export`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction.result import Result
 
 JOINT_DIRECTORY = "joint"
-"""Subdirectory of a pair's directory for the result at all loads of the joint table."""
+"""Name of the subdirectory of a pair's result directory for the result at all loads of the joint table."""
 
 DirectoryArgument = Annotated[Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair` or `run`.")]
 

@@ -147,7 +147,7 @@ def shear(
 
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
-    """Load the scan of a face.
+    """Load the scan of the upper or lower face.
 
     If an option is given twice, the first is for the upper face, the second for the lower.
     """

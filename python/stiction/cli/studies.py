@@ -1,4 +1,4 @@
-"""Commands `stiction run`, which computes a study, and `stiction studies`, which lists the built-in studies."""
+"""Commands `stiction run`, which computes a study, and `stiction studies`, which lists built-in studies."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Load a study by name, file or directory, and return it with the default directory for its results."""
+    """Load a study by name, file or directory, and return it with the default directory of its result."""
     from stiction.study.study import Study, study_names
     from stiction.study.values import StudyError
 
@@ -101,7 +101,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
     if (path / "study.toml").is_file():
         return Study.from_toml(path / "study.toml"), path
     if path.suffix or path.exists() or len(path.parts) > 1:
-        # A study file beside stored results belongs to these results, so the computation resumes there.
+        # A study file in a result directory belongs to that result, so the computation resumes there.
         return Study.from_toml(path), path.parent if (path.parent / "blocks").is_dir() else Path(path.stem)
     try:
         return Study.named(text), path
@@ -111,7 +111,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
-    """Parse the texts of the option `--set` into new settings by study key."""
+    """Parse the texts of the option `--set`, and return the new values by study key."""
     from stiction.study.values import StudyError
 
     overrides = {}
@@ -124,7 +124,7 @@ def parse_overrides(assignments: list[str]) -> dict[str, Any]:
 
 
 def _parse_toml_value(text: str) -> Any:
-    """Parse a TOML value. Other texts are returned unchanged, so that quantities need no quotes."""
+    """Parse a TOML value. A text that is not TOML is returned unchanged, so that quantities need no quotes."""
     from stiction.study.values import parse_toml
 
     try:

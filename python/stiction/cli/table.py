@@ -125,7 +125,8 @@ def table_command(
     )
     if interface is not None:
         study = study.with_changes({"contact.sliding": rules})
-    signatures = {  # first bytes of the files that this command writes; a file that starts with them may be replaced
+    # First bytes of each file that this command writes, by which a file is recognized that may be replaced.
+    signatures = {
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
         LAWS_FILE_NAME: b"b of k/A0 = b p^c",
@@ -151,7 +152,7 @@ def _split(text: str) -> list[str]:
 
 
 def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | float | None:
-    """Return the given hardness, or else the hardness of the softer material; None for elastic bodies."""
+    """Return the given hardness or, without it, the hardness of the softer material; None for elastic bodies."""
     from stiction.mechanics.materials import material, softer_hardness
 
     if hardness is not None or elasticity.materials is None:
@@ -161,7 +162,7 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:
-    """Compute a measured pair, and write its joint table for each mu0 and tau0."""
+    """Compute a measured pair, and write a joint table for each mu0 and tau0."""
     import pandas
 
     from stiction.cli.execution import compute_result_in_directory, open_executor
