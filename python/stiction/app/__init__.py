@@ -1,1 +1,1 @@
-"""Browser app `stiction app`: a local server, and a page that runs commands of stiction."""
+"""Browser app `stiction app`: a local server, and a page on which users run commands of stiction."""

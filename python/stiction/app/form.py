@@ -1,4 +1,4 @@
-"""Form fields of the app as HTML, and replacement of option names in messages by field labels."""
+"""Form fields of the app as HTML, and messages in which labels of form fields replace option names."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ from stiction.study.pair_options import (
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
 _NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
-"""Python name of each option, by its command-line name without dashes."""
+"""Python name of each option, keyed by the command-line name without dashes."""
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
     flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
 }
-"""Form field for each option name without dashes."""
+"""Form field of each option, keyed by the option name without dashes."""
 
 FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
-"""Names of the reading options for which the form has a separate field for each scan."""
+"""Names of the reading options that have a form field for each scan."""
 
 FLAGS_SHARED_BY_SCANS = tuple(
     flag
     for flag, field in FORM_FIELDS_BY_FLAG.items()
     if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
 )
-"""Names of options for which the form has a field for each scan, although both scans have the same setting."""
+"""Names of the options that have a form field for each scan, although a single setting applies to both scans."""
 
 
 SHEAR_FORM_FLAGS = ("path", "direction", "normal-stiffness", "register")
-"""Names of the shear test options that have their own fields in the form."""
+"""Names of the shear test options that have a form field of their own."""
 
 SHEAR_FLAGS = (
     *FILE_READING_FLAGS, "upper", "lower", "young", "poisson", "hardness", "load", "mu0", "tau0", "interface", "tilt",
 )  # fmt: skip
-"""Names of the options that a shear test shares with a pair."""
+"""Names of the options that shear tests and pairs have in common."""
 
 
 def fields_html(place: Literal["scan", "more"]) -> str:
-    """Return all fields in one section of the app's form as HTML."""
+    """Return the form fields in one section of the app's form as HTML."""
     return "\n".join(_field_html(flag, field) for flag, field in FORM_FIELDS_BY_FLAG.items() if field.place == place)
 
 
@@ -65,7 +65,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_data_json() -> str:
-    """Return the data of the page's script as JSON, escaped for an HTML attribute.
+    """Return the data for the script of the page as JSON, escaped for an HTML attribute.
 
     The data are units of plain numbers, options with one value for both scans, and descriptions of the sliding rules.
     """
@@ -87,31 +87,31 @@ def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def format_error(error: Exception) -> str:
-    """Return the message of an error, in which option names replace the argument names of Python."""
+    """Return the message of an error with option names instead of Python argument names."""
     return error.translated_message(format_command_line_name) if isinstance(error, ArgumentError) else str(error)
 
 
 def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
-    """Convert the texts of form fields to keyword arguments of `read_measurement`, without empty fields."""
+    """Convert the texts of form fields that are not empty to keyword arguments of `read_measurement`."""
     texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
     return {name: split_option_text(name, text) for name, text in texts.items() if text}
 
 
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
-"""Pattern of an option name and the word after it, which may be the value of the option."""
+"""Pattern of an option name, with the next word, which may be the value of the option."""
 
 _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
-"""Pattern of a Python argument, followed by the equivalent option in brackets."""
+"""Pattern of a Python argument that is followed by the equivalent option in brackets."""
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option at the start of an error message, or "" if the form has no field for this option."""
+    """Return the option with which an error message begins, or "" if the form has no field for it."""
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""
 
 
 def replace_option_names(message: str) -> str:
-    """Replace the option names in a command's message by the labels of form fields and choices."""
+    """Replace option names in the message of a command by the labels of form fields and choices."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FORM_FIELDS_BY_FLAG.get(match[1])
@@ -125,11 +125,11 @@ def replace_option_names(message: str) -> str:
 
 
 def replace_option_names_in_caveats(record: dict[str, Any]) -> dict[str, Any]:
-    """Replace the option names in the caveats of a JSON record by the labels of form fields."""
+    """Replace option names in the caveats of a JSON record by the labels of form fields."""
     caveats = [{name: replace_option_names(text) for name, text in caveat.items()} for caveat in record["caveats"]]
     return record | {"caveats": caveats}
 
 
 def replace_option_names_in_preview(preview: dict[str, Any]) -> dict[str, Any]:
-    """Replace the option names in the messages of a scan preview by the labels of form fields."""
+    """Replace option names in the messages of a scan preview by the labels of form fields."""
     return preview | {name: replace_option_names(preview[name]) for name in ("error", "warning") if name in preview}

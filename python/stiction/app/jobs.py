@@ -1,4 +1,4 @@
-"""Job queue of the app. Commands run in separate processes, one at a time.
+"""Job queue of the app, which runs commands in separate processes, one command at a time.
 
 A job is a command that a user could type: the command line gives the same numbers, and "stop" has the same effect as
 Ctrl-C. A scan or result that exceeds the memory limit ends the command, but not the server.
@@ -29,17 +29,17 @@ from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # time (s) between two checks of the progress of a command
-# Time (s) for which a stopped command can still write results before the app kills the command.
+# Time (s) for which a stopped command may still write results before it is killed.
 MAX_SHUTDOWN_TIME = 5.0
-KILLED_PROCESS_TIMEOUT = 1.0  # time (s) for which the app waits for the end of a killed process
+KILLED_PROCESS_TIMEOUT = 1.0  # time (s) that the app waits for a killed process to end
 MAX_WAITING_JOBS = 8
-MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command may print in the app
+MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command of the app may print
 JOB_MEMORY_FRACTION = 0.5  # fraction of the machine's memory that a running command may use
-# Fraction of the machine's memory that each of two reader processes and each preview may use.
+# Fraction of the machine's memory that each of two short processes and each preview may use.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record, which a command prints before it draws figures
-# Files that each command offers to the user, with the names under which the command writes them.
+END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
+# Files that the user can save after each command, each with the name under which the command writes it.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -47,36 +47,37 @@ FILES_BY_COMMAND = {
 
 
 REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeError)
-"""Exceptions that the app reports to the user as messages."""
+"""Exceptions whose messages the app shows to the user."""
 
 
 class RejectedRequestError(ValueError):
-    """Error raised if the app rejects a request, with a message that the page shows."""
+    """Error raised if the app rejects a request. The page shows the message of the error."""
 
 
 def hide_private_paths(text: str, root: Path | str) -> str:
-    """Replace private paths in a text by the names of uploaded scans."""
+    """Remove the app's private directory from all paths in a text, so that only the names of scans remain."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
 @dataclass(eq=False)
 class Job:
-    """Job in the queue of the app: a command of stiction, its progress and its result."""
+    """Job in the queue of the app: a command of stiction with its progress and its result."""
 
     number: int
     title: str
     arguments: list[str]  # arguments of a `stiction` command
     directory: Path
-    preview: tuple[list[str], Any] | None = None  # scans and options of a preview in the asperity model
+    # Scans and options for a preview with the asperity model, if there is one.
+    preview: tuple[list[str], Any] | None = None
     state: str = "waiting"  # state of a job: "waiting", "running", "done", "stopped" or "failed"
-    file_stem: str = ""  # name without extension under which the user saves the files of a result
+    file_stem: str = ""  # name without extension that saved files of the result get
     activity: str = ""
     scope: str = ""  # description of the members of an intermediate result; empty for the final result
     finished: int = 0
     total: int = 0
     versions: int = 0
     files: Path | None = None  # directory with the files that the user can save
-    record: Any = None  # numbers of the displayed result
+    record: Any = None  # coefficients and caveats that the page shows
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
@@ -91,7 +92,7 @@ class Job:
         }  # fmt: skip
 
     def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
-        """Store the coefficients and intervals of a result for display on the page.
+        """Store the coefficients and caveats of a result, so that the page shows them.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -102,14 +103,14 @@ class Job:
             self.finished, self.total = counts
 
     def stop(self) -> None:
-        """Stop the command of the job. After its process has ended, the finished part of the result is read."""
+        """Stop the command of the job. After its process has ended, the finished part of its result is read."""
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
 
 
 class JobQueue:
-    """Queue of the app's jobs, with the directory of their results."""
+    """Queue of the app's jobs, and directory of their results."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -128,13 +129,13 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. If part of its result is stored, the computation resumes.
+        """Add a command to the queue. If a part of its result is stored, the computation resumes there.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        # Jobs that differ only in mu0 and tau0 share a stored result, except jobs of `shear`.
+        # Jobs other than `shear` share a stored result if they differ only in mu0 and tau0.
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
@@ -147,7 +148,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. A waiting job names the job for which it waits."""
+        """Return the data of all jobs for the page. The data of a waiting job name the job that runs before it."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -159,7 +160,7 @@ class JobQueue:
         return records
 
     async def shut_down(self) -> None:
-        """Stop all jobs, and wait until their processes have ended. Later results are not shown."""
+        """Stop all jobs, and wait for the end of their processes. Results that follow are not shown."""
         self._is_ending = True
         for job in self.jobs_by_number.values():
             job.stop()
@@ -168,7 +169,7 @@ class JobQueue:
         await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
-        """Run a job until it ends, and read its final result."""
+        """Run a job until its command ends, and read its final result."""
         final_state = "failed"
         try:
             async with self._job_lock:
@@ -178,7 +179,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Ignore the errors of a run without a result, or of surfaces that do not touch.
+            # Ignore errors, which occur if no result is stored yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -219,7 +220,7 @@ class JobQueue:
             """Show the final coefficients of a job before its figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
-            job.show(_read_answer(job, record), None)
+            job.show(_read_shown_values(job, record), None)
 
         output_option = "--json" if has_record else "--part=1/1"
         arguments = ["stiction", *job.arguments, output_option, f"--output={job.directory}"]
@@ -235,7 +236,7 @@ class JobQueue:
     async def _show_preview(self, job: Job) -> None:
         """Show a preview of the result while the command of a job computes, unless the command finishes earlier."""
         job.activity = "computing a preview"
-        with suppress(*REPORTED_EXCEPTIONS):  # ignore errors of the preview, which the command reports too
+        with suppress(*REPORTED_EXCEPTIONS):  # ignore errors of the preview, because the command reports them, too
             await self._read_result(
                 job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
             )
@@ -245,12 +246,12 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the coefficients in its JSON record."""
         files = self._choose_directory()
-        # The thread that copies files must not change the job, because the thread continues after the job is stopped.
+        # The thread that copies files does not change the job, because the thread may outlast a job that is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
-        job.show(_read_answer(job, record), files, counts=counts)
+        job.show(_read_shown_values(job, record), files, counts=counts)
 
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
-        """Copy the files and the JSON record of a job to a new directory. Return the member counts of a pair."""
+        """Copy the files and the JSON record of a job to a new directory, and return the member counts of a pair."""
         sources = FILES_BY_COMMAND[job.arguments[0]]
         texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
@@ -262,11 +263,11 @@ class JobQueue:
         return stored_result.num_finished, stored_result.study.ensemble.repetitions
 
     async def _monitor_progress(self, job: Job) -> None:
-        """Monitor the progress of a command, and read its result whenever the number of members has doubled."""
-        num_reported = 2  # an interval needs at least two members
+        """Monitor the progress of a command, and read its result each time the number of members has doubled."""
+        num_reported = 2  # number of members in the last result that was read; the first has at least twice as many
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # Ignore the errors of a run that has no result yet, or of surfaces that do not touch.
+            # Ignore errors, which occur while no result is stored, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -277,16 +278,16 @@ class JobQueue:
                 job.activity = "computing the cutoff study and the onset of sliding"
 
     async def _read_result(self, job: Job, scope: str = "", **source: Any) -> None:
-        """Read the finished part of a job's result, and write a report on it. `scope` is empty for the final result."""
+        """Read the finished part of a job's result, and write its report. `scope` is empty for the final result."""
         files = self._choose_directory()
         request = {"directory": str(job.directory), "name": job.directory.name,
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        # a preview is computed while the command of the job runs, so the process of the preview gets less memory
+        # a preview gets less memory, because the command of the job runs at the same time
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # the command has no preview, or the page already shows a result of the command
+        # the command has no preview, or the page shows a result of the command already
         if response is None or (source and job.versions):
             return
         job.show(
@@ -297,37 +298,37 @@ class JobQueue:
         )
 
     def _choose_directory(self) -> Path:
-        """Return the path of a new directory for result files that the user can save."""
+        """Return the path of a new directory for the result files that the user can save."""
         self._directory_count += 1
         return self.root / "shared" / f"{self._directory_count}"
 
     async def evaluate_result(self, job: Job, numbers: list[float], dimension: float | None) -> str:
-        """Return the JSON record of a job's result at a load (mN), mu0 and tau0 (GPa)."""
+        """Return the JSON record of a job's result at another load (mN), mu0 and tau0 (GPa)."""
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
         options += [] if dimension is None else [f"--d={dimension!r}"]
         return await self.run_short_module(["stiction", "at", str(job.directory), *options, "--json"])
 
     async def run_short_module(self, arguments: list[str]) -> str:
-        """Run a Python module that finishes quickly, and return its output. Two such modules can run in parallel."""
+        """Run a Python module that takes little time, and return its output. Two of them may run in parallel."""
         async with self._reader_slots:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
 
 def _print_unexpected_error(task: asyncio.Task[None]) -> None:
-    """Print the error of a task in the terminal of the app, while other tasks continue."""
+    """Print the error of a failed task on the terminal of the app. Other tasks continue."""
     if not task.cancelled() and (error := task.exception()) is not None:
         context = {"message": "unexpected error in a job", "exception": error, "task": task}
         task.get_loop().call_exception_handler(context)
 
 
-def _read_answer(job: Job, record: str) -> dict[str, Any]:
-    """Return the coefficients and caveats in the JSON record that a job's command printed."""
+def _read_shown_values(job: Job, record: str) -> dict[str, Any]:
+    """Return the coefficients and caveats from the JSON record that the command of a job printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return the peak and the final coefficient of a shear test as text, with the caveats."""
+    """Return peak and final coefficient of a shear test as texts, with the caveats, from its JSON record."""
     values, lines = json.loads(record), []
     for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(each for each in values["values"] if each["name"] == name)
@@ -337,7 +338,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the first reported result point in the JSON record of a pair.
+    """Return the first reported result point from the JSON record of a pair.
 
     If the record has no result points, its remark is raised as an error.
     """
@@ -348,7 +349,7 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return the start of a command line that limits the memory of a process, and kills it with its parent.
+    """Return the words before a command that limit its memory, and kill it when its parent process ends.
 
     It is empty if the system lacks the commands `setpriv` or `prlimit`.
     """
@@ -365,7 +366,7 @@ def memory_limit_command_prefix(memory: float) -> list[str]:
 async def run_module(
     arguments: list[str], *, memory: float, grace_time: float = 0.0, on_record: Callable[[str], None] | None = None
 ) -> str:
-    """Run a Python module in a process that ends with the server, and return its output up to the end of a record.
+    """Run a Python module in a process that ends with the server, and return its output up to the end of a JSON record.
 
     Without `on_record`, the process is killed after the record. Otherwise, `on_record` is called with the record, and
     the process runs until it ends. The process may use a fraction `memory` of the machine's memory. After a
@@ -388,7 +389,7 @@ async def run_module(
 async def _start_module(
     arguments: list[str], memory: float, grace_time: float
 ) -> AsyncIterator[tuple[Process, StreamReader, asyncio.Task[bytes]]]:
-    """Start a Python module in a process. When the context ends, end the process.
+    """Start a Python module in a process, which is ended when the context ends.
 
     A task reads the error output, so that a full pipe does not block the process. A process that still runs on exit is
     interrupted, and killed after `grace_time` seconds.
@@ -409,13 +410,13 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # close the connection to the process before the event loop
+            with suppress(TimeoutError):  # wait, so that the connection to the process closes before the event loop
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
 
 
 async def _read_record(stream: StreamReader) -> tuple[str, bool]:
-    """Return the output up to the end of a JSON record and True, or all of the output and False if it has no record."""
+    """Return the output up to the end of a JSON record and True or, if there is no record, all output and False."""
     try:
         return (await stream.readuntil(END_OF_JSON_RECORD)).decode(), True
     except asyncio.LimitOverrunError:
@@ -425,7 +426,7 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return the message about a command that failed with an exit status. After a signal, the status is negative."""
+    """Return the message for a command that failed with an exit status, which is negative after a signal."""
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

@@ -26,14 +26,15 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
-# Maximum number of rows or columns of a map preview; a profile preview may have three times as many points.
+# Maximum number of rows or columns in the preview of a map. The preview of a profile may have three times as many
+# points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Colours of the profiles of the lower and the upper body, visible on light and on dark backgrounds.
+# Colours of the lower and the upper profile, which are visible both on light and on dark backgrounds.
 LINE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return a summary of a scan with a small image, or the reason why the scan cannot be read.
+    """Return a summary of a scan with a small image, or the reason why the file cannot be read.
 
     Messages contain names of command-line options, which the server replaces with the labels of form fields.
     """
@@ -74,7 +75,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces on two scans fit into each other, and a shear path: a tenth of the scan length.
+    """Return whether the faces on two scans fit into each other, with a shear path of a tenth of the scan length.
 
     Scans that cannot be read do not fit.
     """
@@ -91,7 +92,7 @@ def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> di
 
 
 def draw_lines_svg(*lines: Floats) -> str:
-    """Draw profiles as an SVG image with a common vertical scale."""
+    """Draw profiles as an SVG image, all with the same vertical scale."""
     low, high = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
     for line, colour in zip(lines, LINE_COLOURS, strict=False):
@@ -102,7 +103,7 @@ def draw_lines_svg(*lines: Floats) -> str:
 
 
 def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Draw a height map as a grey PNG image, with square pixels and the first row at the bottom.
+    """Draw a height map as a PNG image in grey, with square pixels and the first row at the bottom.
 
     The grey levels equal those of the colour map of heights in other figures to within one level.
     """
@@ -120,7 +121,7 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
 
 def main() -> None:
     """Print the preview of a scan, or the comparison of two scans, as JSON."""
-    # `read_measurement` requires tuples, but JSON has only lists.
+    # Convert lists to tuples, which `read_measurement` requires but JSON does not have.
     files, options = sys.argv[1::2], [
         {name: tuple(value) if isinstance(value, list) else value for name, value in json.loads(text).items()}
         for text in sys.argv[2::2]

@@ -1,4 +1,4 @@
-"""Worker process of the app. It reads a result, prints its coefficients and writes files."""
+"""Worker process of the app, which reads a result, prints its coefficients, and writes its files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study in the asperity model that previews a `pair` command, or None if it has no preview."""
+    """Return the study that previews a `pair` command with the asperity model, or None if there is no preview."""
     return MeasuredPair.from_values(upper=files[0], lower=files[1], **group_option_values(options)).preview_study
 
 

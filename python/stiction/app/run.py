@@ -1,4 +1,4 @@
-"""Start and end of the app: server in a private directory, and page in a browser."""
+"""Start and end of the app: its server in a private directory, and its page in a browser."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from stiction.app.server import Server
 WORKING_DIRECTORY_PREFIX = "stiction-app-"
 
 SERVER_IDLE_TIMEOUT = 90.0
-"""Time (s) without a request until the server exits. Browsers limit hidden windows to one request per minute."""
+"""Time (s) without a request after which the server exits; hidden windows send only one request per minute."""
 
-FIRST_WINDOW_TIMEOUT = 600.0  # time (s) in which the first browser window must connect to the app
+FIRST_WINDOW_TIMEOUT = 600.0  # time (s) within which the first browser window must connect to the app
 
-REQUEST_HEADER_TIMEOUT = 20.0  # time (s) in which a browser must send the headers of a request
+REQUEST_HEADER_TIMEOUT = 20.0  # time (s) within which a browser must send the headers of a request
 MAX_IDLE_CONNECTIONS = 64
-"""Maximum number of connections without a complete request head; if there are more, the oldest is closed."""
+"""Maximum number of connections without a complete request head. Beyond it, the oldest connection is closed."""
 
 
 class TimeLimitedConnection(H11Protocol):
-    """HTTP connection that is closed if its request does not arrive in time."""
+    """HTTP connection that is closed if the headers of its request do not arrive in time."""
 
     idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
-        """Start the timer of a new connection, and limit the number of idle connections."""
+        """Start the timer of a new connection, and close the oldest idle connection if there are too many."""
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
@@ -45,13 +45,13 @@ class TimeLimitedConnection(H11Protocol):
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
-        """Stop the timer of a connection when the headers of its request are complete."""
+        """Stop the timer of a connection as soon as the headers of its request are complete."""
         super().data_received(data)
         if self.cycle is not None:
             self._cancel_idle_timer()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Stop the timer of a connection that the client has closed."""
+        """Stop the timer of a connection that was closed."""
         self._cancel_idle_timer()
         super().connection_lost(exc)
 
@@ -69,7 +69,7 @@ class TimeLimitedConnection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page of the app until its last window has been closed for some time, or until Ctrl-C."""
+    """Serve the page of the app until all its windows have been closed for some time, or until Ctrl-C."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -89,7 +89,7 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )
-        # Hide Uvicorn's warning about malformed requests, which any program on this machine can send.
+        # Hide Uvicorn's warning about malformed requests, because any program on this machine can send such requests.
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
@@ -108,7 +108,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Replace Uvicorn's signal handlers: they would raise the signal again before the app's directory is removed.
+    # Disable Uvicorn's signal handlers, which would raise the signal again before the app's directory is removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))
@@ -120,5 +120,5 @@ async def _serve(
 
 
 def is_abandoned(server: Server, now: float) -> bool:
-    """Return whether all windows have been closed for too long, or whether no window was opened in time."""
+    """Return whether all windows have been closed for too long, or whether none was opened in time."""
     return now - server.last_request_time > (SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT)

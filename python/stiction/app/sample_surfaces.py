@@ -1,4 +1,4 @@
-"""Generated surfaces of the app: two sample scans, and two profiles that the sliders change."""
+"""Generated surfaces of the app: two sample scans, and two profiles that change with the sliders."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stiction.surfaces.self_affine import self_affine_surface
 
 
 def write_sample_surfaces(directory: Path) -> list[Path]:
-    """Write two sample scans (side length 26 µm, rms height Sq 50 nm) as CSV files, unless the files exist."""
+    """Write two sample scans (sides of 26 µm, rms height Sq of 50 nm) as CSV files, unless the files exist."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = [directory / f"{side}.csv" for side in ("upper", "lower")]
     for path in paths:
@@ -29,7 +29,7 @@ def write_sample_surfaces(directory: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw two profiles near first contact as SVG, generated from the study `quick` with changed settings."""
+    """Draw two profiles near first contact as SVG. They are generated from the study `quick` with changed settings."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(

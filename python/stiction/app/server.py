@@ -49,29 +49,29 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# maximum size (bytes) of an uploaded scan, equal to the limit for text files in the readers
+# maximum size (bytes) of an uploaded scan, which is the limit for text files in the readers
 MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum size (bytes) of all uploaded scans together
-MAX_REQUEST_BYTES = 2**16  # maximum size (bytes) of a request, except for uploads of scans
-MAX_REQUEST_TIME = 120.0  # maximum time (s) for a request and its response
-MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests to the app; a browser sends at most six
-MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of a scan's name in the app
+MAX_REQUEST_BYTES = 2**16  # maximum size (bytes) of a request that is not an upload of a scan
+MAX_REQUEST_TIME = 120.0  # maximum time (s) that a request and its response may take
+MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six
+MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of the name of a scan in the app
 MAX_LISTED_RESULTS = 100  # maximum number of results that the app lists
-MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan for which the app draws a preview
+MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan with a preview
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# Paths that are served without the access key of the app, because they contain nothing private.
+# Paths for which a request needs no access key, because they contain nothing private.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {
     "pair": tuple(FORM_FIELDS_BY_FLAG), "run": ("set",), "shear": (*SHEAR_FLAGS, *SHEAR_FORM_FLAGS),
 }  # fmt: skip
-"""Options that the page may set, by command."""
+"""Names of the options that the page may set, by command."""
 
 ALLOWED_STUDY_CHANGE_PATTERN = re.compile(
     r"(surfaces\.(fractal_dimension|amplitude|length_scale|convention)|ensemble\.(seed|repetitions))=.*"
 )
-"""Pattern of the study settings that the page may change. None of these settings is a file name."""
+"""Pattern of the study settings that the page may change, none of which is a file name."""
 
 REPORT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -136,7 +136,7 @@ class Server:
         await self.jobs.shut_down()
 
     def shut_down(self) -> None:
-        """Answer all pending and later requests with the message that the server has shut down."""
+        """Answer all pending and later requests with the message that the server was shut down."""
         self._has_ended = True
         for task in self._running_requests:
             task.cancel()
@@ -144,7 +144,7 @@ class Server:
     # ---- Access control ---------------------------------------------------------------------------------------------
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Respond to requests from the app's page, and reject all other requests."""
+        """Respond to requests from the app's own page, and reject all other requests."""
 
         async def send_with_headers(message: Any) -> None:
             if message["type"] == "http.response.start":
@@ -172,7 +172,7 @@ class Server:
         finally:
             self._running_requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # the response may have started already
+            with suppress(RuntimeError):  # sending fails if the response has started already
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection_response(self, request: Request) -> Response | None:
@@ -217,7 +217,7 @@ class Server:
         return Response(text, media_type="text/html")
 
     async def get_asset(self, request: Request) -> Response:
-        """Return the page script, or a style sheet of the report or the app."""
+        """Return the script of the page, or a style sheet of the report or of the app."""
         file_type = request.path_params["kind"]
         if file_type == "js":
             return Response(_read_package_file("app/app.js"), media_type="text/javascript")
@@ -246,7 +246,7 @@ class Server:
     # ---- Scans ------------------------------------------------------------------------------------------------------
 
     async def store_scan(self, request: Request) -> Response:
-        """Store an uploaded scan under the last part of its path, without special characters."""
+        """Store an uploaded scan under its file name without special characters."""
         num_stored_bytes = sum(path.stat().st_size for path in self.scans.values())
         num_bytes = _request_body_length(
             request, min(MAX_SCAN_BYTES, MAX_TOTAL_SCAN_BYTES - num_stored_bytes - self.num_arriving_bytes)
@@ -266,14 +266,14 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            scan_identifier = digest.hexdigest()[:16]  # identical scans get the same identifier
+            scan_identifier = digest.hexdigest()[:16]  # a checksum, so that identical scans get the same identifier
             path = self.root / "files" / scan_identifier / name
             path.parent.mkdir(parents=True, exist_ok=True)
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            with suppress(RuntimeError):  # the request may have ended already
-                # Read the rest of the upload, because otherwise the browser would not receive the error message.
+            with suppress(RuntimeError):  # reading fails if the request has ended already
+                # Read the rest of the upload, or else the browser would not receive the error message.
                 async for _ in request.stream():
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
@@ -283,7 +283,7 @@ class Server:
         return JSONResponse({"scan": scan_identifier})
 
     async def add_sample_surfaces(self, _: Request) -> Response:
-        """Store two sample surfaces like uploaded scans."""
+        """Store the two sample scans in the same way as uploaded scans."""
         paths = await asyncio.to_thread(sample_surfaces.write_sample_surfaces, self.root / "files" / "demo")
         self.scans |= {path.stem: path for path in paths}
         return JSONResponse([{"scan": path.stem, "name": path.name} for path in paths])
@@ -294,12 +294,12 @@ class Server:
         return self.scans[str(identifier)]
 
     async def get_scan(self, request: Request) -> Response:
-        """Return a scan as a file."""
+        """Return the content of a scan file."""
         path = self._find_scan_path(request.path_params["scan"])
         return FileResponse(path, filename=path.name)
 
     async def preview_scan(self, request: Request) -> Response:
-        """Return the preview of a scan: a summary with a small image, or the reason why the scan cannot be read."""
+        """Return the preview of a scan: a summary with a small image, or the reason why the file cannot be read."""
         scan, query = request.path_params["scan"], request.query_params
         reading_options = parse_reading_options({flag: query.get(flag, "")[:80] for flag in FILE_READING_FLAGS})
         output = await self.jobs.run_short_module(
@@ -310,7 +310,10 @@ class Server:
         return Response(json.dumps(preview), media_type="application/json")
 
     async def compare_scans(self, request: Request) -> Response:
-        """Return whether two scans fit into each other. Reading options have names such as "upper.unit"."""
+        """Return whether the faces on two scans fit into each other.
+
+        Reading options have names such as "upper.unit".
+        """
         query, arguments = request.query_params, []
         for side in SIDES:
             texts = {flag: query.get(f"{side}.{flag}", "")[:80] for flag in FILE_READING_FLAGS}
@@ -381,12 +384,12 @@ class Server:
         return self.jobs.jobs_by_number.get(request.path_params["job"]) or _raise_not_found()
 
     async def stop_job(self, request: Request) -> Response:
-        """Stop a job, and keep the part of its result that is finished."""
+        """Stop a job. The finished part of its result is kept."""
         self._find_job(request).stop()
         return JSONResponse({})
 
     async def evaluate_result(self, request: Request) -> Response:
-        """Return the coefficients of a result for other mu0 and tau0."""
+        """Return the coefficients of a result at another mu0 and tau0."""
         job, query = self._find_job(request), request.query_params
         load_mu0_tau0 = [float(query.get(name, "nan")) for name in ("load", "mu0", "tau0")]
         output = await self.jobs.evaluate_result(job, load_mu0_tau0, float(query["d"]) if "d" in query else None)
@@ -394,7 +397,7 @@ class Server:
         return JSONResponse({"points": [replace_option_names_in_caveats(record) for record in points]})
 
     async def get_result_file(self, request: Request) -> Response:
-        """Return one file of a job's result: report, JSON, CSV or study file."""
+        """Return a file of a job's result: report, JSON, CSV or study file."""
         job, name = self._find_job(request), request.path_params["name"]
         directory = job.files or _raise_not_found()
         if name not in [path.name for path in directory.iterdir()]:
@@ -416,7 +419,7 @@ class Server:
         }
 
     async def list_results(self, _: Request) -> Response:
-        """Return the results in the working directory with their progress."""
+        """Return the results in the working directory, with their progress."""
         return JSONResponse(
             await asyncio.to_thread(
                 lambda: [_stored_result_list_entry(*item) for item in self._find_result_directories().items()]
@@ -424,7 +427,7 @@ class Server:
         )
 
     async def draw_profiles(self, request: Request) -> Response:
-        """Return an image of two generated profiles at their first contact."""
+        """Return an image of two generated profiles near first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
         if not all(ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
             raise HTTPException(400)
@@ -443,7 +446,8 @@ def _stored_result_list_entry(name: str, directory: Path) -> dict[str, Any]:
 
 
 def _read_package_file(name: str) -> str:
-    # Importing `stiction.views.report` would load Matplotlib and pandas, so use `resources.files`.
+    # Read the file with `resources.files`, because importing `stiction.views.report` would import Matplotlib and
+    # pandas.
     return (resources.files("stiction") / name).read_text("utf-8")
 
 
@@ -463,7 +467,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 
 def _request_body_length(request: Request, max_length: int) -> int:
-    """Return the length of a request body in bytes. Raises an HTTPException if it is too long or unknown."""
+    """Return the length of a request body in bytes, or raise an HTTPException if it is too long or unknown."""
     length_text = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length_text.isdecimal():
         raise HTTPException(411)
