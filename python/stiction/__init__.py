@@ -65,7 +65,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.direct_shear": "shear_test",
     "stiction.measured_pair": "pair",
 }
-"""Public names of each module, as in the stub file. A module is imported when one of its names is first used."""
+"""Public names by module, as in the stub file. A module is imported when one of its names is first used."""
 
 _MODULES_BY_PUBLIC_NAME = {name: module for module, names in _PUBLIC_NAMES_BY_MODULE.items() for name in names.split()}
 
@@ -73,7 +73,7 @@ __all__ = sorted(_MODULES_BY_PUBLIC_NAME)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # imported on demand, because many commands use no public name
+    from importlib import import_module  # import this module only on demand, because many commands use no public name
 
     if name not in _MODULES_BY_PUBLIC_NAME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

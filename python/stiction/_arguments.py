@@ -1,4 +1,4 @@
-"""Parsing of function arguments that are numbers, or texts with units."""
+"""Parsing of function arguments that are numbers or texts with units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split an argument into a flat list: a text at its commas, nested lists, or a single number."""
+    """Split an argument into a flat list. The argument is a text with commas, a nested list, or a single number."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
@@ -23,7 +23,7 @@ def split_values(value: Any) -> list[Any]:
 def _count_dimensions(value: Any) -> int | None:
     try:
         return np.ndim(value)
-    except ValueError:  # the rows of a nested list have different lengths
+    except ValueError:  # rows of different lengths are no array
         return None
 
 
@@ -35,7 +35,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Convert a text with a unit, or a number in core units, to a quantity of a kind such as "pressure"."""
+    """Convert a text with a unit, or a number in core units, to a quantity of the given kind, such as "pressure"."""
     try:
         return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
     except ValueError as error:
@@ -43,17 +43,17 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or several quantities of a kind such as "pressure"."""
+    """Parse one or more quantities of the given kind, such as "pressure"."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
 
 _DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?!\d|\.(?!\.))")
-"""Pattern of a comma that may be a decimal comma, as in "0,2" or "0,2..0,3" but not in "0, 2" or "0.2,0.3"."""
+"""Pattern of a comma that may be a decimal mark, as in "0,2" or "0,2..0,3" but not in "0, 2" or "0.2,0.3"."""
 
 
 def reject_decimal_commas(name: str, value: Any) -> None:
-    """Raise an `ArgumentError` if a text has a comma that may be a decimal mark."""
+    """Raise an `ArgumentError` if a text contains a comma that may be a decimal mark."""
     for item in value if isinstance(value, (list, tuple)) else [value]:
         if isinstance(item, str) and (match := _DECIMAL_COMMA_PATTERN.search(item)):
             as_decimal, as_list = match[0].replace(",", "."), match[0].replace(",", ", ")
@@ -64,7 +64,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or several numbers. With `integers`, a comma always separates numbers: "0,90" is 0 and 90."""
+    """Parse one or more numbers. If `integers` is true, commas always separate numbers: "0,90" is 0 and 90."""
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -81,11 +81,11 @@ def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[floa
 
 
 MAX_INPUT_NUMBER = 1e6
-"""Largest accepted coefficient, percentage or range limit. Larger numbers are rejected as mistakes."""
+"""Largest accepted coefficient, percentage or limit of a range. Larger numbers are rejected as mistakes."""
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or several numbers from 0 to `MAX_INPUT_NUMBER`."""
+    """Parse one or more numbers from 0 to `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
@@ -97,14 +97,14 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
 
 
 def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
-    """Check that no number of an argument is negative, and return the numbers."""
+    """Return the numbers of an argument, or raise an `ArgumentError` if a number is negative."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(argument))
     return values
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, which is a force or a pressure. Return the load, and True if it is a pressure.
+    """Parse a load, and return it with True if the load is a pressure, or False if it is a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -17,13 +17,13 @@ from stiction._units import quantity, short_repr
 
 Floats = NDArray[np.float64]
 _QUANTITY_KINDS_BY_UNIT = {"µm": "length", "GPa": "pressure", "mN": "force", "s": "time", "mN/µm": "work of adhesion"}
-"""Kind of quantity of each core unit, such as length for µm."""
+"""Kind of quantity for each core unit, such as "length" for µm."""
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return numbers as a C-contiguous float64 array, and raise a `ValueError` for infinity or NaN.
+    """Return numbers as a C-contiguous float64 array, or raise a `ValueError` for infinity and NaN.
 
     `ndim` is the required number of dimensions; None accepts any number of dimensions.
     """
@@ -33,14 +33,14 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        # converting a long double may overflow to infinity, which the check below rejects
+        # a long double may overflow to infinity, which the check below rejects
         with np.errstate(over="ignore"):
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # Testing the sum is faster than testing each element: if the sum is finite, all elements are finite.
+    # Test the sum first, which is faster than testing each element: if the sum is finite, all elements are finite.
     with np.errstate(over="ignore", invalid="ignore"):
         total = array.sum()
     if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():
@@ -54,7 +54,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
 
 
 def make_read_only(array: _Array) -> _Array:
-    """Make an array read-only, and return the same array."""
+    """Make an array read-only, and return this array."""
     array.flags.writeable = False
     return array
 
@@ -62,7 +62,7 @@ def make_read_only(array: _Array) -> _Array:
 def validate_number(
     name: str, value: Any, *, unit: str = "", above: float = -math.inf, below: float = math.inf
 ) -> float:
-    """Check that a number is finite and strictly between `above` and `below`, and return it as a float.
+    """Return a number as a float, or raise a `ValueError` unless it is finite and strictly between `above` and `below`.
 
     A zero-dimensional array counts as a number. If a unit is given, a string such as "39 nm" is accepted too.
     """
@@ -84,12 +84,12 @@ def validate_number(
 
 
 def unwrap_scalar(value: Any) -> Any:
-    """Return the number in a zero-dimensional array, and any other argument unchanged."""
+    """Return the number in a zero-dimensional array. Any other argument is returned unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
 def validate_fraction(name: str, value: Any) -> float:
-    """Check that a number is from 0 to 1, and return it."""
+    """Return a number, or raise a `ValueError` unless it is from 0 to 1."""
     result = validate_number(name, value)
     if not 0 <= result <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")
@@ -97,7 +97,7 @@ def validate_fraction(name: str, value: Any) -> float:
 
 
 def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
-    """Check that a number is an integer from `minimum` to `maximum`, and return it."""
+    """Return a number, or raise a `ValueError` unless it is an integer from `minimum` to `maximum`."""
     try:
         result = operator.index(unwrap_scalar(value)) if not isinstance(unwrap_scalar(value), bool) else minimum - 1
     except TypeError:
@@ -109,25 +109,25 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless an argument is an instance of `kind`, which the message calls `words`."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`, which the message describes by `words`."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
 
 def check_callable(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless an argument is a function."""
+    """Raise a `ValueError` unless an argument is callable."""
     if not callable(value):
         raise ValueError(f"{name} must be a function, got {short_repr(value)}")
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Convert a text to a path. Raises a `ValueError` if the text cannot be a file name."""
+    """Convert a text to a path. Raises a `ValueError` if no file can have this name."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)
     try:
         is_possible = b"\0" not in os.fsencode(path)
-    except UnicodeEncodeError:  # the path contains a lone surrogate, which no file name has
+    except UnicodeEncodeError:  # a lone surrogate cannot be part of a file name
         is_possible = False
     if not is_possible:
         raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")

@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_NANOMETRE_RANGE = 0.5  # range of heights (µm) below which heights are drawn in nm
-_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of a scale bar, as a fraction of the width of the map
+_MAX_NANOMETRE_RANGE = 0.5  # height range (µm) below which heights are drawn in nm
+_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of a scale bar, as a fraction of the map's width
 PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
-    """Convert heights (µm) to nm if they span less than 0.5 µm. Return the heights and their unit."""
+    """Convert heights (µm) that span less than 0.5 µm to nm, and return the heights with their unit."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NANOMETRE_RANGE else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw the heights of a profile against x, with a scale of its own for each axis."""
+    """Draw the heights of a profile over x, with different scales on the two axes."""
     heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics, and its means in bins, on logarithmic axes."""
+    """Draw the spectral density of all harmonics and its means in bins, on logarithmic axes."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -53,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # Limit the axis of the density. Otherwise, the axis would mainly show harmonics whose density is only round-off.
+    # Limit the density axis, which would otherwise mainly show harmonics whose density is only round-off.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")
@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height that two scans share, and the rms noise of one scan, for each octave of wavelength."""
+    """Draw the rms height that two scans have in common and the rms noise of one scan, in octaves of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of round length in the lower right corner of a map. `box` contains the sides of the map (µm)."""
+    """Draw a scale bar of round length in the lower right corner of a map, whose sides (µm) are in `box`."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -97,25 +97,25 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the sides of a map (left, right, bottom, top; µm), half a cell beyond its outermost grid points."""
+    """Return the sides of a map (left, right, bottom, top; µm), half a cell beyond the outermost grid points."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers to wavelengths, or wavelengths to wave numbers."""
+    """Convert wave numbers to wavelengths or, by the same formula, wavelengths to wave numbers."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 
 
 def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
-    """Add a colour bar that is as high as the map."""
+    """Add a colour bar with the height of the map."""
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
 
 
 def set_log_tick_labels(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers up to three decades, and with powers of ten above that range."""
+    """Label logarithmic axes with plain numbers if they span up to three decades, or else with powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     for axis in (axes.xaxis, axes.yaxis):
@@ -136,7 +136,7 @@ def set_log_tick_labels(axes: Axes) -> None:
 
 
 def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
-    """Draw the true contact area (µm²) against the normal load (mN)."""
+    """Draw the true contact area (µm²) over the normal load (mN)."""
     if not ((load > 0) & (area > 0)).any():
         raise ValueError("the surfaces do not touch at any load, so there is nothing to draw")
     ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
@@ -149,7 +149,7 @@ def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients against load (mN), one curve per direction, mu0 and tau0."""
+    """Draw friction coefficients over the load (mN), one curve per direction, mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -168,7 +168,7 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a legend label for each pair of mu0 and tau0, or an empty list if there is only one pair."""
+    """Return a legend label for each pair of mu0 and tau0, or an empty list for a single pair."""
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []
@@ -182,7 +182,7 @@ def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str
 
 
 def draw_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
-    """Draw the contact pressure (GPa) and the heights of the lower surface, as a map or along a profile."""
+    """Draw contact pressure (GPa) and heights of the lower surface, as maps or along a profile."""
     if pressure.ndim == 1:
         return _draw_profile_contact_pressure(ax, pressure, heights, spacing[-1])
     extent = map_extent(pressure.shape, spacing)
@@ -213,7 +213,7 @@ def _draw_profile_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, 
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw tangential load against displacement or, without finite displacements, against slipped area."""
+    """Draw the tangential load over the displacement or, if displacements are infinite, over the slipped area."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Replacements for the placeholders in a message. A placeholder without a replacement is an argument name."""
+    """Replacements for the placeholders in a message. Placeholders without a replacement are names of arguments."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
@@ -18,14 +18,14 @@ class _PlaceholderValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error raised for an invalid argument. Its message has placeholders for numbers and argument names."""
+    """Error raised for an invalid argument. Its message contains placeholders for values and argument names."""
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_PlaceholderValues(values, str)))
         self._message, self._values = message, values
 
     def translated_message(self, translate: Callable[[str], str]) -> str:
-        """Return the message with other names for the arguments, such as command-line options."""
+        """Return the message with translated argument names, such as the names of command-line options."""
         return self._message.format_map(_PlaceholderValues(self._values, translate))
 
 

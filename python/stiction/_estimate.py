@@ -1,4 +1,4 @@
-"""Estimates: numbers with 95 % intervals, which determine how many digits are printed."""
+"""Estimates: values with 95 % intervals, which determine how many digits are printed."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 # maximum number of significant digits of a printed number, even if its interval is very narrow
 MAX_SIGNIFICANT_DIGITS = 4
-UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text printed instead of an infinite upper limit
-# The upper limit is printed with one digit if it exceeds this multiple of the central number.
+UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
+# Multiple of the value above which the upper limit is printed with one digit.
 MAX_FULL_PRECISION_END_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # code that replaces the number of decimals of an upper limit if no interval is printed
-# Code that replaces the number of decimals of an upper limit that is printed with one digit and an exponent ("5e+09").
+NO_INTERVAL_CODE = -128  # code that is stored as the number of decimals of the upper limit if no interval is printed
+# Code that is stored as the number of decimals of an upper limit printed with one digit and an exponent ("5e+09").
 EXPONENT_CODE = -127
-MAX_DECIMALS = 100  # a number of decimals, which may be negative, is limited to -MAX_DECIMALS ... MAX_DECIMALS
+MAX_DECIMALS = 100  # limit of the number of decimals, which may be negative: from -MAX_DECIMALS to MAX_DECIMALS
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
 """Kind of the interval of an estimate; "" if there is no interval.
@@ -43,7 +43,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and all given intervals."""
+        """Return the smallest interval that includes this interval and all others."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -59,7 +59,7 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Central number with the limits of its 95 % interval.
+    """Value with the limits of its 95 % interval, and with its name, unit and kind of interval.
 
     ``str(estimate)`` is ``estimate.text(1)``, as in "0.16 [0.10, 0.22]".
 
@@ -111,16 +111,16 @@ class Estimate:
 
     @property
     def table_text(self) -> str:
-        """Text of the estimate in a table: as `text`, but with "no interval" if there is no interval."""
+        """Text of the estimate in a table, which is `text` or, without an interval, contains "no interval"."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return the estimate in another unit. Its number and limits are multiplied by `factor`, which is positive."""
+        """Return the estimate in another unit. Value and limits are multiplied by `factor`, which must be positive."""
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
-        """Return the estimate in the unit, such as nm or mm, in which the number has the fewest zeros.
+        """Return the estimate in the prefixed unit, such as nm or mm, in which its value has the fewest zeros.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object. `at` contains the coordinates of the estimate, such as its load."""
+        """Return the estimate as a JSON object, with the coordinates in `at`, such as the load."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -139,7 +139,7 @@ class Estimate:
         }  # fmt: skip
 
     def extended_to(self, other: Estimate) -> Self:
-        """Return the estimate with an interval that also includes the interval of another estimate.
+        """Return the estimate with a wider interval, which also includes the interval of another estimate.
 
         A missing interval stays missing, because the uncertainty of this estimate is then unknown.
         """
@@ -147,7 +147,7 @@ class Estimate:
         return replace(self, lower=lower, upper=upper)
 
     def text(self, digits: int = 2) -> str:
-        """Return the number and its interval as text, rounded to `digits` significant digits of the half width.
+        """Return value and interval as text, rounded to `digits` significant digits of the half width.
 
         The number has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
         otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if
@@ -175,18 +175,18 @@ class Estimate:
 
 
 def to_file_unit(unit: str) -> str:
-    """Return the name of a unit in JSON and CSV files, as in "um2" for µm²; "1" for a number without a unit."""
+    """Return the name of a unit in JSON and CSV files, such as "um2" for µm², or "1" for no unit."""
     return unit.replace("um^2", "um2") or "1"
 
 
 def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
-    """Return the column titles of an estimate in a CSV file: number, lower and upper limit."""
+    """Return the column titles of an estimate in a CSV file: value, lower limit, and upper limit."""
     title = title if unit in ("", "1") else f"{title} ({unit})"
     return {"value": title, "lower": f"{title}: lower", "upper": f"{title}: upper"}
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Extend intervals so that they include other intervals.
+    """Widen intervals so that they include other intervals.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals to print for each estimate: for number and lower limit, and for the upper limit.
+    """Return two numbers of decimals for each estimate: for value and lower limit, and for the upper limit.
 
     Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
@@ -235,7 +235,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return how many decimals show `digits` digits of the half width, and from 2 to 4 digits of the number."""
+    """Return the number of decimals that gives `digits` digits of the half width, and 2 to 4 digits of the value."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -244,23 +244,23 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return how many decimals numbers have after rounding to `digits` significant digits, without trailing zeros."""
+    """Return the number of decimals of values rounded to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # Convert the rounded digits to a whole number: 1234 for 0.01234 with four digits.
+        # Convert the rounded digits to an integer, such as 1234 for 0.01234 with four digits.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # Compare quotients: computing the remainder of a division takes ten times as long.
+        # Find trailing zeros by comparing quotients, because remainders take ten times as long.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the exponent of 10 in scientific notation for each number: 0 for 0, not finite for NaN and infinity."""
+    """Return the decimal exponent of each value in scientific notation: 0 for 0, not finite for NaN and infinity."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))
-    # Round-off may make the logarithm of a power of ten too small.
+    # Correct exponents that are too small because of round-off in the logarithm of a power of ten.
     return np.asarray(np.where(size >= 10.0 ** (exponents + 1), exponents + 1, exponents))
 
 

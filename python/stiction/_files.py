@@ -1,4 +1,4 @@
-"""Atomic writing of files, and reading of files of limited size."""
+"""Atomic writing of files, and reading of files up to a limited size."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from pathlib import Path
 from stiction._text import printable_path
 
 PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9a-f]{8})-[0-9a-f]{8}\.partial")
-"""Pattern for the names of partial files, which a process leaves behind when it is killed.
+"""Pattern for the names of partial files, which a killed process leaves behind.
 
 The name contains the machine, the process id, the run and a random number.
 """
 
-# Age (s) above which a partial file that another machine wrote counts as abandoned.
+# Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a directory claim: the claim survives a few failed refreshes.
+# Time (s) between two refreshes of a directory claim, short enough that the claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because a process id may be reused
-# The signature of a file is searched for in this number of bytes at its start and at its end.
+_PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because process ids are reused
+# Number of bytes at the start and at the end of a file in which its signature is searched.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -38,24 +38,24 @@ _NUM_SEARCHED_BYTES = 2**16
 
 @contextmanager
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that is renamed to `path` when it is complete, if `path` does not exist."""
+    """Yield a temporary file, which is renamed to `path` when it is complete. An existing file is not replaced."""
     check_creatable(path, error_type)
-    # `os.link` never replaces a file, unlike `os.rename`.
+    # Use `os.link`, which never replaces a file, instead of `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
         yield partial_path
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists (even as a dangling link), or if its directory does not exist."""
+    """Raise `error_type` if a path exists, even as a dangling link, or if its parent directory does not exist."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
-        os.stat(os.path.join(path.parent, ""))  # fails if the parent directory is missing or is a file
+        os.stat(os.path.join(path.parent, ""))  # raises an error if the parent directory is missing or is a file
 
 
 @contextmanager
 def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when it is complete, unless `path` is a file without `mark`.
+    """Yield a temporary file that replaces `path` when it is complete. An existing file must contain `mark`.
 
     A file that does not contain the bytes `mark` near its start or its end was not written by this package.
     """
@@ -65,7 +65,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists, unless it is a file that contains `mark`.
+    """Raise `error_type` if a path exists and is not a file that contains `mark`.
 
     A dangling link counts as existing.
     """
@@ -78,7 +78,7 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
 
 
 def create_atomically(path: Path, content: bytes) -> None:
-    """Write a new file, which exists under its name only when it is complete.
+    """Write a new file, which does not appear under its name before it is complete.
 
     If several processes create the same path at the same time, exactly one succeeds, provided that the file system has
     hard links.
@@ -86,7 +86,7 @@ def create_atomically(path: Path, content: bytes) -> None:
     if os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
     try:
-        with _open_partial_file(path, os.link) as partial_path:  # `os.link` never replaces a file, unlike `os.rename`
+        with _open_partial_file(path, os.link) as partial_path:  # `os.link` never replaces a file
             partial_path.write_bytes(content)
     except FileExistsError:
         raise
@@ -97,7 +97,7 @@ def create_atomically(path: Path, content: bytes) -> None:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file. It appears, or replaces an older file, only when it is complete."""
+    """Write a file, which appears, or replaces an older file, only when it is complete."""
     with _open_partial_file(path, Path.replace) as partial_path:
         partial_path.write_bytes(content)
 
@@ -109,7 +109,7 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
     `move_file` moves it to `path` after success. After an error, the partial file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
-    try:  # the file is created inside `try`, so that it is removed even if Ctrl-C arrives immediately after
+    try:  # create the file inside `try`, so that it is removed even if Ctrl-C follows immediately
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)
@@ -119,12 +119,12 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
 
 
 def new_partial_file_name() -> str:
-    """Return an unused name for a partial file."""
+    """Return a name for a partial file that no other partial file has."""
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
 class DirectoryClaim:
-    """Claim of a run on its directory: a partial file that exists until the end of the context.
+    """Claim of a run on a directory: a partial file that exists until the context ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -148,7 +148,7 @@ class DirectoryClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the partial file of the claim in an existing directory."""
+        """Create the claim's partial file in the directory, which must exist."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
@@ -157,11 +157,11 @@ class DirectoryClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                # Create the claim file again if another machine has removed it as abandoned.
+                # Create the claim file again in case another machine has removed it as abandoned.
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim file of another active run in this directory, or None if there is no such run.
+        """Return the claim file of another active run in the directory, or None if no other run is active there.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -172,7 +172,7 @@ class DirectoryClaim:
 
 
 def remove_stale_partial_files(directory: Path) -> None:
-    """Remove partial files of processes that have died. Files that cannot be removed are left."""
+    """Remove partial files of dead processes from a directory. Files that cannot be removed are ignored."""
     with suppress(OSError):
         for entry, is_stale in _scan_partial_files(directory):
             if is_stale:
@@ -181,12 +181,12 @@ def remove_stale_partial_files(directory: Path) -> None:
 
 
 def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield each partial file in a directory, with True if the process that wrote the file has died."""
+    """Yield each partial file in a directory, with True if the process that wrote the file is dead."""
     with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
         match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
-        with suppress(FileNotFoundError):  # another process may finish its file at any time
+        with suppress(FileNotFoundError):  # the file is missing if another process has completed it in the meantime
             if match and entry.is_file(follow_symlinks=False):
                 yield entry, _is_stale_partial_file(entry, *match.groups())
 
@@ -228,7 +228,7 @@ def _contains_file_mark(path: Path, mark: bytes) -> bool:
 
 
 class UnreadableFileError(Exception):
-    """Error raised for a path that is not a regular file."""
+    """Error raised if a path is not a regular file, or if its content is too long or begins differently."""
 
 
 def check_is_file(path: Path) -> None:
@@ -238,7 +238,7 @@ def check_is_file(path: Path) -> None:
 
 
 def read_file_bytes(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
-    """Return the bytes of a regular file. Raises an error instead of waiting for a device or a pipe.
+    """Return the bytes of a regular file. For a device or a pipe, raise an error instead of waiting.
 
     The error is an `UnreadableFileError` if the path is not a regular file, or if the file is longer than `max_bytes`
     or does not begin with `start`. It is an `OSError` if the file cannot be read.
@@ -260,5 +260,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error without the file name, which may be internal."""
+    """Return the reason for a system error, without the file name, which may be internal to stiction."""
     return os.strerror(error.errno) if error.errno else str(error)

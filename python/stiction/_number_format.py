@@ -1,4 +1,4 @@
-"""Formatting of numbers without an interval, in units that suit their size."""
+"""Formatting of numbers without intervals, in units that suit the size of the number."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _PREFIXED_UNITS = {
     "MPa/mm": ((1e7, 1e6, "TPa/mm"), (1e4, 1e3, "GPa/mm"), (0.0, 1.0, "MPa/mm")),
     "%": ((0.0, 0.01, "%"),),
 }
-"""Prefixed units of each core unit: smallest number that is printed in the unit, factor to the core unit, and name."""
+"""Prefixed units for each core unit: smallest number that is printed in the unit, factor to the core unit, and name."""
 
 _NO_PREFIXES = ((0.0, 1.0, ""),)
 
 
-# Smaller and larger numbers may be printed with an exponent.
+# Limits outside of which numbers may be printed with an exponent.
 MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number with `digits` significant digits, using an exponent below 1e-6 and from 1e6 upwards."""
+    """Format a number with `digits` significant digits, with an exponent below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format for numbers from a certain size upwards, which are divided by `factor` and rounded.
+    """Format for numbers of at least a certain size, which are divided by `factor` and rounded.
 
     Attributes
     ----------
@@ -72,11 +72,11 @@ _PERCENT_FORMATS = (
 )
 
 MIN_ROUNDED_TO_ONE = 0.9995
-"""Smallest number that rounds to 1 with three digits: 0.99996 mN is printed as 1 mN."""
+"""Smallest number that three digits round to 1, so that 0.99996 mN is printed as 1 mN."""
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of number, such as "percent", starting with the format for the largest numbers.
+    """Return the formats for a kind of number, such as "percent", in descending order of the size of the numbers.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number according to its size and kind, such as "percent"; see `list_number_formats`."""
+    """Format a number of a kind such as "percent", in the format for its size; see `list_number_formats`."""
     return _choose_by_size(value, list_number_formats(kind)).format(value)
 
 
@@ -108,7 +108,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Choose the unit in which a number has the fewest zeros. Return the conversion factor and the unit.
+    """Choose the unit in which a number has the fewest zeros, and return the conversion factor with the unit.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first format or unit whose lower limit is at most |value|, where 0 and NaN count as 1."""
+    """Return the first item whose lower limit is at most |value|. The values 0 and NaN count as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 
@@ -137,7 +137,7 @@ _TIME_UNITS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, 
 
 
 def to_json(record: Any, **options: Any) -> str:
-    """Prepare a record for JSON: NaN and infinity become None."""
+    """Convert a record to JSON text, in which NaN and infinity become null."""
     return json.dumps(_replace_nonfinite_by_none(record), allow_nan=False, **options)
 
 

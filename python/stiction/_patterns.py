@@ -20,23 +20,23 @@ class LazyPattern:
 
     @cached_property
     def compiled(self) -> re.Pattern[str]:
-        """The compiled pattern."""
+        """Compiled pattern, which is compiled when this property is first used."""
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:
-        """Return the match at the start of a text, or None."""
+        """Return the match at the start of a text, or None if there is no match."""
         return self.compiled.match(text)
 
     def fullmatch(self, text: str) -> re.Match[str] | None:
-        """Return the match of a whole text, or None."""
+        """Return the match of the whole text, or None if the text does not match."""
         return self.compiled.fullmatch(text)
 
     def search(self, text: str) -> re.Match[str] | None:
-        """Return the first match in a text, or None."""
+        """Return the first match in a text, or None if there is no match."""
         return self.compiled.search(text)
 
     def findall(self, text: str) -> list[str]:
-        """Return the matches in a text, or the groups of a pattern with one group."""
+        """Return all matches in a text or, if the pattern has a group, the text of the group in each match."""
         return self.compiled.findall(text)
 
     def split(self, text: str) -> list[str]:

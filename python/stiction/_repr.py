@@ -1,4 +1,4 @@
-"""Representation of objects in a terminal or a notebook: text, HTML and images."""
+"""Display of objects in a terminal or a notebook, as text, HTML and images."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_IMAGE_DPI = 110  # resolution of images in a notebook, in dots per inch
-NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height of images in a notebook, in inches
-# Figures up to this width (inches) count as one-column figures. In a notebook, their images have a higher resolution.
+NOTEBOOK_IMAGE_DPI = 110  # resolution (dots per inch) of images in a notebook
+NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height (inches) of images in a notebook
+# Maximum width (inches) of a one-column figure, whose image has a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
-# zlib level that takes half the time of level 6, and makes images of maps 10 % larger.
+# zlib level; half the time of level 6, and images of maps are 10 % larger.
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
-"""Next smaller unit of each unit, with the conversion factor. Numbers below 0.1 are printed in the smaller unit."""
+"""Next smaller unit of each unit, with the conversion factor. It is used for numbers below 0.1."""
 
 
 class TextReprMixin:
-    """Mixin for dataclasses whose text lists all numbers, and the shapes and ranges of all arrays."""
+    """Mixin for dataclasses whose text representation lists all numbers, and the shape and range of each array."""
 
     def __repr__(self) -> str:
         """Return one line per quantity of the object, with its unit."""
@@ -40,7 +40,7 @@ class TextReprMixin:
 
 
 class PlotReprMixin(TextReprMixin):
-    """Mixin for dataclasses that a notebook shows as text and as a plot, drawn by ``plot(ax=None)``."""
+    """Mixin for dataclasses that a notebook shows as text, and as the plot that ``plot(ax=None)`` draws."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]
@@ -62,12 +62,12 @@ class TableReprMixin(TextReprMixin):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the units of dataclass fields by field name. Fields without a unit are left out."""
+    """Return the unit of each dataclass field that has one, by field name."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Return a number as text with four digits, and the unit in which it has the fewest zeros."""
+    """Return a number as text with four digits, with the unit in which it has the fewest zeros."""
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -77,12 +77,12 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Return a number as text with four digits and its unit."""
+    """Return a number with its unit as text with four digits."""
     return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Return the range of the finite numbers in an array as text, and how many are NaN or infinite."""
+    """Return the range of the finite numbers in an array, and how many numbers are NaN or infinite, as text."""
     finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite_values.size:
         return "none"
@@ -125,7 +125,7 @@ def _format_array(values: Any, unit: str) -> str:
 
 
 def preformatted_html(text: str) -> str:
-    """Return text as preformatted HTML that can be scrolled with the keyboard."""
+    """Return text as preformatted HTML, which can be scrolled with the keyboard."""
     style = "white-space:pre;overflow-x:auto;font-size:0.85em;line-height:1.35"
     return f'<pre tabindex="0" style="{style}">{html.escape(text)}</pre>'
 
@@ -138,7 +138,7 @@ def table_html(column_titles: Sequence[str], rows: Sequence[Sequence[str]]) -> s
 
 
 def plot_html(draw: Callable[[Axes], object]) -> str:
-    """Return a plot as an inline image in HTML, or the error message if drawing fails."""
+    """Return a plot as an inline image in HTML or, if drawing fails, the error message."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=NOTEBOOK_IMAGE_SIZE, layout="constrained")
@@ -157,14 +157,14 @@ def figure_html(figure: Any) -> str:
 
 
 def describe_axes(figure: Any) -> str:
-    """Describe a Matplotlib figure by its axis labels, without mathematical markup."""
+    """Return a description of a Matplotlib figure: the labels of its axes without mathematical markup."""
     labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes]
     plots = "; ".join(f"{y} against {x}" for y, x in labels if y and x)
     return re.sub(r"\$|\\mathrm|[{}\\]", "", f"Plot of {plots}" if plots else "Plot")
 
 
 def render_png(figure: Any) -> bytes:
-    """Render a Matplotlib figure as PNG, with a higher resolution for a one-column figure."""
+    """Return a Matplotlib figure as PNG, with a higher resolution for one-column figures."""
     buffer = io.BytesIO()
     is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)
@@ -172,7 +172,7 @@ def render_png(figure: Any) -> bytes:
 
 
 def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: dict[str, str] | None = None) -> None:
-    """Write a Matplotlib figure as PNG with a given resolution.
+    """Write a Matplotlib figure as PNG in a given resolution.
 
     The figure is drawn only once, whereas `Figure.savefig` draws a figure with automatic layout twice.
     """
@@ -189,7 +189,7 @@ def write_png(figure: Figure, file: Path | BinaryIO, *, dpi: float, metadata: di
 
 
 def axes_or_new_axes(ax: Axes | None) -> Axes:
-    """Return the given axes. If None is given, create axes that a notebook displays."""
+    """Return the given axes or, if the argument is None, new axes that a notebook displays."""
     if ax is not None:
         return ax
     from matplotlib import pyplot

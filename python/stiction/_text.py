@@ -1,4 +1,4 @@
-"""Texts of files and users for a terminal: printable characters and limited length."""
+"""Texts from files and users in the form in which a terminal shows them: printable and of limited length."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import os
 import unicodedata
 
 MAX_PATH_LENGTH = 300  # maximum number of characters of a file path in a message
-MAX_WORD_LENGTH = 80  # maximum number of characters of a key, a version or a name in a message
-MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters that a message quotes from a line of a file
+MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
+MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters of a line of a file in a message
 
-# Categories of Unicode characters that are escaped: control and format characters, surrogates, separators of lines.
+# Unicode categories of the characters that are escaped: control, format, surrogate, and line separator characters.
 _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
-    r"""Return a text as one line: control characters are escaped, and dots replace the middle of a long text.
+    r"""Return a text as one line, in which control characters are escaped and dots replace the middle of a long text.
 
     Examples
     --------
@@ -41,13 +41,13 @@ def printable_path(path: str | os.PathLike[str]) -> str:
 
 
 def format_bytes(size: float) -> str:
-    """Format a number of bytes with three digits and a prefix, as in "23 kB"."""
+    """Format a number of bytes with three digits and a prefixed unit, as in "23 kB"."""
     power = min(4, max(1, int(math.log(max(size, 1), 1000))))
     return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
 
 
 def format_duration(seconds: float) -> str:
-    """Format a duration (s) in a suitable unit, as in "1.5 min"."""
+    """Format a duration (s) in the unit that suits it, as in "1.5 min"."""
     for limit, unit in ((60, "s"), (60, "min"), (48, "hours")):
         if seconds < limit:
             return f"{seconds:.2g} {unit}"

@@ -1,4 +1,4 @@
-"""Quantities with units: conversion of texts such as "200 MPa" to numbers in core units."""
+"""Quantities with units, and conversion of texts such as "200 MPa" to numbers in core units."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _UNIT_FACTORS = {
         for name, factor in (("mJ/m^2", "1e-6"), ("J/m^2", "1e-3"), ("kJ/m^2", "1"), ("mN/m", "1e-6"), ("N/m", "1e-3"))
     },
 }
-"""Factors to the core units µm, GPa, mN, s and mN/µm, with both Unicode characters for micro."""
+"""Factors to the core units µm, GPa, mN, s and mN/µm. Both Unicode characters for micro are accepted."""
 
 VALID_QUANTITY_RANGES = {
     "length": (1e-6, 1e6), "pressure": (1e-9, 1e4), "force": (1e-12, 1e12), "time": (1e-3, 1e10),
     "work of adhesion": (1e-9, 1),
 }  # fmt: skip
-"""Minimum and maximum magnitude in core units. Numbers outside these limits usually have a wrong unit."""
+"""Minimum and maximum magnitude of each kind of quantity. Beyond these limits, the unit is usually wrong."""
 
 _QUANTITY_PATTERN = re.compile(
     r"\s*([+-]?(?:[0-9][0-9_]{0,20}\.?[0-9]{0,20}|\.[0-9]{1,20})(?:[eE][+-]?[0-9]{1,2})?)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
@@ -33,19 +33,19 @@ _QUANTITY_PATTERN = re.compile(
 _NUMBER_WITH_UNIT_PATTERN = re.compile(
     r"\s*[+-]?(?:[0-9._]+(?:[eE][+-]?[0-9]+)?|inf|nan)\s*([^\W0-9_]+(?:/m(?:\^2|²)?)?)\s*"
 )
-"""Pattern of a number and a unit. It accepts more digits and larger exponents than a valid quantity can have."""
+"""Pattern of a number with a unit, even with more digits or a larger exponent than a valid quantity has."""
 
 _RANGE_OF_NUMBERS_PATTERN = re.compile(r"[0-9]\s*[^\W0-9_]*\s*\.\.\s*[0-9]")
-"""Pattern of a range of numbers in a string, such as "1..5 um"."""
+"""Pattern of a range of numbers in a text, such as "1..5 um"."""
 
 
 def unit_names(kind: str) -> tuple[str, ...]:
-    """Return the accepted names of units for a kind of quantity, such as "pressure"."""
+    """Return the names of units that are accepted for a kind of quantity, such as "pressure"."""
     return tuple(_UNIT_FACTORS[kind])
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) with the text from which it was parsed. Comparisons ignore the text."""
+    """Number in core units (µm, GPa, mN) that keeps the text from which it was parsed. Comparisons ignore the text."""
 
     text: str
 
@@ -60,7 +60,7 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse a number with a unit, such as "200 MPa", whose unit must fit the kind of quantity, such as "pressure".
+    """Parse a number with a unit, such as "200 MPa". The unit must belong to the kind of quantity, such as "pressure".
 
     Raises a `ValueError` if the text is not a number with such a unit.
     """
@@ -91,13 +91,13 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(
             f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
         )
-    # With decimal arithmetic, "100 nm" and "0.1 um" give the same number.
+    # Use decimal arithmetic, so that "100 nm" and "0.1 um" give the same number.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
 
 
 def core_quantity(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity.
+    """Return a number in core units as a quantity of the given kind.
 
     Raises a `ValueError` if the number is implausibly small or large.
     """
@@ -118,7 +118,7 @@ def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:
-    """Convert texts with a unit to core units, and return numbers unchanged.
+    """Convert texts with units to numbers in core units. Numbers are returned unchanged.
 
     Raises a `ValueError` that names the argument if a string is not a number with a unit of this kind.
     """
@@ -133,7 +133,7 @@ def to_core_units(name: str, value: Any, kind: str) -> Any:
 
 
 def loads_to_core_units(name: str, value: Any, area: float) -> Any:
-    """Convert loads to mN: forces such as "10 mN", and pressures such as "10 MPa" on an `area` (µm²).
+    """Convert loads to mN: forces such as "10 mN", or pressures such as "10 MPa" on an area of `area` µm².
 
     Raises a `ValueError` if a string is neither a force nor a pressure.
     """
@@ -143,14 +143,14 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are round-off
+            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are due to round-off
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
 
 
 def is_pressure(value: Any) -> bool:
-    """Return whether an argument is a text with a number and a unit of pressure."""
+    """Return whether an argument is a text that contains a number with a unit of pressure."""
     if not isinstance(value, str):
         return False
     try:
@@ -161,24 +161,24 @@ def is_pressure(value: Any) -> bool:
 
 
 def exact_quantity_text(value: float, unit: str) -> str:
-    """Format a number and its unit so that `quantity` parses the text to exactly the same number."""
+    """Return a number with its unit as text from which `quantity` parses exactly the same number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Return a number in core units as a quantity, without checking its size."""
+    """Return a number in core units as a quantity, without a check of its size."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 
 def short_repr(value: object) -> str:
-    """Return the `repr` of an argument for a message, shortened to one line."""
+    """Return the `repr` of an argument for a message, shortened to a single line."""
     try:
         text = repr(value)
     except (
         ValueError,
         RecursionError,
-    ):  # `repr` fails for numbers with thousands of digits and for deeply nested containers
+    ):  # `repr` fails for integers with thousands of digits and for deeply nested containers
         text = type(value).__name__
-    if "\n" in text:  # the text of an array or a result has several lines
+    if "\n" in text:  # the `repr` of an array or a result has several lines
         text = " ".join(text.split())
     return text if len(text) <= 40 else text[:37] + "..."

@@ -230,7 +230,7 @@ def shear_test(
 
 
 def _create_directory(directory: Path) -> None:
-    """Create the directory of a shear test. Raises a `ValueError` if it contains a study or cannot be created."""
+    """Create the directory of a shear test, or raise a `ValueError` if it contains a study or cannot be created."""
     try:
         directory.mkdir(parents=True, exist_ok=True)
         has_study = (directory / STUDY_FILE).exists()
@@ -242,7 +242,7 @@ def _create_directory(directory: Path) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Shear test to compute, with the further shear tests that its intervals require."""
+    """Shear test to compute, together with the further shear tests from which its intervals are computed."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -264,7 +264,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return one shear test per strip. Raises a `ValueError` if the faces cannot be cut into so many strips."""
+    """Return one shear test per strip of the faces, or raise an error if the faces do not allow so many strips."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -295,7 +295,7 @@ def _compute(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one of the shear tests, and report the progress over all of them."""
+        """Solve one of the shear tests, and report the progress of all shear tests together."""
 
         def show(done: int, _: int) -> None:
             if progress is not None:
@@ -328,7 +328,7 @@ def _compute(
 
 
 def _describe_uncertain_inputs(setup: _ShearTestSetup) -> str:
-    """Return the labels of the uncertain inputs as text, separated by commas."""
+    """Return the labels of all uncertain inputs of a shear test as one text."""
     labels = [entry.label for entry in setup.inputs.uncertain.values()]
     return ", ".join(labels + ["the interface"] * bool(setup.strength and setup.samples))
 
@@ -352,7 +352,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _ShearTestSetup) -> str:
-    """Return a text that is different for shear tests with different inputs."""
+    """Return a text that differs between shear tests with different inputs, for use as a key."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -366,7 +366,7 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished shear test in a directory, or None if the directory has no test that can be reused."""
+    """Return the finished shear test in a directory, or None if there is no test that can be reused."""
     import xarray as xr
 
     path = directory / TEST_FILE_NAME
@@ -388,7 +388,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test. Return the test to compute, and the registration of its two faces."""
+    """Check the arguments of a shear test, and return the test to compute with the registration of its faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
@@ -445,7 +445,7 @@ def _build_box(
 
 
 def _parse_stiffness(value: Any) -> float:
-    """Parse a stiffness per area: a number in GPa/µm, or a pressure per length such as "5 MPa/mm"."""
+    """Parse a stiffness per area: a number in GPa/µm, or a pressure per length, such as "5 MPa/mm"."""
     if isinstance(value, str):
         pressure, _, length = value.partition("/")
         try:

@@ -274,7 +274,7 @@ def pair(
     result_directory = (
         Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     )
-    if directory is None:  # Python removes a temporary directory when it exits
+    if directory is None:  # remove the temporary directory when Python exits
         atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:
         with convert_validation_errors():
@@ -333,7 +333,8 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        if isinstance(interface, InterfaceStrength):  # the study file contains the file name of the interface
+        # Store the interface in a file, whose name the study file contains.
+        if isinstance(interface, InterfaceStrength):
             options = options.model_copy(update={"interface": store_interface(interface, result_directory)})
         study = build_study_from_options(options)
         with executor_or_thread_pool(executor) as workers:

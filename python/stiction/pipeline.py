@@ -49,9 +49,9 @@ from stiction.summary.input_caveats import find_alternatives
 if TYPE_CHECKING:
     import xarray
 
-LinePrintFunction = Callable[[str], Any]  # type of a function that prints a line of text
+LinePrintFunction = Callable[[str], Any]  # function that prints a line of text
 
-MIN_ANNOUNCED_TIME = 20.0  # estimated computing time (s) above which the estimate is always printed
+MIN_ANNOUNCED_TIME = 20.0  # computing time (s) from which an estimate of the time is always printed
 
 _COMPANION_FILES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
@@ -59,11 +59,11 @@ _COMPANION_FILES = {
     ONSET_FILE: CHECKSUM_PREFIX,
     ONSET_TABLE_FILE: ONSET_TABLE_SIGNATURE,
 }
-"""Companion files of a measured pair, each with the first bytes that identify the file."""
+"""Names of the companion files of a measured pair, each with bytes that identify such a file."""
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output, for runs that print nothing."""
+    """Do nothing with a line of output, in runs that print nothing."""
 
 
 def run(
@@ -111,7 +111,7 @@ def run(
 
 
 def compute_preview_result(study: Study) -> Result:
-    """Compute a preliminary result from the first few members. Arguments and errors are as for `run`."""
+    """Compute a preview of a result from the first few members. Arguments and errors are those of `run`."""
     return Result.of(compute_preview_sums(study))
 
 
@@ -121,7 +121,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of one part of the study, and return the result.
+    """Compute the missing blocks of a study, or of a part of it, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -190,7 +190,7 @@ def complete_result(
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:
-    """Print the estimated time of a computation if it is long."""
+    """Print the estimated time of a computation, unless the time is short."""
     if seconds > MIN_ANNOUNCED_TIME:
         print_remark(f"{task}: about {format_duration(seconds)} of one core")
 
@@ -198,7 +198,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the results of alternative preparations of the scans, which the combined interval covers.
+    """Compute the results for alternative preparations of the scans, which combined intervals must cover.
 
     If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
@@ -220,7 +220,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file, unless `compute` returns nothing or a scan file is missing."""
+    """Compute a companion file and write it, unless `compute` returns None or a scan file is missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -230,7 +230,7 @@ def compute_companion_files(
     result: Result, executor: Executor, onset: int | None = None, *, progress: bool = False,
     announce: LinePrintFunction = _ignore_line, print_remark: LinePrintFunction = _ignore_line,
 ) -> None:  # fmt: skip
-    """Compute the cutoff study and the onset of sliding of a measured pair, unless they are stored."""
+    """Compute the cutoff study and the onset of sliding of a measured pair, unless both are stored already."""
     stored_result = result.stored
     if stored_result is None or not stored_result.study.is_measured:
         return
@@ -250,8 +250,7 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # write the table again, because the coefficient of the result may differ from the coefficient in the
-                # old table
+                # write the table again, because the coefficient may have changed since the table was written
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")
@@ -266,7 +265,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the table of the onset of sliding, scaled to the coefficient of the result, unless it is up to date."""
+    """Write the onset of sliding as a table that is scaled to the result's coefficient, unless it is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

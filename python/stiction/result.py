@@ -44,7 +44,7 @@ class Result(Evaluation):
 
     @property
     def sentence(self) -> str:
-        """Sentences to quote, one line per load, with all conditions under which the friction holds.
+        """Sentences to quote, one line per load, with all conditions under which the coefficient holds.
 
         If a coefficient must not be quoted, the line contains the reason. If there are several mu0 or tau0, each
         combination has a line. For generated surfaces, only the first combination of D, amplitude, mu0 and tau0 has
@@ -55,14 +55,14 @@ class Result(Evaluation):
     # ---- Tables, figures and reports ---------------------------------------------------------------------------------
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the coefficients and quantities as a table with the rows and columns of the CSV file.
+        """Return coefficients and other quantities as a table with the rows and columns of the CSV file.
 
         There is one row per load, mu0, tau0, sliding rule and motion (all directions, an axis or a direction).
         """
         return summary_table(self.complete_summary())
 
     def figures(self) -> list[str]:
-        """Return the names of the figures that the method `figure` can draw."""
+        """Return the names of all figures that the method `figure` can draw for this result."""
         return [name for name, _ in self._list_drawing_functions()]
 
     def figure(self, name: str) -> Figure:
@@ -85,17 +85,18 @@ class Result(Evaluation):
             raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {short_repr(name)}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawing_functions[name]()
-        vars(figure)["_repr_png_"] = partial(render_png, figure)  # lets a notebook show the figure without pyplot
+        # A notebook shows the figure with this method, without pyplot.
+        vars(figure)["_repr_png_"] = partial(render_png, figure)
         return figure
 
     def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
-        # `select_figures` is imported here, because its module imports Matplotlib
+        # Import `select_figures` only here, because its module imports Matplotlib.
         from stiction.views.figures.standard import select_figures
 
         return list(select_figures(self))
 
     def save_report(self, path: str | Path) -> Path:
-        """Save the result's interactive HTML report, and return its path."""
+        """Save the interactive HTML report of the result, and return its path."""
         path = parse_path("path", path)
         save_report(self, path, name=self.path.resolve().name if self.path else "result")
         return path
@@ -133,10 +134,10 @@ class Result(Evaluation):
         try:
             return study_result_text(self.summary()).rstrip()
         except ValueError as error:  # the surfaces do not touch, or no member is finished
-            return f"no answer: {error}"
+            return f"no coefficient: {error}"
 
     def _repr_html_(self) -> str:
-        """Return the figure and the text of the result as HTML."""
+        """Return a figure and the text of the result as HTML."""
         figure_names = self.figures()
         figure_name = next((each for each in ("contacts", "friction", *figure_names) if each in figure_names), None)
         return (
