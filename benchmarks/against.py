@@ -17,7 +17,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
     our_time = median_time(lambda: compute_member_arrays(study, 0), 5) / 50
     sums = compute_member_arrays(study, 0)
     times, largest_difference = [], 0.0
-    for dimension_index in (0, 25):  # The fractal dimensions are 1.00 and 1.357.
+    for dimension_index in (0, 25):  # indices of the fractal dimensions 1.00 and 1.357
         dimension = study.surfaces.fractal_dimensions()[dimension_index]
 
         def press_with_plain_program(dimension=dimension):
@@ -40,7 +40,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
         largest_difference = max(
             largest_difference, float((np.abs(our_sums - plain_sums) / np.maximum(np.abs(plain_sums), 1e-300)).max())
         )
-    # The plain program has phase errors of 4e-7 rad at the highest frequency, due to round-off.
+    # Tolerance for the plain program, whose round-off gives phase errors of 4e-7 rad at the highest frequency.
     assert largest_difference < 1e-3, largest_difference
     return [
         ("plain NumPy/SciPy program, time relative to a pair on one thread", f"{np.mean(times) / our_time:.0f}"),
@@ -66,7 +66,7 @@ def compare_profile_generators() -> list[tuple[str, str]]:
     result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{plain_time / stiction_time:.0f}")]
     import finufft
 
-    # One non-uniform transform per frequency group (40 wavelengths, 150 000 points), then the matrix product.
+    # Compute a non-uniform transform per frequency group (40 wavelengths, 150 000 points), and then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
     cosine_waves = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
     angle = 2 * np.pi * (cosine_waves - np.rint(cosine_waves))
@@ -75,7 +75,7 @@ def compare_profile_generators() -> list[tuple[str, str]]:
     def generate_by_finufft():
         phase_groups = np.empty((40, NUM_POINTS))
         for k in range(40):
-            # FINUFFT numbers modes from -N/2, so the amplitudes include the phase of the first point.
+            # FINUFFT numbers modes from -N/2, so multiply the amplitudes by the phase at the first point.
             amplitudes = np.exp(1j * (phases[:, k] + angle[:, k] * (NUM_POINTS // 2)))
             sums = finufft.nufft1d1(
                 np.ascontiguousarray(angle[:, k]), amplitudes, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
@@ -121,7 +121,7 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
         return float((model.traction > 0).mean())
 
     area = compute_contact_fraction()
-    # The asperity model, without interaction between asperities, has a smaller area than the half-space model.
+    # The asperity model gives a smaller area than the half-space model, because it neglects interaction.
     assert 0.05 < float(curve.contact_area[20]) / area < 1
     stiction_time = median_time(
         lambda: press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum"), 20

@@ -44,7 +44,7 @@ def measure_thread_time(call: Callable[[], object]) -> float:
 
 
 def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
-    """Return the median time of each call. The calls alternate, so that other jobs slow down all calls equally."""
+    """Return the median time (s) of each of several calls, which alternate so that other jobs affect all equally."""
     times = [[measure_thread_time(call) for call in calls] for _ in range(repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 

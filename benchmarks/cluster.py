@@ -22,10 +22,10 @@ from stiction.solve.store import encode_members
 
 STUDY_NAMES = ("figure6", "figure6-areal", "figure6-half-plane")
 NUM_BLOCKS = 60
-"""Number of blocks that are stored."""
+"""Number of blocks that each run stores."""
 
 NUM_DIFFERENT_MEMBERS = 7
-"""Number of different repetitions that are stored repeatedly."""
+"""Number of different repetitions, which are stored again and again."""
 
 NUM_RUNS = 3
 """Number of runs with and without a shared directory. The median of the runs is reported."""
@@ -34,7 +34,7 @@ _compute_real_block = runner.compute_block
 
 
 class StoredSumsReader:
-    """Executor task that computes nothing: it reads stored sums from a file once per process."""
+    """Task that computes nothing: each process reads stored sums from a file once, and returns them."""
 
     def __init__(self, path: str, has_shared_directory: bool) -> None:
         self.path = path
@@ -56,7 +56,7 @@ _read: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
-    """Return the contact sums of a repetition with random digits, so that they compress like real sums."""
+    """Return the contact sums of a repetition with random last digits, so that they compress like real sums."""
     generator = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def measure_storage_rates(
         block_size = runner.choose_block_size(study)
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:
-            # Do not measure the first run, which loads all modules.
+            # The first run is not measured, because it imports all modules.
             runner.compute_missing_blocks(study, Path(directory) / "r", part=(2, num_parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
             count = runner.compute_missing_blocks(study, Path(directory) / "r", part=(1, num_parts), executor=executor)

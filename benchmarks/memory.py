@@ -31,7 +31,7 @@ COMMAND_ARGUMENTS_BY_NAME = {
 
 
 def measure_peak_memory(directory: str, arguments: list[str]) -> float:
-    """Return the peak memory (MiB) of a process together with its children."""
+    """Return the peak memory (MiB) of a command together with its child processes."""
     process = subprocess.Popen([sys.executable, *arguments], cwd=directory, stdout=subprocess.DEVNULL)
     peak_memory = 0.0
     while process.poll() is None:

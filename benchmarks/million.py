@@ -1,4 +1,4 @@
-"""Measure a result of a million repetitions: storing, opening, mapping and extending.
+"""Measure how long a result of a million repetitions takes to store, open, map and extend.
 
 The sums are synthetic. There are few fractal dimensions and approaches, so that the cost of repetitions dominates.
 """
@@ -28,11 +28,11 @@ STUDY = Study().with_changes(
     }
 )
 NUM_DIFFERENT_MEMBERS = 4099
-"""Number of different repetitions. It is a prime, so that all blocks differ."""
+"""Number of different repetitions, a prime number, so that all blocks differ."""
 
 
 def create_synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]:
-    """Return a function that gives synthetic sums: powers of the approach (Hertz) times a random factor."""
+    """Return a function that returns synthetic sums: powers of the approach (Hertz) times a random factor."""
     generator = np.random.default_rng(study.ensemble.seed)
     approach_numbers = np.arange(1.0, 1 + study.contact.loading_steps().size)
     stored_members = []
@@ -53,7 +53,7 @@ def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    # Repetitions that take no time are stored in blocks of the maximum size.
+    # Blocks have the maximum size, because synthetic repetitions take no time.
     original_functions = runner.compute_member_arrays, runner.estimate_member_time
     runner.compute_member_arrays, runner.estimate_member_time = create_synthetic_sums_function(STUDY), lambda _: 0.0
     try:

@@ -8,7 +8,7 @@ from stiction import Study, random_phases, run, weierstrass_mandelbrot_family
 from stiction.solve.member_solution import _get_reused_array, compute_member_arrays
 from stiction.study.members import fill_profile_family
 
-# With many repetitions, the last repetition, which a single thread computes, takes little of the time.
+# Use many repetitions, so that the last one, which a single thread computes, takes little of the time.
 NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50
@@ -18,22 +18,21 @@ FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
 def time_with_new_threads(study: Study, workers: int) -> float:
-    """Return the run time (s) with new threads, which first allocate their memory."""
+    """Return the run time (s) of a study with new threads, which must first allocate memory."""
     with ThreadPoolExecutor(workers) as pool:
         return median_time(lambda: run(study, executor=pool), 1)
 
 
 def measure_speedup(study: Study, one_thread: Executor, two_threads: Executor) -> float:
-    """Return the speed with two threads relative to the speed with one thread."""
+    """Return the speed of a study with two threads, relative to the speed with one thread."""
     return median_time(lambda: run(study, executor=one_thread), 1) / median_time(
         lambda: run(study, executor=two_threads), 1
     )
 
 
 def benchmark_rows() -> list[tuple[str, str]]:
-    unfreed_fft_time = median_time(
-        lambda: np.fft.rfft(FFT_INPUT), 40
-    )  # No large memory block has been freed before this measurement.
+    # Measured before a large memory block has been freed.
+    unfreed_fft_time = median_time(lambda: np.fft.rfft(FFT_INPUT), 40)
     result = [
         ("U", f"{1e3 * measure_time_unit():.2f} ms"),
         ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * unfreed_fft_time:.2f} ms"),
@@ -41,7 +40,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
         with ThreadPoolExecutor(1) as one_thread, ThreadPoolExecutor(2) as two_threads:
-            measure_speedup(study, one_thread, two_threads)  # The first run only allocates memory.
+            # The first run is not measured, because it allocates memory.
+            measure_speedup(study, one_thread, two_threads)
             pair_time = (
                 measure_in_time_units(lambda study=study, one_thread=one_thread: run(study, executor=one_thread), 3)
                 / NUM_PAIRS
@@ -49,7 +49,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             median_speedup = float(
                 np.median([measure_speedup(study, one_thread, two_threads) for _ in range(NUM_TIMING_ROUNDS)])
             )
-        serial_fraction = 2 / median_speedup - 1  # Amdahl's law gives this serial fraction of the run time.
+        serial_fraction = 2 / median_speedup - 1  # serial fraction of the run time according to Amdahl's law
         four_thread_speedup = 1 / (serial_fraction + (1 - serial_fraction) / 4)
         result += [
             (f"a pair of figure6, {detection}, one thread", f"{pair_time:.2f} U"),

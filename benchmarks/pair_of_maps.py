@@ -33,7 +33,7 @@ def write_scans(directory: Path) -> None:
 
 
 def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
-    """Return processor time and wall time (s) of the `stiction pair` command."""
+    """Return the processor time and the wall time (s) of the command `stiction pair`."""
     usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
     subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=directory, check=True, capture_output=True)
@@ -42,7 +42,7 @@ def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
 
 
 def prepare_load_solver(study: Study) -> Callable[[], None]:
-    """Return a function that solves prepared members at every load in one direction."""
+    """Return a function that solves prepared members at all loads, in a single direction."""
     contact, bodies = study.contact, load_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
@@ -84,7 +84,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             open_stored_result(directory / "0" / subdirectory).study for subdirectory in ("", CUTOFF_STUDY_DIRECTORY)
         )
         tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_member_onsets(study)
-        # Do not measure the first solution, which imports modules and computes kernels.
+        # The first solution is not measured, because it imports modules and computes kernels.
         half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         processor_times = []
         for round_index in range(NUM_TIMING_ROUNDS):

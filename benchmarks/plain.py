@@ -5,7 +5,7 @@ from scipy.interpolate import CubicSpline
 
 
 def generate_profile(phases, dimension, *, extent, points, amplitude, gamma=1.5):
-    """Return a profile computed by the double sum of Eq. 1 and scaled to a total height."""
+    """Return a profile that is computed by the double sum of Eq. 1, and scaled to a total height."""
     directions, frequencies = phases.shape
     x = np.arange(points) * (extent / points)
     heights = np.zeros(points)

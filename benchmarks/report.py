@@ -18,7 +18,7 @@ from support import browser  # noqa: E402
 NUM_KEY_PRESSES = 40
 NUM_RANDOM_POINTS = 20
 MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
-# This script records the time from each key press to the end of the redrawn frame.
+# JavaScript that records the time from each key press until the frame is redrawn.
 TIMING_SCRIPT = """
 window.times = [];
 for (const slider of document.querySelectorAll("input[type=range]"))
@@ -28,8 +28,8 @@ for (const slider of document.querySelectorAll("input[type=range]"))
 
 
 def measure_key_press(driver, slider: str) -> float:
-    """Return the median time (ms) of a key press on a slider."""
-    # Start in the middle, and press the right and the left key in turn, so that the slider does not reach its ends.
+    """Return the median time (ms) from a key press on a slider until the page is redrawn."""
+    # Start in the middle, and alternate between right and left key, so that the slider does not reach its ends.
     set_middle_script = "const e = arguments[0]; e.value = (Number(e.min) + Number(e.max)) / 2"
     driver.execute_script(set_middle_script + "; times.length = 0", driver.find_element("id", slider))
     for i in range(NUM_KEY_PRESSES):

@@ -1,4 +1,4 @@
-"""Run benchmarks and print their tables. A run of all benchmarks also writes the documented table and plot."""
+"""Run benchmarks and print their tables. If all benchmarks are run, also write the documented table and plot."""
 
 import argparse
 from importlib import import_module
@@ -11,12 +11,12 @@ BENCHMARK_NAMES = (
 
 
 def parse_names(arguments: list[str] | None = None) -> list[str]:
-    """Return the names of benchmarks in the arguments, or an empty list for all benchmarks."""
+    """Return the benchmark names among the arguments, or an empty list if all benchmarks are requested."""
     parser = argparse.ArgumentParser(prog="./dev bench", description=__doc__)
     known_names = ", ".join(BENCHMARK_NAMES)
     parser.add_argument("name", nargs="*", help=f"benchmark to run, by default all of them: {known_names}")
     names: list[str] = parser.parse_args(arguments).name
-    # With `choices`, argparse of Python 3.11 rejects an empty list.
+    # Do not use `choices`, with which argparse of Python 3.11 rejects an empty list.
     if unknown_names := [name for name in names if name not in BENCHMARK_NAMES]:
         parser.error(f"{unknown_names[0]!r} is not among {known_names}")
     return names

@@ -1,4 +1,4 @@
-"""Compute a contact law for a discrete-element code, and use it for a grain that is pressed and then pushed."""
+"""Compute a contact law for a discrete-element code, and apply it to a grain that is pressed and then pushed."""
 
 import matplotlib
 
@@ -23,17 +23,16 @@ GRAIN_FACE_AREA = 1e4  # area of the contact face between two grains, µm²
 
 
 def normal_force(overlap):
-    """Return the force (mN) at a given overlap of the mean planes (µm), interpolated in the table."""
+    """Return the force (mN) at a given overlap (µm) of the mean planes, interpolated in the table."""
     return GRAIN_FACE_AREA * np.exp(np.interp(overlap, approach, np.log(pressure)))
 
 
 def slip_force(force):
-    """Return the tangential force (mN) at which a face under a normal force slips."""
+    """Return the tangential force (mN) at which a face slips under a given normal force (mN)."""
     return force * np.interp(np.log(force / GRAIN_FACE_AREA), np.log(pressure), friction)
 
 
-# mass (kg), time step (s) and damping (N s/m)
-GRAIN_MASS, TIME_STEP, DAMPING = 1e-7, 1e-8, 0.1  # kg, s, N s/m
+GRAIN_MASS, TIME_STEP, DAMPING = 1e-7, 1e-8, 0.1  # mass (kg), time step (s) and damping (N s/m)
 overlap_now, speed, slip_distance, slip_speed, history = float(approach[0]), 0.0, 0.0, 0.0, []
 for step in range(6000):
     time = step * TIME_STEP

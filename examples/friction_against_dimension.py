@@ -1,4 +1,4 @@
-"""Print friction, with its interval, for several fractal dimensions and for your own modulus and roughness."""
+"""Print friction with its interval for several fractal dimensions, with a modulus and a roughness of your choice."""
 
 from stiction import Study, friction_map, run
 

@@ -1,4 +1,4 @@
-"""Compute friction and true area of two ground faces as functions of the angle between their lays."""
+"""Compute friction and true area of two ground faces as functions of the angle between the lays of the faces."""
 
 import matplotlib
 
@@ -19,7 +19,7 @@ PAIR_OPTIONS = {
 
 
 def create_ground_face(side):
-    """Return a face with grooves along y that are eight times as long as wide, on a square grid of 0.2 µm."""
+    """Return a face on a square grid of 0.2 µm with grooves along y, which are eight times as long as wide."""
     waves = self_affine_surface(
         8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
         side=side,
@@ -42,7 +42,7 @@ for angle in ANGLES:
 figure, (friction_axes, area_axes) = plt.subplots(2, 1, figsize=(5.4, 4.8), sharex=True, layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
-        # Averaging over both directions along an axis cancels the effect of a tilt.
+        # Average over both directions along an axis, which cancels the effect of a tilt.
         selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}
         mean_friction, lower_end, upper_end = np.transpose(
             [table["friction_by_axis"].sel(selection) for table in tables]

@@ -1,4 +1,4 @@
-"""Compute static friction of lapped steel on lapped steel as a function of load, for profiles with three finishes."""
+"""Compute the static friction of lapped steel on lapped steel over the load, for profiles of three finishes."""
 
 import matplotlib
 

@@ -18,8 +18,8 @@ plt.rcParams.update(MATPLOTLIB_STYLE)
 RADIUS = 500.0  # radius of all caps in µm
 PITCH = 1500.0  # distance between neighbouring caps in µm
 MODULUS = effective_modulus(young_upper=70.0, poisson_upper=0.22, young_lower=2e-3, poisson_lower=0.5)  # GPa
-SHEAR_STRENGTH = 0.3e-3  # GPa, from the friction of one smooth cap divided by its contact area
-LOADS = np.geomspace(20.0, 1000.0, 13)  # load on all caps together in mN
+SHEAR_STRENGTH = 0.3e-3  # shear strength (GPa): the friction of one smooth cap divided by its contact area
+LOADS = np.geomspace(20.0, 1000.0, 13)  # loads (mN) on all caps together
 
 random_order = np.random.default_rng(1).permutation(64)
 HEIGHTS = {  # µm; yours: np.loadtxt("heights.csv", delimiter=","), an array of 8 rows and 8 columns
@@ -29,7 +29,7 @@ HEIGHTS = {  # µm; yours: np.loadtxt("heights.csv", delimiter=","), an array of
 
 # ---- Two models ------------------------------------------------------------------------------------------------------
 
-POINTS_PER_CAP = 96  # along each axis
+POINTS_PER_CAP = 96  # points per cap along each axis
 
 
 def create_map(heights):
@@ -50,15 +50,15 @@ def create_map(heights):
 
 
 def compute_interacting_area(heights):
-    """Return the contact area (µm²) at each load if the caps belong to one elastic half-space."""
+    """Return the contact area (µm²) at each load if the caps belong to the same elastic half-space."""
     caps = create_map(heights)
     glass = Surface(np.zeros_like(caps.heights), spacing=caps.spacing)
     return half_space(glass, caps, LOADS, effective_modulus=MODULUS, compliance_share=1.0).contact_area
 
 
 def compute_independent_area(heights):
-    """Return the contact area (µm²) at each load as the sum over independent Hertz contacts."""
-    approach = np.linspace(0.1, 300.0, 3000)[:, None]  # approach in µm since the first contact
+    """Return the contact area (µm²) at each load if the caps are independent Hertz contacts."""
+    approach = np.linspace(0.1, 300.0, 3000)[:, None]  # approach (µm) since the first contact
     overlap = approach - (heights.max() - heights.ravel())
     force, area = np.where(overlap > 0, hertz_sphere(np.maximum(overlap, 1e-9), RADIUS, MODULUS), 0.0)
     return np.interp(LOADS, force.sum(axis=1), area.sum(axis=1))

@@ -1,4 +1,4 @@
-"""Compute friction and true area of two faces as functions of the roughness of the upper, polished face."""
+"""Compute friction and true area of two faces as functions of the roughness of the upper face, which is polished."""
 
 import matplotlib
 
@@ -34,7 +34,7 @@ tables = [
 figure, (friction_axes, area_axes) = plt.subplots(1, 2, figsize=(6.2, 3.3), layout="constrained")
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
-        # Averaging over all directions cancels the effect of a tilt.
+        # Average over all directions, which cancels the effect of a tilt.
         mean_friction, lower_end, upper_end = np.transpose(
             [table["mean_friction"].sel(sliding=rule, tau0=tau0) for table in tables]
         )

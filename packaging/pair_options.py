@@ -46,11 +46,11 @@ DOCSTRING_TYPES = {
     "str": "str",
     "bool": "bool",
 }
-"""Types that docstrings print, by the names of types in the model."""
+"""Types as docstrings print them, by the name of the type in the declaration of an option."""
 
 
 def option_types() -> dict[str, str]:
-    """Return the type of each option as declared in the model, such as "Value | None"."""
+    """Return the declared type of each option of a pair, such as "Value | None"."""
     types = {}
     groups = [group.__name__ for group in OPTION_GROUPS]
     for node in ast.parse(inspect.getsource(pair_options)).body:
@@ -70,13 +70,13 @@ def option_types() -> dict[str, str]:
 
 
 def render_default_assignment(name: str) -> str:
-    """Return the default of an option as an assignment, or an empty text for a required option."""
+    """Return the default of an option as an assignment, or "" if the option is required."""
     field = PairOptions.model_fields[name]
     return "" if field.is_required() else f" = {field.default!r}"
 
 
 def render_function_parameters() -> str:
-    """Return the parameters of `stiction.pair`, with the two bodies first."""
+    """Return the parameters of `stiction.pair` as source text, with the two bodies first."""
     types = option_types()
     lines = [
         f"    {format_python_name(name)}: {types[name]}{render_default_assignment(name)},\n"
@@ -87,7 +87,7 @@ def render_function_parameters() -> str:
 
 
 def render_parameter_descriptions() -> str:
-    """Return the entries of the docstring: the two bodies first, then the options group by group."""
+    """Return the parameter section of a docstring: the two bodies first, then the options by group."""
     types = option_types()
     ordered_names = [
         "upper",
@@ -117,19 +117,19 @@ def render_parameter_descriptions() -> str:
 
 
 class PythonOptionNames(dict[str, str]):
-    """Python names of options, which replace the placeholders of a help line."""
+    """Mapping that replaces the placeholders in a help line by the Python names of options."""
 
     def __missing__(self, name: str) -> str:
         return f"`{format_python_name(name)}`"
 
 
 def render_call_arguments() -> str:
-    """Return the arguments with which `stiction.pair` creates the model."""
+    """Return the arguments with which `stiction.pair` calls `PairOptions`, as source text."""
     return "".join(f"                {name}={format_python_name(name)},\n" for name in PYTHON_OPTION_NAMES)
 
 
 def render_command_parameters() -> str:
-    """Return the parameters of the command `pair`."""
+    """Return the parameters of the command `pair` as source text."""
     lines = []
     for name, option in PAIR_OPTIONS.items():
         if name in BODY_OPTION_NAMES:
@@ -142,7 +142,7 @@ def render_command_parameters() -> str:
 
 
 def render_reader_parameters() -> str:
-    """Return the file-reading parameters of the command `characterise`."""
+    """Return the parameters of the command `characterise` that describe how files are read, as source text."""
     lines = []
     for name in FileReadingOptions.model_fields:
         repeatable_argument = ", repeatable=False" if PAIR_OPTIONS[name].is_repeatable else ""
@@ -151,7 +151,7 @@ def render_reader_parameters() -> str:
 
 
 def replace_section(text: str, start: str, end: str, new: str) -> str:
-    """Replace the section of a text between `start` and `end`."""
+    """Replace the section of a text between the lines `start` and `end`."""
     head, result, text_after_start = text.partition(start)
     _, found_end, text_after_end = text_after_start.partition(end)
     assert result, start
@@ -160,7 +160,7 @@ def replace_section(text: str, start: str, end: str, new: str) -> str:
 
 
 def generate_file_texts() -> dict[Path, str]:
-    """Return the generated text of each file."""
+    """Return the new text of each file with generated sections, by path."""
     pair_function_text = PAIR_FUNCTION_FILE.read_text("utf-8")
     pair_function_text = replace_section(
         pair_function_text, "def pair(\n", "    directory: str", render_function_parameters()

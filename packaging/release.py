@@ -1,4 +1,4 @@
-"""Check each line of the list in docs/project/releasing.md with a function of this script.
+"""Check the items of the list in docs/project/releasing.md, each with a function of this script.
 
     python packaging/release.py                  report what is done and what is missing
     python packaging/release.py --tagged         check the tag that its workflow releases
@@ -29,7 +29,7 @@ RELEASE_CHECKS: list[tuple[str, ReleaseCheck]] = []
 
 
 def register_check(line: str) -> Callable[[ReleaseCheck], ReleaseCheck]:
-    """Return a decorator that registers a check under a line of the release list.
+    """Return a decorator that registers a function as the check of an item in the release list.
 
     The check returns a description of the missing step, or None.
     """
@@ -98,7 +98,7 @@ def conda_recipe_problem() -> str | None:
 
 
 def missing_recipe_lines() -> Iterator[str]:
-    """Yield the lines that are missing in the conda recipe."""
+    """Yield the lines that the conda recipe lacks."""
     lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE_VERSION}"' not in lines:
         yield f'version: "{RELEASE_VERSION}"'
@@ -142,7 +142,7 @@ def missing_names_message(what: str, missing: Iterator[str]) -> str | None:
 
 
 def run_checks(*, is_tagged: bool) -> bool:
-    """Print the state of each line, and return whether nothing is missing.
+    """Print the state of each item in the release list, and return whether all items are done.
 
     The workflow of a tag builds and verifies separately, so these lines are left out for a tag.
     """
@@ -162,7 +162,7 @@ def run_checks(*, is_tagged: bool) -> bool:
 
 
 def write_repository_address(url: str) -> None:
-    """Write the repository address into pyproject.toml, CITATION.cff and the links of README.md."""
+    """Write the address of the repository to pyproject.toml, CITATION.cff and the links in README.md."""
     if not re.fullmatch(r"https://[\w.-]+/[\w.-]+/[\w.-]+", url):
         exit_with_error(f"--address must be that of a repository, https://HOST/OWNER/NAME, got {url!r}")
     name = url.rpartition("/")[2]

@@ -20,12 +20,12 @@ from prove import ARCHIVE_STEM, PYPROJECT, ROOT, check_equal_names, exit_with_er
 DIST_DIRECTORY = ROOT / "build/wheel/dist"
 UNVERIFIED_DIRECTORY = ROOT / "build/wheel/unproven"
 VERIFIED_COMMIT_FILE = ROOT / "build/wheel/proven.txt"
-"""File that contains the last commit whose wheels were verified; packaging/release.py reads it."""
+"""File with the hash of the last commit whose wheels were verified, which packaging/release.py reads."""
 
 MIN_PYTHON_MINOR = 11
 MAX_PYTHON_MINOR = 14
 
-# Check that an interpreter is Python 3.N, and can create environments and build extensions.
+# Script that checks whether an interpreter is Python 3.N, and can create environments and build extensions.
 INTERPRETER_CHECK_SCRIPT = """
 import os, sys, sysconfig, ensurepip
 header = os.path.join(sysconfig.get_path("include"), "Python.h")
@@ -34,7 +34,7 @@ sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(hea
 
 
 def find_interpreters() -> dict[str, Path]:
-    """Return a suitable interpreter for each version such as "3.11", from PATH or pyenv."""
+    """Return one suitable interpreter for each Python version, such as "3.11", from PATH or pyenv."""
     result = {}
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
@@ -56,7 +56,7 @@ def can_build_wheel(python: Path, minor: int) -> bool:
 
 
 def describe_commit() -> str:
-    """Return the current commit, marked if there are uncommitted changes."""
+    """Return the hash of the current commit, with a mark if there are uncommitted changes."""
     return run_command("git", "describe", "--always", "--dirty", "--abbrev=40", "--match", "nothing").strip()
 
 
@@ -66,7 +66,7 @@ def build_sdist(directory: Path) -> Path:
 
 
 def check_sdist(sdist: Path) -> int:
-    """Check that the source distribution contains only tracked files of the allow-list; return their number."""
+    """Check that a source distribution contains only tracked files of the allow-list, and return their number."""
     patterns = [
         f":(top,glob){pattern.lstrip('/')}" for pattern in PYPROJECT["tool"]["scikit-build"]["sdist"]["include"]
     ]
@@ -92,7 +92,7 @@ def build_wheel(sdist: Path, python: Path, directory: Path) -> Path:
 
 
 def repair_wheel(unrepaired_wheel: Path, directory: Path) -> Path:
-    """Add the oldest manylinux tag that the symbols of the wheel allow; fail if a library would be bundled."""
+    """Add the oldest manylinux tag that the symbols in a wheel allow. Exit if a library would be bundled."""
     environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     run_command(
         sys.executable,

@@ -29,11 +29,12 @@ ROOT = Path(__file__).resolve().parents[1]
 WORD_RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
-MIN_COMMENT_LENGTH = 25  # minimum length in characters; most shorter comments are units and markers
+MIN_COMMENT_LENGTH = 25  # minimum length (characters) of a drawn comment; most shorter ones are units and markers
 MIN_SENTENCE_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
-MAX_COMMITS = 200  # number of newest commits whose subjects are drawn
+MAX_COMMITS = 200  # number of newest commits from which subjects are drawn
 MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
-MAX_FUNCTION_LINES = 40  # Longer functions are excluded, because a reader could not explain them quickly.
+# Maximum length (lines) of a drawn function, because a reader cannot explain a longer one quickly.
+MAX_FUNCTION_LINES = 40
 PYTHON_DIRECTORIES = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")
 IMPORTABLE_DIRECTORIES = ("python/stiction", "tests/support", "tests/reference", "packaging", "tools")
 
@@ -96,7 +97,7 @@ def list_syntax_nodes(text: str) -> list[ast.AST]:
 
 
 def docstring_summaries(files: TextsByPath) -> Iterator[SampledText]:
-    """Yield the summary of each docstring, including docstrings of constants."""
+    """Yield the summary of each docstring of a module, class, function or constant."""
     for name, node in iterate_syntax_nodes(files):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
             text = ast.get_docstring(node)
@@ -110,7 +111,7 @@ def docstring_summaries(files: TextsByPath) -> Iterator[SampledText]:
 
 
 def comments(files: TextsByPath) -> Iterator[SampledText]:
-    """Yield the comments of Python, C++ and JavaScript, joining consecutive lines."""
+    """Yield the comments in Python, C++ and JavaScript. Comments on consecutive lines are joined."""
     for name, text in sorted(files.items()):
         lines: list[tuple[int, bool, str]] = []
         if is_python(name):
@@ -135,7 +136,7 @@ def comments(files: TextsByPath) -> Iterator[SampledText]:
 
 
 def exception_messages(files: TextsByPath) -> Iterator[SampledText]:
-    """Yield the texts of exceptions and warnings in the package."""
+    """Yield the message texts of exceptions and warnings in the package."""
     for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             arguments = node.exc.args
@@ -184,7 +185,7 @@ SENTENCE_SOURCES: dict[str, Callable[[TextsByPath], Iterator[SampledText]]] = di
 
 
 def bound_names(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield the kind and the spelling of each name that a node of the syntax tree binds."""
+    """Yield the kind and the spelling of each name that a node of a syntax tree defines."""
     if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
         yield ("test" if node.name.startswith("test_") else "function"), node.name
     elif isinstance(node, ast.ClassDef):
@@ -201,7 +202,7 @@ def is_constant(name: str) -> bool:
 
 
 def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
-    """Return the location and the spelling of each name, by kind. A repeated name counts once per file."""
+    """Return the location and spelling of all defined names by kind. A repeated name counts once per file."""
     unique_names: dict[str, dict[SampledText, None]] = {kind: {} for kind in NAME_KINDS}
     for path, node in iterate_syntax_nodes(files):
         for kind, name in bound_names(node):
@@ -214,7 +215,7 @@ def names_by_kind(files: TextsByPath) -> dict[str, list[SampledText]]:
 
 
 def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, generator: random.Random) -> Iterator[str]:
-    """Yield the table rows of `number` items, with equal numbers of each kind if possible."""
+    """Yield a table row for each of `number` random items, with equal numbers of each kind if possible."""
     yield "| mark | kind | place | text |\n|---|---|---|---|"
     for i, (kind, items) in enumerate(items_by_kind.items()):
         count = number // len(items_by_kind) + (i < number % len(items_by_kind))
@@ -223,7 +224,7 @@ def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, gen
 
 
 def sample_functions(files: TextsByPath, number: int, generator: random.Random) -> Iterator[str]:
-    """Yield the source of `number` functions of the package that have a docstring."""
+    """Yield the source of `number` random functions of the package that have a docstring."""
     functions = []
     for name, node in iterate_syntax_nodes(files, ("python/stiction",)):
         if isinstance(node, ast.FunctionDef) and ast.get_docstring(node):
@@ -252,7 +253,7 @@ def print_sample(seed: int, number: int, functions: int) -> None:
 
 
 def rejected_words(words_by_directory: Mapping[str, list[str]], path: str) -> set[str]:
-    """Return the words that are rejected in a file: those of `all` and of every directory that contains the file."""
+    """Return the words that a file must not contain: those listed for `all`, and for each directory above the file."""
     return set(
         chain.from_iterable(
             words
@@ -285,7 +286,7 @@ def find_first_word_faults(files: TextsByPath, words_by_directory: Mapping[str, 
 
 
 def modules_by_repeated_class(files: TextsByPath) -> dict[str, set[str]]:
-    """Return the modules of each class name that several modules define."""
+    """Return the modules that define the same class name, by class name."""
     modules: dict[str, set[str]] = {}
     for path, node in iterate_syntax_nodes(files):
         if isinstance(node, ast.ClassDef):
@@ -294,7 +295,7 @@ def modules_by_repeated_class(files: TextsByPath) -> dict[str, set[str]]:
 
 
 def modules_by_repeated_constant(files: TextsByPath) -> dict[str, set[str]]:
-    """Return the modules of each constant that several modules define with different values."""
+    """Return the modules that define the same constant with different values, by name of the constant."""
     modules: dict[str, dict[str, str]] = {}
     for path, text in sorted(files.items()):
         if not is_python(path) or not is_in_directories(path, IMPORTABLE_DIRECTORIES):
@@ -337,7 +338,8 @@ def main() -> None:
     options.add_argument("--number", type=int, default=150, metavar="N", help="sentences, and names")
     options.add_argument("--functions", type=int, default=0, metavar="N")
     arguments = vars(parser.parse_args())
-    gc.disable()  # Syntax trees contain no cycles, and searching a million nodes for cycles takes half of the time.
+    # Disable garbage collection: syntax trees contain no cycles, and the search for cycles takes half of the time.
+    gc.disable()
     if arguments.pop("command") == "check":
         check_words_and_names()
     else:

@@ -1,4 +1,4 @@
-"""Write the sample scans in this directory: generated faces in instrument file formats.
+"""Write the sample scans in this directory, which are generated faces in the file formats of instruments.
 
     python examples/scans/make.py DIRECTORY
 
@@ -19,7 +19,7 @@ TRACE_OPTIONS = {
     "lapped": {"points": 4000, "spacing": 0.1, "waves": (40.0, 1.0), "noise": 0.3, "step": 0.1},
     "honed": {"points": 6000, "spacing": 0.2, "waves": (60.0, 4.0), "noise": 0.02, "step": 0.01},
 }
-"""Numbers of points, lengths in µm, and noise and converter step in nm of each finish."""
+"""Number of points, lengths (µm), noise (nm) and converter step (nm) of the trace of each finish."""
 MAP_SIDE_POINTS = 256
 PIXEL_SIZE = 0.2  # µm
 ADC_HEIGHT_STEP = 5e-11  # m
@@ -61,13 +61,13 @@ def stylus_trace_text(finish: str, side: str) -> str:
 
 
 def create_map_quantised_by_adc(side: str) -> np.ndarray:
-    """Return an interferometer map in whole converter steps. The grinding marks run along y."""
+    """Return an interferometer map with heights in whole converter steps. The grinding marks run along y."""
     face = self_affine_surface(
         12,
         hurst_exponent=0.8,
         rms=0.05,
         shape=(MAP_SIDE_POINTS, MAP_SIDE_POINTS),
-        spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # The map is stretched five times along y.
+        spacing=(PIXEL_SIZE / 5.0, PIXEL_SIZE),  # square pixels stretch the map five times along y
         longest_wavelength=6.0,
         shortest_wavelength=1.0,
         side=side,
@@ -79,7 +79,7 @@ def create_map_quantised_by_adc(side: str) -> np.ndarray:
 
 
 def write_x3p(path: Path, height_steps: np.ndarray) -> None:
-    """Write a surface as ISO 25178-72. Every call writes the same bytes."""
+    """Write a surface as a file of ISO 25178-72. Every call writes the same bytes."""
     data = height_steps.tobytes()
     rows, columns = height_steps.shape
     checksum = hashlib.md5(data, usedforsecurity=False).hexdigest()
