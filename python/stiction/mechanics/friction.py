@@ -81,7 +81,10 @@ MAX_BULK_SHEAR_EFFECT = 0.05
 """Relative reduction of the friction force by shear of the softer body up to which the reduction is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Smallest mean pressure in the table of `_fraction_below`, relative to the largest, and number of entries per axis."""
+"""Smallest mean pressure in the table of `_fraction_below`, as a fraction of the largest pressure.
+
+The second constant is the number of entries of the table along each axis.
+"""
 
 NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
 

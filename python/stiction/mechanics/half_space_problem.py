@@ -235,12 +235,12 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Compliances of the contact points below the hardness; see `cache_compliances`."""
+        """Two compliances of the contact points below the hardness, for loading; see `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Compliances of all contact points; see `cache_compliances`."""
+        """Two compliances of all contact points, for unloading; see `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property

@@ -548,76 +548,76 @@ def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -
 # ---- Selections of quantities ----------------------------------------------------------------------------------------
 
 SUM_QUANTITIES = tuple(CORE_SUMS)
-"""Sums of a `LoadCurve` at each approach: the fields of `ContactSums`, in the order of the core."""
+"""Names of the contact sums of a `LoadCurve` at each approach: fields of `ContactSums`, in the order of the core."""
 
 AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
-"""Additional sums of a `SurfaceLoadCurve`, in the order of the core."""
+"""Names of the additional contact sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(
     select_quantity_names(lambda quantity: quantity.kind == "sum" and quantity.along == (*_MOTION_AXES, "step"))
 )
-"""Sums that depend on the direction and on the sliding rule."""
+"""Names of the contact sums that depend on the direction of motion and on the sliding rule."""
 
 HALF_SPACE_SUM_QUANTITIES = (
     *(name for name in SUM_QUANTITIES if "half-space" in QUANTITIES[name].stored),
     *select_quantity_names(lambda quantity: "half-space" in quantity.stored and "asperities" not in quantity.stored),
 )
-"""Quantities that a half-space result stores for each pair at each load."""
+"""Names of the quantities that a half-space result stores for each pair at each load."""
 
 YIELDING_QUANTITIES = select_quantity_names(lambda quantity: "yielding" in quantity.stored)
-"""Quantities that a half-space result also stores if yielding below the surface increases the contact area."""
+"""Names of the quantities that a half-space result also stores if yielding below the surface increases the area."""
 
 ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(
     lambda quantity: "adhesion" in quantity.stored and quantity.along == _MOTION_AXES
 )
-"""Sums that determine the tangential load at the onset of sliding without a normal load, for any mu0 and tau0."""
+"""Names of the sums that give the tangential load at the onset of sliding if there is no normal load."""
 
 PULL_OFF_QUANTITIES = select_quantity_names(lambda quantity: "adhesion" in quantity.stored and not quantity.along)
-"""Pull-off force of a member, and a number that is 1 if this force is only a lower bound and 0 otherwise."""
+"""Names of two quantities: the pull-off force of a member, and whether this force is only a lower bound (1 or 0)."""
 
 ADHESION_QUANTITIES = (
     *select_quantity_names(lambda quantity: "adhesion" in quantity.stored and "step" in quantity.along),
     *PULL_OFF_QUANTITIES,
     *ZERO_LOAD_SUM_QUANTITIES,
 )
-"""Additional quantities in results of adhesive bodies. All except the first are independent of the load."""
+"""Names of the additional quantities in results of adhesive bodies. Only the first depends on the load."""
 
 LOAD_INDEPENDENT_QUANTITIES = select_quantity_names(
     lambda quantity: "table" in quantity.shown and "step" not in quantity.along
 )
-"""Quantities of adhesive bodies that do not depend on the load."""
+"""Names of the quantities in tables that do not depend on the load, such as the pull-off force."""
 
 ONSET_QUANTITIES = select_quantity_names(lambda quantity: "onset" in quantity.stored)
-"""Quantities of the onset of sliding that a result of generated bodies stores, if its study requests them."""
+"""Names of the onset quantities that a result of generated bodies stores if its study requests an onset."""
 
 DISTRIBUTION_QUANTITIES = select_quantity_names(lambda quantity: "fraction_below" in quantity.along)
-"""Quantities whose quantiles a result of measured bodies stores for each member at each load."""
+"""Names of the quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
 GAP_QUANTITIES = select_quantity_names(lambda quantity: "measured" in quantity.stored and "step" not in quantity.along)
-"""Quantities of the gap of each member, which do not depend on the load."""
+"""Names of the quantities of the gap of each member, which do not depend on the load."""
 
 LOAD_STEP_QUANTITIES = select_quantity_names(
     lambda quantity: "measured" in quantity.stored and quantity.along == _STEP_AXIS
 )
-"""Status and statistics that a result of measured bodies stores for each member at each load."""
+"""Names of the status and the statistics that a result of measured bodies stores for each member at each load."""
 
 RATIO_QUANTITIES = select_quantity_names(
     lambda quantity: quantity.kind in ("ratio", "validity") and quantity.along == _STEP_AXIS
 )
-"""Quantities at a load that are ratios of contact sums."""
+"""Names of the quantities at a load that are ratios of contact sums."""
 
 STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
     lambda quantity: quantity.kind == "ratio" and quantity.unit == STIFFNESS_PER_AREA_UNIT
 )
-"""Stiffnesses divided by the nominal area."""
+"""Names of the stiffnesses that are divided by the nominal area."""
 
 STIFFNESS_QUANTITIES = select_quantity_names(
     lambda quantity: quantity.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and quantity.along == _STEP_AXIS
 )
-"""Stiffnesses at a load. Their mean over members is the inverse of the mean compliance."""
+"""Names of the stiffnesses at a load. Their mean over members is the inverse of the mean compliance."""
 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda quantity: quantity.kind == "uncertainty" and quantity.is_directed)
-"""Uncertainties of the coefficient averaged over all directions."""
+"""Names of the uncertainties of the friction coefficient averaged over all directions."""
 
 VALIDITY_RATIO_OPERANDS = frozenset(
     part
@@ -625,14 +625,14 @@ VALIDITY_RATIO_OPERANDS = frozenset(
     if quantity.kind == "validity" and quantity.shown
     for part in (quantity.numerator, *quantity.denominator)
 )
-"""Sums from which the displayed validity indicators are computed."""
+"""Names of the contact sums from which the displayed validity indicators are computed."""
 
 INTERPOLATED_QUANTITIES = tuple(
     name
     for name, quantity in QUANTITIES.items()
     if quantity.stored and quantity.along == _STEP_AXIS and (quantity.shown or name in VALIDITY_RATIO_OPERANDS)
 )
-"""Stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
+"""Names of the stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 
 
 def quantity_attributes(name: str) -> dict[str, str]:

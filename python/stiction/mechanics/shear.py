@@ -47,7 +47,7 @@ MIN_OVERLAP_POINTS = 16
 """Minimum number of grid points along each axis in the overlap of the faces at the end of the path."""
 
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
-"""Minimum width of a strip in points, and limits of the number of strips into which faces are cut by default."""
+"""Minimum width of a strip in points; minimum and maximum number of strips into which faces are cut by default."""
 
 MIN_STRIP_AREA_FRACTION = 0.5  # minimum area of a strip of a face, as a fraction of the mean area of the strips
 
@@ -55,7 +55,7 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
 MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one shear displacement
-MAX_LOAD_FACTOR = 4.0  # maximum ratio of the elastic loads of two consecutive contact solutions
+MAX_LOAD_STEP_RATIO = 4.0  # maximum ratio of the elastic loads of two consecutive contact solutions
 # faces of a joint lock if the elastic load exceeds this multiple of the required normal load
 MAX_ELASTIC_LOAD_RATIO = 100.0
 # faces of a joint are separated if the elastic load is below this fraction of the initial load
@@ -490,7 +490,7 @@ def _find_root(
         )
         last_trial = trial_load, excess
         step = trial_load - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
-        step = min(max(step, trial_load / MAX_LOAD_FACTOR), trial_load * MAX_LOAD_FACTOR)
+        step = min(max(step, trial_load / MAX_LOAD_STEP_RATIO), trial_load * MAX_LOAD_STEP_RATIO)
         if not lower_load < step < upper_load:
             step = (trial_load + (upper_load if excess < 0 else lower_load)) / 2
         trial_load = step
