@@ -32,8 +32,8 @@ MIN_AREA_VARIATION = 0.1
 # Numbers of nuisance points (combinations of the nuisance parameters): drawn in each adaptation of the proposal
 # distribution, and at most in the result.
 NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Initial number of nuisance points of a result without nuisance parameters, and upper limit of the initial number. Each
-# nuisance parameter doubles the initial number. Points are added until the effective sample size is large enough.
+# Number of nuisance points with which the result starts: the first number, doubled for each nuisance parameter, but at
+# most the second number. Points are added until the effective sample size is large enough.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter, in standard deviations
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the proposal distribution
@@ -588,7 +588,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / error[:, np.newaxis, np.newaxis]
             )
-        # The prior of each nuisance point is uniform in mu0 and in tau0 A/F.
+        # For each nuisance point, the prior of the strengths is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -909,7 +909,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # mu0 of the best fit, times a positive factor
+        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # best mu0 at this tau0, times a positive factor
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(

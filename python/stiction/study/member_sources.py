@@ -108,7 +108,7 @@ class MemberSource(Protocol):
         """Return the bodies, the area and the grid that all members have in common."""
 
 
-MAX_CACHED_LINE_PAIRS = 4  # maximum number of levelled and resampled pairs of lines that are kept
+MAX_CACHED_LINE_PAIRS = 4  # maximum number of cached pairs of levelled and resampled lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the profiles, the area and the grid that all members of a study of lines have in common.
+    """Return profiles, area and grid that are common to all members of a study of lines.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """

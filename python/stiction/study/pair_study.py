@@ -886,7 +886,7 @@ class MeasuredPair:
 
 
 def _build_growth_entry(estimate: UncertainInput) -> InputValue:
-    """Return the study entry of a junction growth, whose central value may differ from the middle of the range."""
+    """Return the study entry for a junction growth: its central value and, if it is uncertain, its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")

@@ -774,6 +774,6 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    if not data:  # An empty file is a mistake, although all keys have defaults.
+    if not data:  # Reject an empty file. It is a mistake, although all keys have defaults.
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

@@ -1,4 +1,4 @@
-"""Description of a study for reports: name, file, and differences from the defaults."""
+"""Description of a study for reports: name, text of the study file, and differences from the defaults."""
 
 from __future__ import annotations
 

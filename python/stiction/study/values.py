@@ -243,7 +243,7 @@ class _ValueRange(SettingsSection):
 
 
 class FractalDimensionRange(_ValueRange):
-    """Range of fractal dimensions."""
+    """Range of fractal dimensions with equal steps, from a first to a last one."""
 
     start: FractalDimension
     stop: FractalDimension
