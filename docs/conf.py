@@ -47,20 +47,20 @@ html_static_path = ["_static"]
 html_css_files = ["stiction.css"]
 html_math_renderer = "mathml"
 
-# Each build runs the code cells of every page in an empty directory; an error in a cell ends the build.
+# Run the code cells of each page in an empty directory at every build. An error in a cell ends the build.
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 300
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-nb_output_stderr = "remove"  # Standard error is discarded, because it contains progress and times.
-# IPython passes on the output of `%%sh` cells in pieces of 100 bytes. They are joined, so that lines are not broken.
+nb_output_stderr = "remove"  # Discard standard error, because it contains progress and times.
+# Join the pieces of 100 bytes in which IPython passes on the output of `%%sh` cells, so that lines are not broken.
 direct.single_nb_execution = functools.partial(direct.single_nb_execution, coalesce_streams=True)
-# Cells run the commands of the environment that builds the pages, without progress bars.
+# Run the commands of the environment that builds the pages, without progress bars.
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["STICTION_SCANS"] = str(Path(__file__).resolve().parents[1] / "examples/scans")
-os.environ["COLUMNS"] = "88"  # characters in a line of a code box on a wide screen
+os.environ["COLUMNS"] = "88"  # number of characters in a line of a code box on a wide screen
 
 
 def write_reference_pages(app: Sphinx) -> None:
@@ -89,11 +89,11 @@ ACCESSIBILITY_REPLACEMENTS = (
         '<div role="navigation" aria-label="Page" class="content-icon-container">',
     ),
 )
-"""Replacements in HTML pages that improve the use with a keyboard or a screen reader."""
+"""Replacements in HTML pages that make them easier to use with a keyboard or a screen reader."""
 
 
 def list_markdown_pages(app: Sphinx) -> list[Path]:
-    """Return the pages that were written from Markdown."""
+    """Return the HTML pages that were built from Markdown."""
     return [Path(app.outdir) / f"{name}.html" for name in sorted(app.env.found_docs)]
 
 
@@ -130,7 +130,7 @@ EXAMPLE_REPORT_INPUTS: dict[str, tuple[str, dict[str, Any]]] = {
     "maps": ("ground_{}.x3p", STEEL_ON_BRASS_OPTIONS | {"load": "50 MPa"}),
     "lines": ("lapped_{}.csv", STEEL_ON_BRASS_OPTIONS | {"load": "10 mN", "lay": "grooves"}),
 }
-"""Scan files and pair options of the interactive example reports, by report name."""
+"""Scan files and pair options of the interactive example reports, by name of the report."""
 
 
 def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
@@ -160,14 +160,14 @@ def check_for_build_paths(app: Sphinx, exception: Exception | None) -> None:
 
 
 def check_for_broken_emphasis(app: Sphinx, exception: Exception | None) -> None:
-    """End the build with an error if a paragraph ends in a star, because an E* ended the emphasis too early."""
+    """End the build with an error if a paragraph ends with a star, because the star of E* ended an emphasis."""
     for page in list_markdown_pages(app) if exception is None else ():
         if match := re.search(r"[^\n<>]{0,40}[.!?)]\*</p>", page.read_text("utf-8")):
             raise SphinxError(f"{page.name} has emphasis that ends too early: {match[0]}")
 
 
 def check_for_stray_comments(app: Sphinx, page: str, source: list[str]) -> None:
-    """End the build with an error if a line inside a paragraph starts with %, because MyST reads it as a comment."""
+    """End the build with an error if a line inside a paragraph starts with %, which MyST reads as a comment."""
     text = re.sub(r"^(`{3,}).*?^\1", "", source[0], flags=re.DOTALL | re.MULTILINE)
     if match := re.search(r"(?<=\S\n)%[^\n]{0,40}", text):
         raise SphinxError(f"{page}: a line of a paragraph must not start with %, got {match[0]!r}")
@@ -180,7 +180,7 @@ LINK_TARGETS = reference.find_link_targets(ROOT / "docs")
 
 
 class PublicNameLinkTransform(SphinxPostTransform):
-    """Transform that links public names in code font to their reference entry."""
+    """Sphinx transform that links public names in code font to their entries in the reference."""
 
     default_priority = 5
 
@@ -201,7 +201,7 @@ class PublicNameLinkTransform(SphinxPostTransform):
 
 
 class CommandPromptTransform(SphinxPostTransform):
-    """Transform that adds a prompt to commands in cells, and the file name to files that cells write."""
+    """Sphinx transform that adds a prompt to commands in cells, and the file name to files that cells write."""
 
     default_priority = 4
 
@@ -224,7 +224,7 @@ class CommandPromptTransform(SphinxPostTransform):
 def add_description(
     app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None
 ) -> None:
-    """Add the title and first paragraph of a page to its metadata, for search engines and link previews."""
+    """Add the title and the first paragraph of a page to its metadata, for search engines and link previews."""
     if doctree is None:
         return
     paragraphs = (paragraph.astext() for paragraph in doctree.findall(nodes.paragraph))
@@ -285,7 +285,7 @@ _ASCII_NAMES_BY_SYMBOL = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
 class EnglishSymbolSearch(SearchEnglish):
-    """English search index in which a symbol and its ASCII name are the same word."""
+    """English search index in which a symbol and its ASCII name count as the same word."""
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
         """Return the words of a text, and the alternative spelling of symbols."""

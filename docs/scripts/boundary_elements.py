@@ -26,7 +26,7 @@ from reference.boundary_elements import (  # noqa: E402  also used by tests
 
 HURST_EXPONENTS = (0.5, 0.75, 1.0)
 PAIR_COUNTS_BY_BANDWIDTH = {8: (64, 24), 32: (32, 24), 128: (16, 12)}
-"""Points per shortest wavelength and number of repetitions, by bandwidth."""
+"""Number of points per shortest wavelength, and number of repetitions, by bandwidth."""
 RELATIVE_LOADS = np.geomspace(0.002, 0.2, 9)
 """Mean pressures in units of E* times the rms slope."""
 TABLE_LOAD_INDICES = (0, 4, 8)
@@ -64,7 +64,7 @@ def compute_profile_results(
 
 
 def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the geometric mean along the first axis, and the limits of its 95 % t interval, ignoring NaN."""
+    """Return the geometric mean over the first axis and the limits of its 95 % t interval, ignoring NaN."""
     log_ratios = np.log(ratios)
     n = np.isfinite(log_ratios).sum(axis=0)
     mean = np.nanmean(log_ratios, axis=0)
@@ -105,7 +105,7 @@ def render_load_rows(results: dict) -> list[str]:
 
 
 def render_count_rows(results: dict) -> list[str]:
-    """Return table rows of area ratios by the number of contacts. Each repetition counts once per row."""
+    """Return table rows with area ratios by the number of contacts. Each repetition counts once per row."""
     contact_count_ranges = ((1, 1), (1.5, 2), (2.5, 4), (4.5, 8), (8.5, 16), (16.5, 32), (32.5, 64), (64.5, 1000))
     rows = [
         "| contacts per period, boundary elements | "

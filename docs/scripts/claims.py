@@ -38,17 +38,17 @@ Floats = NDArray[np.float64]
 SlidingRule = Literal["opposing", "all"]
 ClaimQuantity = Literal["friction", "area", "stiffness"]
 IntervalMethod = Literal["percentiles", "bands"]
-"""Method for the interval of an extreme over D: extremes of resampled ensembles, or simultaneous bands."""
+"""Method for the interval of an extreme over D: percentiles of resampled ensembles, or simultaneous bands."""
 
 Verdict = Literal["true", "false", "undecided", "undefined"]
 
 ROOT = Path(__file__).resolve().parents[2]
 
 MIN_REPETITIONS = 20
-"""Minimum number of repetitions for a verdict."""
+"""Minimum number of repetitions that a verdict requires."""
 
 MAX_BAND_FRACTAL_DIMENSION = 1.65
-"""Largest fractal dimension in the simultaneous bands for profiles with the asperity model."""
+"""Largest fractal dimension in simultaneous bands of profiles with the asperity model."""
 
 NUM_RESAMPLES = 400
 
@@ -79,12 +79,12 @@ STUDY_VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "gap-minimum": {"contact.detection": "gap-minimum"},
     "band-limited": {"surfaces.band_limit": "nyquist"},
 }
-"""Choices that the paper leaves open, as changes of the default study."""
+"""Variants of the default study for choices that the paper leaves open, as changed keys by name of the variant."""
 
 
 @dataclass(frozen=True)
 class ClaimsTableColumn:
-    """Column of the table of claims: a built-in study with changed surfaces or contact model, and a sliding rule.
+    """Column of the table of claims: a built-in study with changes, and a sliding rule.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class ClaimsTableColumn:
     directory: str
 
     def to_study(self, repetitions: int) -> Study:
-        """Return the study of the column, with the column's fraction of the repetitions."""
+        """Return the study of the column, with the fraction of `repetitions` that the column specifies."""
         reduced_repetitions = max(MIN_REPETITIONS, repetitions // self.divisor)
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
@@ -158,7 +158,7 @@ CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
 
 
 def column_titles(repetitions: int) -> dict[str, str]:
-    """Return the heading of each column by its title: the title followed by the number of repetitions."""
+    """Return the heading of each column by title: the title and the number of repetitions."""
     return {
         name: f"{name}, {column.to_study(repetitions).ensemble.repetitions}"
         for name, column in CLAIMS_TABLE_COLUMNS.items()
@@ -166,7 +166,7 @@ def column_titles(repetitions: int) -> dict[str, str]:
 
 
 def check_study_suits_claims(study: Study) -> None:
-    """Raise a `ValueError` if claims cannot be tested on a study, before the study is computed."""
+    """Raise a `ValueError` if claims cannot be tested on the result of a study. Nothing is computed."""
     if "direction" in study.motion_coordinates():
         raise ValueError("claims are judged on motion in one direction, and contact.direction is a list")
     if study.ensemble.repetitions < MIN_REPETITIONS:
@@ -198,12 +198,12 @@ def variant_study(name: str) -> Study:
 
 
 def has_claim_amplitudes(amplitudes: Floats) -> bool:
-    """Return whether a result contains the amplitudes (µm) of claim 7."""
+    """Return whether the amplitudes (µm) of a result include those of claim 7."""
     return all(bool(np.isclose(amplitudes, item, rtol=1e-9).any()) for item in (LOW_AMPLITUDE, HIGH_AMPLITUDE))
 
 
 class ResampledMeans:
-    """Ensemble means of a result and of its bootstrap resamples.
+    """Ensemble means of a result, and of bootstrap resamples of its repetitions.
 
     Arrays (resample, D) are for one amplitude at a time. Resample 0 is the ensemble itself.
     """
@@ -230,7 +230,7 @@ class ResampledMeans:
         repetitions = motion_dataset.sizes["repetition"]
         generator = np.random.default_rng(study.ensemble.seed)
         equal_weights = np.full(repetitions, 1 / repetitions)
-        # The number of times that each repetition occurs in a resample fits in a byte.
+        # Store as a byte how often each repetition occurs in a resample.
         draw_counts = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
         for resample_counts in draw_counts[1:]:
             resample_counts[:] = generator.multinomial(repetitions, equal_weights)
@@ -252,7 +252,7 @@ class ResampledMeans:
         )
 
     def _reached_load_range(self, amplitudes: ArrayLike) -> tuple[Floats, Floats]:
-        """Return, for each D, the lowest and highest elastic load reached by 99 % of resamples at all amplitudes."""
+        """Return the lowest and the highest elastic load that 99 % of resamples reach at all amplitudes, for each D."""
         elastic_loads = np.stack(
             [self.mean_sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)]
         )
@@ -267,7 +267,7 @@ class ResampledMeans:
         return np.asarray(self._means[name][:, :, amplitude_index])
 
     def middle_load_of_all_amplitudes(self) -> Floats | None:
-        """Return, for each D, the geometric mean of the lowest and highest load reached at every amplitude.
+        """Return the geometric mean of the lowest and the highest load reached at every amplitude, for each D.
 
         Return None if the result lacks the amplitudes of claim 7.
         """
@@ -276,7 +276,7 @@ class ResampledMeans:
         return interpolate_load_range(*self._reached_load_range(self._amplitudes), 0.5)
 
     def finite_value_mask(self, values: Floats, is_requested: Any) -> Any:
-        """Return a mask of the D for which `values` (resample, D) exist, and record the D for which they do not exist.
+        """Return a mask of the fractal dimensions for which `values` (resample, D) exist, and record all others.
 
         The mask is false everywhere if fewer than half of the requested dimensions have a number, or if only one
         dimension is requested, because the remaining dimensions would not represent the range.
@@ -295,7 +295,10 @@ class ResampledMeans:
         tau0: float = 0.0,
         amplitude: float | None = None,
     ) -> Floats:
-        """Return a quantity (resample, D) at one load or at one load per D, with NaN where the load is not reached."""
+        """Return a quantity as an array (resample, D) at one load, or at one load per D.
+
+        It is NaN at loads not reached.
+        """
         resampled_sums: Any = SimpleNamespace(
             **{name: self.mean_sums(name, amplitude or self.amplitude) for name in _CONTACT_SUM_NAMES}
         )
@@ -323,7 +326,7 @@ class ResampledMeans:
         return result / loads if quantity == "friction" else result
 
     def dimension_range_mask(self, start: float, stop: float) -> Any:
-        """Return a mask of the fractal dimensions from `start` to `stop`, both included."""
+        """Return a mask of the fractal dimensions from `start` to `stop`, including both."""
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
@@ -338,7 +341,7 @@ def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
 
 @dataclass(frozen=True)
 class SimultaneousInterval:
-    """Number that tests a part of a claim, and the interval of this number from simultaneous bands."""
+    """Number that tests a part of a claim, with the interval that simultaneous bands give."""
 
     value: float
     lower: float
@@ -350,7 +353,7 @@ MeasureFunction = Callable[[ResampledMeans], "Floats | SimultaneousInterval"]
 
 @dataclass(frozen=True)
 class ClaimPart:
-    """Part of a claim: how a number is measured, and the range of numbers for which the part is true."""
+    """Part of a claim: a number that can be measured, and the range of the number for which the part is true."""
 
     name: str
     statement: str
@@ -360,7 +363,7 @@ class ClaimPart:
 
     @property
     def claim_number(self) -> int:
-        """Number of the claim, without the letter of the part."""
+        """Number of the claim, which is the label of the part without its letter."""
         return int(self.name.rstrip("abcd"))
 
 
@@ -373,7 +376,7 @@ def _mean_over_dimensions(r: ResampledMeans, values: Floats, start: float, stop:
 def _find_extreme_over_dimensions(
     r: ResampledMeans, arrays: list[Floats], extreme_function: np.ufunc
 ) -> Floats | SimultaneousInterval:
-    """Return the largest (fmax) or smallest (fmin) number over the D at which all quantities are known."""
+    """Return the largest (fmax) or smallest (fmin) number over those D at which all quantities are known."""
     is_usable = r.finite_value_mask(np.sum(arrays, axis=0), r.dimension_range_mask(*_FULL_DIMENSION_RANGE))
     usable_values = np.concatenate([values[:, is_usable] for values in arrays], axis=1)
     if r.interval_method == "percentiles" or not usable_values.size:
@@ -399,7 +402,7 @@ def _fit_slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, 
     return np.asarray((values[:, is_used] * x).sum(axis=1) / (x * x).sum())
 
 
-# Ranges of fractal dimensions in the claims.
+# Ranges of fractal dimensions that the claims mention.
 _LOW_DIMENSION_RANGE, _MIDDLE_DIMENSION_RANGE, _UPPER_DIMENSION_RANGE, _HIGH_DIMENSION_RANGE = (
     (1.0, 1.2),
     (1.3, 1.5),
@@ -430,7 +433,7 @@ def _area_exponent_farthest_from_one(r: ResampledMeans) -> Floats:
         return np.full(exponents.shape[0], np.nan)
     return np.asarray(
         usable_exponents[:, np.argmax(np.abs(usable_exponents[0] - 1))]
-    )  # D with the least linear area in the ensemble itself
+    )  # D at which the area of the ensemble itself is least linear
 
 
 def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
@@ -458,7 +461,7 @@ def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitu
 
 
 def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
-    """Return the friction coefficient with tau0 divided by the coefficient without tau0, at three loads."""
+    """Return the ratio of the friction coefficients with tau0 and without tau0, at three loads."""
     return [
         r.at("friction", load, tau0=tau0) / r.at("friction", load)
         for load in (r.light_load, r.middle_load, r.heavy_load)
@@ -716,7 +719,7 @@ CLAIM_PARTS = (
         _make_relative_change_measure("stiffness", *_HIGH_AND_ZERO_TAU0),
     ),
 )
-"""Parts of all claims, at mu0 = 0.4, tau0 = 0 and the middle load unless stated otherwise."""
+"""Parts of all claims. Unless stated otherwise, mu0 is 0.4, tau0 is 0, and the load is the middle load."""
 
 
 # ---- Verdicts --------------------------------------------------------------------------------------------------------
@@ -777,7 +780,7 @@ def judge_claims(
     sliding: SlidingRule | None = None,
     interval_method: IntervalMethod = "percentiles",
 ) -> list[ClaimPartOutcome]:
-    """Measure all parts of all claims on a result, and return the outcome of each part.
+    """Measure all parts of all claims on a result, and return one outcome per part.
 
     Parameters
     ----------
@@ -803,7 +806,7 @@ def judge_claims(
 
 
 def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
-    """Return the verdict on a claim: "true" if all parts are true, or else "false", "undefined" or "undecided"."""
+    """Return the verdict on a claim: "true" if all its parts are true, or else "false", "undefined" or "undecided"."""
     verdicts = {outcome.verdict for outcome in outcomes if outcome.part.claim_number == claim}
     for verdict in ("false", "undefined", "undecided"):
         if verdict in verdicts:
@@ -815,7 +818,7 @@ def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
 
 
 def render_claims(outcomes: list[ClaimPartOutcome]) -> str:
-    """Render a table with one row for each part of a claim."""
+    """Return a table with one row per part of a claim."""
     lines = [
         "| claim or test | verdict | statement, and its test numbers | value [95 %] | criterion |",
         "|---|---|---|---|---|",
@@ -832,7 +835,7 @@ def render_claims(outcomes: list[ClaimPartOutcome]) -> str:
 
 
 def _verdict_badge(verdict: str) -> str:
-    """Render a verdict as a coloured badge."""
+    """Return a verdict as a coloured badge."""
     return f'<span class="verdict verdict-{verdict}">{verdict}</span>'
 
 
@@ -844,14 +847,14 @@ def _replace_symbols(text: str) -> str:
 
 
 def render_claim_variants(variants: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render a table of claim parts (rows) and variants (columns). A star marks numbers that exclude some D."""
+    """Return a table of claim parts (rows) and variants (columns). A star marks numbers that leave out some D."""
     return _render_side_by_side(
         variants, lambda part: part.name, lambda outcome: f"{_format_number_with_star(outcome)}, {outcome.verdict}"
     )
 
 
 def render_claim_columns(columns: Mapping[str, list[ClaimPartOutcome]]) -> str:
-    """Render a table with the outcome of each part of a claim in each column of surfaces."""
+    """Return a table with the outcome of each part of a claim for each column of surfaces."""
 
     def outcome_cell(outcome: ClaimPartOutcome) -> str:
         if not math.isfinite(outcome.value):
@@ -929,7 +932,7 @@ def main() -> None:
 def write_tables(
     results: Path, tables: Path, repetitions: int | None = None, *, columns: bool = False, changes: Any = ()
 ) -> None:
-    """Write the tables of claims, variants and, optionally, columns, from the results in a directory."""
+    """Write the tables of claims, of variants and, if requested, of columns, from stored results in a directory."""
     changes = dict(changes)
 
     def load_or_compute_result(study: Study, directory: str) -> xarray.Dataset:

@@ -42,7 +42,7 @@ from stiction.mechanics.patches import grid_slopes, patch_sums
 DOCS_DIRECTORY = Path(__file__).parents[1]
 RESULTS_FILE = DOCS_DIRECTORY.parent / "build/collapse.jsonl"
 DATA_DIRECTORY = Path(os.environ.get("STICTION_TEST_DATA", DOCS_DIRECTORY.parents[1] / "shared/data"))
-"""Directory of measured maps; cases whose file is missing are left out."""
+"""Directory of measured maps. Cases whose file is missing are left out."""
 
 EFFECTIVE_MODULUS = 10.0
 SEED = 13
@@ -51,7 +51,7 @@ TAU0_BY_LABEL = {"0": 0.0, "2": 0.02 * EFFECTIVE_MODULUS}
 """Adhesive shear strengths in GPa, by their percentage of E*."""
 SLIDING_RULES = ("opposing", "all")
 LOW_RELATIVE_PRESSURE = 0.01
-"""Mean pressure in units of E* h', for a contact fraction of about 0.02."""
+"""Mean pressure divided by E* h', which gives a contact fraction of about 0.02."""
 RELATIVE_PRESSURES = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0)
 NUM_POINTS, EXTENT = 256, 10.0
 
@@ -62,7 +62,7 @@ BodyPair = tuple[Surface, Surface] | tuple[Profile, Profile]
 
 
 def iterate_cases() -> Iterator[dict]:
-    """Yield all cases of the figures. A case specifies surfaces and a contact model."""
+    """Yield all cases of the figures. Each case specifies surfaces and a contact model."""
     dimensions = [round(1 + d / 10, 1) for d in range(10)]
     for dimension, height, (scale, num_frequencies) in product(
         dimensions, (0.03, 0.1, 0.3, 0.6), ((2.0, 8), (2.0, 5), (1.0, 6), (1.0, 4))
@@ -114,7 +114,7 @@ def iterate_cases() -> Iterator[dict]:
 
 
 def generate_case_pairs(case: dict) -> tuple[list[BodyPair], str]:
-    """Return the pairs of surfaces in a case, and their boundary condition."""
+    """Return the pairs of surfaces of a case, with their boundary condition."""
     match case["family"]:
         case "WM area" | "WM line" as family:
             return [
@@ -147,7 +147,7 @@ def generate_fractal_pair(case: dict, repetition: int, family: str) -> BodyPair:
 
 
 def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
-    """Return two self-affine surfaces, one of them flatter by a ratio, scaled to the gap gradient of the case."""
+    """Return two self-affine surfaces, of which one is flatter by a ratio, scaled to the gap gradient of the case."""
     line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
@@ -181,7 +181,7 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
 
 
 class LoadSums:
-    """Contact sums with the attribute names that `FrictionLaw.load` requires."""
+    """Contact sums as attributes with the names that `FrictionLaw.load` requires."""
 
     def __init__(self, columns: dict) -> None:
         vars(self).update(columns)
@@ -193,7 +193,7 @@ def rms_gradient(heights: np.ndarray, spacing, *, periodic: bool) -> float:
 
 
 def load_map_pairs(case: dict) -> list[BodyPair]:
-    """Return pairs of quarters of a measured map, of which the upper one is flipped."""
+    """Return pairs of quarters of a measured map. The upper map of each pair is flipped."""
     surface = levelled(read_surface(DATA_DIRECTORY / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
     corners = product((0, half_shape[0]), (0, half_shape[1]))
@@ -205,7 +205,7 @@ def load_map_pairs(case: dict) -> list[BodyPair]:
 
 
 def load_profile_pairs(case: dict) -> list[BodyPair]:
-    """Return pairs of quarters of a measured profile, of which the upper one is flipped."""
+    """Return pairs of quarters of a measured profile. The upper profile of each pair is flipped."""
     line = levelled(read_profile(DATA_DIRECTORY / case["file"]), "line")
     quarter_length = len(line) // 4
     quarter_maps = [
@@ -218,7 +218,7 @@ def load_profile_pairs(case: dict) -> list[BodyPair]:
 
 
 def compute_case_results(case: dict) -> dict:
-    """Return slopes, κ, contact counts and friction of each pair in both models, averaged over both directions."""
+    """Return slopes, κ, contact counts and friction of each pair for both models, as means over both directions."""
     pairs, boundary = generate_case_pairs(case)
     return {"case": case, "pairs": [compute_pair_results(case, *pair, boundary) for pair in pairs]}
 
@@ -280,7 +280,7 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
             for curve_with_rule in (curve.with_sliding(rule) for curve in curves)
         ]
         pair_results[f"mu {rule} {name}"] = float(np.mean(values))
-    # Repeat with the sliding rule applied to each grid point by its own slope, instead of to each contact patch.
+    # Repeat with the sliding rule applied to each grid point by its slope, instead of to each contact patch.
     motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     point_labels = np.arange(1, points.size + 1, dtype=np.int32)
     contact = (points, pressures, fractions, point_labels)
@@ -334,7 +334,7 @@ def load_results() -> dict[str, dict]:
 
 
 def load_or_compute_case_results() -> list[dict]:
-    """Return the results of all cases whose data exist. Results that are not stored are computed."""
+    """Return the results of all cases with existing data. Results that are not stored are computed."""
     RESULTS_FILE.parent.mkdir(exist_ok=True)
     stored_results = load_results()
     cases = [case for case in iterate_cases() if "file" not in case or (DATA_DIRECTORY / case["file"]).exists()]
@@ -357,7 +357,7 @@ SURFACE_FAMILY_TITLES = {
 }  # fmt: skip
 COLOURS = ("#0072B2", "#009E73", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "0.2")
 GRADIENT_BIN_EDGES = (0.0, 0.1, 0.3, 0.6, 1.0, 4.0)
-"""Limits of the ranges of h' in the table."""
+"""Limits of the ranges of h' in the table of results."""
 RULE_TITLES = {
     "points": "opposing, point by point",
     "opposing": "opposing, by patches",
@@ -366,7 +366,7 @@ RULE_TITLES = {
 
 
 def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
-    """Return the closed-form coefficient for the slopes and κ of a pair."""
+    """Return the coefficient in closed form for the slopes and κ of a pair."""
     return float(
         gentle_friction(
             MU0, tau0, rms_gradient=pair["rms_gradient"], rms_slope=min(pair["rms_slope"], pair["rms_gradient"]),
@@ -377,7 +377,7 @@ def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, 
 
 
 def summarise_case(row: dict) -> dict:
-    """Return means over the pairs of a case, and their ratios to the closed form with standard errors."""
+    """Return the means over the pairs of a case, and their ratios to the closed form with standard errors."""
     pairs = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
     result = {name: float(np.mean([pair[name] for pair in pairs])) for name in names}
@@ -404,7 +404,7 @@ def summarise_case(row: dict) -> dict:
 
 
 def format_residuals_in_percent(points: list[dict], name: str) -> str:
-    """Return the mean and the largest residual in per cent as text."""
+    """Return the mean and the largest residual of some points in per cent as text."""
     residuals = np.array([100 * (point[f"{name} over form"] - 1) for point in points if f"{name} over form" in point])
     residuals = residuals[np.isfinite(residuals)]
     if not residuals.size:
@@ -444,7 +444,7 @@ def render_family_rows(points: list[dict]) -> list[str]:
 
 
 def render_limit_rows(points: list[dict]) -> list[str]:
-    """Render the rows of the table of limits: one row for each secondary case."""
+    """Return the rows of the table of limits, one per secondary case."""
     rows = [
         "| bodies | h' | p̄/(E* h') | true area | κ | by points | by patches | friction at all contacts |",
         "|" + "---|" * 8,
@@ -597,7 +597,7 @@ def draw_limits_of_closed_form(points: list[dict]) -> None:
 
 
 def write_case_means(points: list[dict]) -> None:
-    """Write the means over the pairs of all cases to a CSV file."""
+    """Write the means over the pairs of each case to a CSV file."""
     column_names = sorted({key for point in points for key in point if key not in ("case", "together")})
     column_names = ["family", "of", *(key for key in column_names if key != "family")]
     with (DOCS_DIRECTORY / "generated/collapse.csv").open("w", encoding="utf-8", newline="") as file:

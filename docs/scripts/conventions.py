@@ -1,4 +1,4 @@
-"""Draw the terms and signs of the conventions, and write images/conventions.png.
+"""Draw the terms and the signs that the conventions define, and write images/conventions.png.
 
 The library computes bodies, contacts, normals, spheres and forces of one small pair. Only the positions of labels are
 chosen by hand.
@@ -28,7 +28,7 @@ OPPOSING_COLOUR, ASSISTING_COLOUR = "#B84C00", "#0072B2"
 
 @dataclass(frozen=True)
 class ContactingProfiles:
-    """Two profiles at an approach, and their contacts."""
+    """Two profiles at an approach, with their contacts."""
 
     lower: Profile
     upper: Profile
@@ -51,7 +51,7 @@ def project_to_plane(vectors: np.ndarray) -> np.ndarray:
 
 
 def create_pair() -> ContactingProfiles:
-    """Return two profiles that touch on flanks with positive and on flanks with negative slope."""
+    """Return two profiles that touch both on flanks with positive slope and on flanks with negative slope."""
     lower, upper = (
         weierstrass_mandelbrot(
             random_phases(2096, side=side, directions=5, frequencies=3), 1.3, length_scale=4.0, extent=9.0, points=900
@@ -191,7 +191,7 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
         project_to_plane(result.normal)[ENLARGED_CONTACT_INDEX],
         project_to_plane(result.tangent)[ENLARGED_CONTACT_INDEX],
     )
-    # Lengths of arrows are in units of the normal force.
+    # Arrow lengths are divided by the normal force.
     start, normal_tip, end = np.zeros(2), normal, normal + MU0 * tangent
     arrow_foot = np.array([end[0], 0.0])
     draw_arrow(ax, start, normal_tip, OPPOSING_COLOUR, width=1.2)

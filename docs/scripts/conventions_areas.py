@@ -19,7 +19,7 @@ OPPOSING_COLOUR, ASSISTING_COLOUR, INK_COLOUR, BODY_COLOUR = "#d55e00", "#0072b2
 
 
 def create_pair():
-    """Return two maps of 4 µm with small slopes, and their contacts."""
+    """Return two maps of 4 µm with small slopes, and the contacts between them."""
     lower, upper = (
         self_affine_surface(
             12, hurst_exponent=0.9, rms=0.15, shape=(48, 48), spacing=1 / 12, longest_wavelength=2.0,

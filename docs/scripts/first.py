@@ -1,4 +1,4 @@
-"""Draw docs/images/first.png and first_dark.png: two lapped surfaces of examples/scans, their contacts and friction.
+"""Draw docs/images/first.png and first_dark.png: two lapped surfaces of examples/scans, with contacts and friction.
 
 The script takes half a minute on one core.
 """
@@ -25,7 +25,7 @@ from stiction.views.style import (
 ROOT = Path(__file__).resolve().parents[2]
 SCANS_DIRECTORY = ROOT / "examples/scans"
 EXAMPLE_PAIR_OPTIONS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
-"""Options of `pair` in the example of README, without the load."""
+"""Options of `pair` in the example in README, except the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
 DRAWN_PROFILE_HALF_WIDTH = 20.0
 """Half width (µm) of the profile in the left plot."""
@@ -44,7 +44,7 @@ DARK_STYLE = {
 
 
 def compute_friction():
-    """Return the coefficient and the limits of its combined interval at every load, by sliding rule."""
+    """Return the coefficient and the limits of its combined interval over the load, by sliding rule."""
     with tempfile.TemporaryDirectory() as directory:
         result = pair(
             SCANS_DIRECTORY / "lapped_upper.csv",
@@ -60,7 +60,7 @@ def compute_friction():
 
 
 def solve_contact():
-    """Return x and heights of the lower profile, and the contact of one pair under MARKED_LOAD."""
+    """Return the lower profile (x and heights), and the contact of one pair at the load MARKED_LOAD."""
     upper, lower = (
         levelled(read_profile(SCANS_DIRECTORY / f"lapped_{side}.csv"), "line") for side in ("upper", "lower")
     )
@@ -80,7 +80,7 @@ def draw_figure(curves, dark):
 
     x, lower, contact = solve_contact()
     is_contact = contact.pressure > 0
-    # Show the part of the profile in which the rarer of the two kinds of contact points is most frequent.
+    # Show the part of the profile that has most contact points of the rarer kind, opposing or not.
     candidates = x[is_contact & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE_FROM_MIDDLE)]
     rarer_counts = [
         min(np.count_nonzero(is_near & contact.opposing), np.count_nonzero(is_near & ~contact.opposing))

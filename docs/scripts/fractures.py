@@ -1,4 +1,4 @@
-"""Draw docs/images/fractures.png and print the tables of explanation/experiments.md on two fractures in granodiorite.
+"""Draw docs/images/fractures.png, and print the tables of explanation/experiments.md on two fractures in granodiorite.
 
     python docs/scripts/fractures.py DIRECTORY [SPECIMEN ...]
 
@@ -28,18 +28,18 @@ DISC_DIAMETER = 122e3  # µm
 YOUNG_MODULUS, POISSON_RATIO = (
     11.0,
     0.33,
-)  # Young's modulus in GPa (measured: 10 to 12) and Poisson's ratio (assumed by the authors)
+)  # Young's modulus (GPa, measured as 10 to 12) and Poisson's ratio (assumed by the authors)
 LOW_STRESS_RANGE, HIGH_STRESS_RANGE = (
     (1.0, 2.0),
     (5.0, 10.0),
-)  # MPa; stresses between which the secant stiffness is computed
-DIGITISING_STEP = 4.0  # µm; resolution of the digitised heights
-FIT_WAVELENGTH_RANGE = 1e3, 10e3  # µm; range of wavelengths for the fit of the Hurst exponent
-MIN_STRESS = 0.2  # MPa; lowest measured stress
+)  # stresses (MPa) between which a secant stiffness is computed
+DIGITISING_STEP = 4.0  # resolution (µm) of the digitised heights
+FIT_WAVELENGTH_RANGE = 1e3, 10e3  # wavelength range (µm) for the fit of the Hurst exponent
+MIN_STRESS = 0.2  # lowest measured stress (MPa)
 
 
 def read_gap(directory, name, *, square=True):
-    """Return the gap (µm) in the largest square of the disc, or in the whole disc with missing points outside."""
+    """Return the gap (µm) in the largest square inside the disc, or in the whole disc with missing points around it."""
     with np.load(directory / f"{name}.npz") as archive:
         heights, spacing = archive["gap_um"].astype(float), float(archive["spacing_um"])
     side_length = int(DISC_DIAMETER / (np.sqrt(2) if square else 1) / spacing)
@@ -54,7 +54,7 @@ def read_gap(directory, name, *, square=True):
 
 
 def read_load_test(directory, name):
-    """Return the displacement (mm) and the stress (MPa) during loading and during unloading."""
+    """Return the displacement (mm) and the stress (MPa) of a test while loading and while unloading."""
     number, displacement, stress = np.loadtxt(directory / f"{name}-closure.csv", delimiter=",", skiprows=2).T
     top = int(stress.argmax())
     assert (np.diff(number) == 1).all()
@@ -64,7 +64,7 @@ def read_load_test(directory, name):
 def compute_closure(
     gap, stress, *, young=YOUNG_MODULUS, poisson=POISSON_RATIO, boundary="free", tilt="free", hardness=None
 ):
-    """Return the closure (mm) since first contact at given stresses (MPa), and the load curve."""
+    """Return the closure (mm) since first contact at given stresses (MPa), together with the load curve."""
     flat_surface = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
     rough_surface = Surface(-gap.heights, spacing=gap.spacing, missing=gap.missing)
     area = np.prod(gap.spacing) * (gap.heights.size - (0 if gap.missing is None else gap.missing.sum()))
@@ -97,11 +97,11 @@ def estimate_spectrum(gap):
     return (
         -slope / 2 - 1,
         lambda wave_number: np.exp(log_factor + np.euler_gamma) * wave_number**slope,
-    )  # this factor corrects the bias of the mean logarithm of a power
+    )  # corrects the bias of the mean of the logarithm
 
 
 def random_roughness_heights(shape, spacing, density, longest, seed):
-    """Return random heights (µm) with a given spectral density at wavelengths below `longest` (µm)."""
+    """Return random heights (µm) that have a given spectral density at wavelengths below `longest` (µm)."""
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave_number[0, 0] = np.inf
     amplitude = np.where(wave_number > 1 / longest, np.sqrt(density(wave_number) / (np.prod(shape) * spacing**2)), 0.0)
@@ -110,7 +110,7 @@ def random_roughness_heights(shape, spacing, density, longest, seed):
 
 
 def refine_gap(gap, factor, seed=1):
-    """Return a gap on a grid refined by a factor, with self-affine roughness at the added wavelengths."""
+    """Return a gap on a finer grid, with self-affine roughness at the wavelengths that the finer grid adds."""
     _, density = estimate_spectrum(gap)
     spacing = gap.spacing[0] / factor
     smooth_heights = zoom(gap.heights, factor, order=1)
@@ -121,7 +121,7 @@ def refine_gap(gap, factor, seed=1):
 
 
 def shift_gap(gap, displacement, seed=1):
-    """Return the gap after a shift of one surface along x. The surface is random and has the spectrum of the gap."""
+    """Return the gap after a shift of one surface along x. This surface is random, with the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
     displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
     return Surface(
@@ -130,12 +130,12 @@ def shift_gap(gap, displacement, seed=1):
 
 
 def change_heights(gap, change):
-    """Return a gap with changed heights."""
+    """Return a copy of a gap, with the function `change` applied to its heights."""
     return Surface(change(gap.heights), spacing=gap.spacing)
 
 
 def list_gap_variants(directory, name):
-    """Return the variants of a gap: label, kind of uncertainty or None, gap, and arguments of `compute_closure`."""
+    """Return the variants of a gap: label, kind of uncertainty or None, the gap, and arguments of `compute_closure`."""
     gap, generator = read_gap(directory, name), np.random.default_rng(1)
     yield "frozen settings", "", gap, {}
     for young in (10.0, 12.0):
@@ -218,7 +218,7 @@ def main(directory, names):
 
 
 def combine_variant_intervals(curves_by_kind):
-    """Return the limits of closure and stiffness: root sum of squares of the largest deviation of each kind."""
+    """Return the limits of closure and stiffness: the root sum of squares of each kind's largest deviation."""
     intervals = []
     for quantity_index in (0, 1):
         reference_curve = curves_by_kind[""][0][quantity_index]

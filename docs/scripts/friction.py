@@ -23,7 +23,7 @@ CURVE_STYLES = {
 
 
 def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
-    """Return the rms gradient of the gap between two maps of the study, from the exact slopes of Eq. 1, for each D."""
+    """Return the rms gradient of the gap between two maps of the study for each D, from the exact slopes of Eq. 1."""
     values = []
     for dimension in dimensions:
         heights = [
@@ -42,7 +42,7 @@ def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
 
 
 def draw_curve(ax: Axes, result: ResampledMeans, values: np.ndarray, name: str, *, is_hollow: bool = False) -> None:
-    """Draw ensemble means against D, with a 95 % band, where more than 97.5 % of the resamples give a number."""
+    """Draw ensemble means over D with a 95 % band, at each D at which over 97.5 % of the resamples give a number."""
     colour, marker, label = CURVE_STYLES[name]
     has_interval = np.isfinite(values).mean(axis=0) > 0.975
     lower, upper = np.nanquantile(values[1:, has_interval], [0.025, 0.975], axis=0)

@@ -26,8 +26,8 @@ FRACTAL_DIMENSIONS = [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7]
 MU0 = 0.4
 
 CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
-"""Half the default number of points, the default number, and twice the default number."""
-CLAIM_LOAD = 33e-6  # load in mN, the middle load of the other claims
+"""Numbers of grid points: half the default number, the default number, and twice the default number."""
+CLAIM_LOAD = 33e-6  # load (mN), the middle load of the other claims
 
 
 def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
@@ -53,7 +53,7 @@ def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
 
 
 def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the ratio of means over the last array axis, and its 95 % interval by the jackknife of its logarithm."""
+    """Return the ratio of means over the last axis, and its 95 % interval by the jackknife of the ratio's logarithm."""
     numerator, denominator = np.broadcast_arrays(numerator, denominator)
     repetitions = numerator.shape[-1]
 
@@ -74,7 +74,7 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
 
 
 def compute_resampled_areas(detection: str) -> list[np.ndarray]:
-    """Return the area (µm²) at `CLAIM_LOAD` for each number of points, as arrays (resample, D).
+    """Return the area (µm²) at `CLAIM_LOAD` for each number of grid points, as arrays (resample, D).
 
     The studies have the same seed, so that each resample consists of the same repetitions for every number of points.
     """

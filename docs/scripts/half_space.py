@@ -26,16 +26,16 @@ RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 """Mean pressures in units of E* times the rms slope of the gap."""
 HURST_EXPONENTS = (0.5, 0.8)
 PAIR_COUNTS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
-"""Number of pairs, by kind of surface and bandwidth (ratio of the longest to the shortest wavelength)."""
+"""Number of pairs by kind of surface and bandwidth, which is the ratio of the longest to the shortest wavelength."""
 NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
-"""Side length of a surface, in longest wavelengths."""
+"""Side length of a surface, as a multiple of the longest wavelength."""
 POINTS_PER_SHORTEST_WAVELENGTH = {"lines": 16, "surfaces": 8}
-"""Grid points per shortest wavelength."""
+"""Number of grid points per shortest wavelength."""
 SLIDING_RULES = ("opposing", "all")
 SEED = 2016
 COLOURS, MARKERS = {8: "#0072B2", 32: "#D55E00", 128: "#009E73"}, {0.5: "o", 0.8: "s"}  # Okabe & Ito
 
-# Columns of the results of a pair at a load: area, stiffness, then friction by rule and strength.
+# Columns of a pair's results at one load: area, stiffness, and friction for each rule and tau0.
 AREA_COLUMN, STIFFNESS_COLUMN, FRICTION_COLUMN = 0, 1, 2
 COLUMN_NAMES = [
     "area",
@@ -76,7 +76,7 @@ def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.nda
 
 
 def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
-    """Return half-space results (load, column). Friction is the mean of both directions along x."""
+    """Return half-space results as an array (load, column). Friction is averaged over both directions along x."""
     curves = [half_space(upper, lower, loads, boundary="periodic", direction=direction) for direction in ("+x", "-x")]
     columns = [curves[0].contact_area, curves[0].stiffness]
     for rule in SLIDING_RULES:
@@ -136,7 +136,7 @@ def compute_pair_results(kind: str, bandwidth: int, hurst: float, repetition: in
 
 
 def mean_and_half_width(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean over array axis 0 and half of its 95 % interval (Student's t)."""
+    """Return the mean over the first axis, and the half width of its 95 % interval by Student's t."""
     n = len(values)
     return values.mean(axis=0), student.ppf(0.975, n - 1) * values.std(axis=0, ddof=1) / math.sqrt(n)
 

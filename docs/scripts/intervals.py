@@ -1,4 +1,4 @@
-"""Measure the coverage of intervals for traverses, and their width relative to the best possible interval."""
+"""Measure the coverage of intervals for traverses, and their width relative to that of the best possible interval."""
 
 import sys
 from pathlib import Path
@@ -21,7 +21,7 @@ NUM_TRIALS = 2000
 POSITION_COUNTS = (8, 16, 32, 64, 200)
 CORRELATIONS = (0.0, 0.4, 0.8)
 MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
-"""Coverages and width ratios outside these limits are printed bold; the standard error of a coverage is 0.005."""
+"""Limits of coverage and width ratio beyond which numbers are bold. The standard error of a coverage is 0.005."""
 
 
 def uncorrelated_interval(values):

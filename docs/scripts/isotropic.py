@@ -1,4 +1,4 @@
-"""Compare surrogates, generated from one section of each map, with the maps, and write docs/generated/isotropic.md."""
+"""Compare maps with surrogates that are generated from one section of each map; write docs/generated/isotropic.md."""
 
 from pathlib import Path
 
@@ -6,15 +6,15 @@ import numpy as np
 from stiction import Surface, half_space, isotropic_surface, levelled, self_affine_surface
 
 TABLE_FILE = Path(__file__).parent.parent / "generated/isotropic.md"
-MAP_SIDE_POINTS, PIECE_SIDE_POINTS, SPACING = 1024, 256, 0.1  # numbers of points, and spacing in µm
+MAP_SIDE_POINTS, PIECE_SIDE_POINTS, SPACING = 1024, 256, 0.1  # numbers of points per side, and spacing (µm)
 NUM_PAIRS = 6
-"""Number of pairs of profiles, and of pairs of pieces."""
-MU0, TAU0 = 0.4, 0.1  # tau0 in GPa, 1 % of E*
+"""Number of pairs of profiles, and number of pairs of pieces."""
+MU0, TAU0 = 0.4, 0.1  # mu0, and tau0 (GPa), which is 1 % of E*
 PRESSURE = 0.02  # GPa
 
 
 def create_map(side, hurst, stretch):
-    """Return a map with an rms gradient of 0.15 and wavelengths of 0.8 to 6.4 µm, stretched along y."""
+    """Return a map with an rms gradient of 0.15 and wavelengths from 0.8 to 6.4 µm, which is stretched along y."""
     body = self_affine_surface(
         11,
         hurst_exponent=hurst,
@@ -31,7 +31,7 @@ def create_map(side, hurst, stretch):
 
 
 def compute_pair_results(upper, lower):
-    """Return A/A0 (%) and mu_s (opposing rule, mean over four directions) without tau0 and with tau0."""
+    """Return A/A0 (%), and mu_s (rule "opposing", mean over four directions) without and with tau0."""
     area = np.prod(upper.extent)
     curve = half_space(upper, lower, [PRESSURE * area], direction=[0.0, 90.0, 180.0, 270.0])
     coefficients = [curve.friction_coefficient(mu0=MU0, tau0=tau0)[:, 0].mean() for tau0 in (0.0, TAU0)]
@@ -39,7 +39,7 @@ def compute_pair_results(upper, lower):
 
 
 def cut_piece_pairs(upper, lower):
-    """Yield pairs of pieces from different places of the maps."""
+    """Yield pairs of pieces that are cut from different places of two maps."""
     count = MAP_SIDE_POINTS // PIECE_SIDE_POINTS
     for index in range(NUM_PAIRS):
         j, i = divmod(index, count)

@@ -18,7 +18,7 @@ STUDY_OPTIONS = {
 
 
 def select_area_and_friction(dataset):
-    """Return A/A0, and mu_s towards +x under both sliding rules, for each pair of maps or each statistic."""
+    """Return A/A0, and mu_s towards +x under both sliding rules, as arrays over pairs of maps or statistics."""
     friction = dataset["friction_coefficient"].isel(cut_off=0, direction=0, load=0, mu0=0, tau0=0)
     area = dataset["contact_area_fraction"].isel(cut_off=0, load=0)
     return np.stack([area, friction.sel(sliding="opposing"), friction.sel(sliding="all")])
@@ -49,7 +49,7 @@ def main():
         )
         sampled_result = Result(
             result.dataset.isel(repetition=slice(2 * SAMPLE_SIZE))
-        )  # this selection contains all surrogates and an equal number of shifts
+        )  # contains all surrogates, and as many shifts
         for member_kind, interval_results in intervals.items():
             interval_results.append(select_area_and_friction(at_load(sampled_result, loads, member_kind=member_kind)))
         if pair:
@@ -57,7 +57,7 @@ def main():
 
 
 def format_table(pair_means, intervals):
-    """Return a table of the coverage and the median width of each interval, for the pairs so far."""
+    """Return a table with the coverage and the median width of each interval, from the pairs computed so far."""
     num_pairs, overall_means = len(pair_means), pair_means.mean(axis=0)
     overall_mean_by_pair = np.broadcast_to(overall_means, pair_means.shape)
     rows = [

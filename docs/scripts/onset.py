@@ -23,22 +23,22 @@ EFFECTIVE_MODULUS = 10.0
 MU0 = 0.3
 POISSON_RATIO = 0.3
 TAU0_OVER_MODULUS = (0.0, 0.02)
-"""tau0 divided by E*, for an rms gradient of the gap of 0.14."""
+"""Values of tau0/E*, for gaps with an rms gradient of 0.14."""
 BANDWIDTHS = (8, 16, 32)
-"""Ratio of the longest to the shortest wavelength."""
+"""Ratios of the longest to the shortest wavelength."""
 RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
-"""Mean pressure divided by E* h'."""
+"""Mean pressures, divided by E* h'."""
 NUM_PAIRS = 6
 MAP_STUDY_CHANGES = {
     "surfaces.kind": "surface", "surfaces.shape": [256, 256], "surfaces.extent": ["10 um", "10 um"],
     "surfaces.band_limit": "nyquist", "surfaces.fractal_dimension": [1.0, 1.2, 1.4, 1.6], "ensemble.repetitions": 30,
 }  # fmt: skip
 SEED = 2016
-ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # Okabe & Ito
+ORANGE, BLUE, GREEN, GREY = "#D55E00", "#0072B2", "#009E73", "#777777"  # colours from Okabe and Ito (2008)
 
 
 def create_surface(bandwidth: int, repetition: int, side: str, *, slope: float = 0.1, points: int = 8) -> Surface:
-    """Return a periodic unit square with a given rms gradient and two of the longest wavelengths per side."""
+    """Return a periodic unit square with a given rms gradient, whose sides are two of the longest wavelengths."""
     n = 2 * bandwidth * points
     surface = self_affine_surface(
         SEED, hurst_exponent=0.8, rms=1.0, shape=(n, n), spacing=1 / n, longest_wavelength=0.5,
@@ -53,7 +53,7 @@ def rms_gradient(heights: np.ndarray) -> float:
 
 
 def create_pair(bandwidth: int, repetition: int, **surface_options: float) -> tuple[Surface, Surface, float]:
-    """Return upper and lower surface, and the load for a mean pressure of E* h'."""
+    """Return upper surface, lower surface, and the load for a mean pressure of E* h'."""
     upper, lower = (create_surface(bandwidth, repetition, side, **surface_options) for side in ("upper", "lower"))
     return upper, lower, EFFECTIVE_MODULUS * rms_gradient(upper.heights - lower.heights)
 
@@ -72,7 +72,7 @@ def format_ratio_interval(ratios: list[float]) -> str:
 
 
 def compare_asperity_model() -> list[str]:
-    """Return table rows: results of the asperity model divided by half-space results at equal elastic load."""
+    """Return table rows with results of the asperity model divided by half-space results at equal elastic load."""
     lines = table_header(
         "longest / shortest wavelength",
         "mean pressure / (E\\* h')",
@@ -123,7 +123,7 @@ def compare_asperity_model() -> list[str]:
 
 
 def compare_tangential_kernels() -> list[str]:
-    """Return table rows: initial stiffness with the full kernel relative to the isotropic kernel, at ν = 0.3."""
+    """Return table rows with the initial stiffness of the full kernel, relative to the isotropic kernel, at ν = 0.3."""
     lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
     upper, lower, unit = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
@@ -146,12 +146,12 @@ def compare_tangential_kernels() -> list[str]:
 
 
 def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: bool) -> float:
-    """Return the load that displaces all contact points by 1 along x, and optionally keeps them in place along y."""
+    """Return the load that displaces all contact points by 1 along x. They may also be kept in place along y."""
     n = is_contact.shape[0]
     k = 2 * np.pi * np.stack(np.meshgrid(scipy.fft.fftfreq(n, 1 / n), scipy.fft.rfftfreq(n, 1 / n), indexing="ij"))
     wave_number = np.hypot(*k)
     wave_number[0, 0] = np.inf
-    # With the shear moduli of both bodies in series, E* = 2 G'/(1 - ν): u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
+    # The shear moduli of both bodies act in series, E* = 2 G'/(1 - ν), so u = 2/(E* (1 - ν) |k|) (1 - ν kx²/k²) q.
     mean_kernel = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
     direct_compliances = [mean_kernel * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
     cross_compliance = -mean_kernel * POISSON_RATIO * k[0] * k[1] / wave_number**2
@@ -174,7 +174,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     num_unknowns = count * (1 + is_fixed_along_y)
     expected = np.zeros(num_unknowns)
     expected[:count] = 1.0
-    # The kernel has zero mean. A constant makes the kernel positive definite, and is subtracted from the displacements.
+    # Add a constant to the kernel, whose mean is zero, to make it positive definite. Its effect is removed at the end.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:
@@ -193,7 +193,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
 
 
 def fit_presliding_models() -> list[str]:
-    """Fit the Iwan and LuGre models to onset curves, and return table rows."""
+    """Fit the Iwan and LuGre models to onset curves, and return the rows of a table."""
     lines = table_header(
         "boundary", "mean pressure / (E\\* h')", "τ0 / E\\*", "Iwan: χ, β", "Iwan: rms error of the load",
         "Iwan: rms error of the energy per cycle", "LuGre: σ0 / initial stiffness", "LuGre: rms error of the load",
@@ -240,7 +240,7 @@ def compare_gap_slopes() -> list[str]:
 
 
 def compute_onset_over_dimension() -> list[str]:
-    """Compute the onset of profiles (built-in study) and of maps as a function of D, and return table rows."""
+    """Compute the onset of profiles (built-in study) and of maps as a function of D, and return the rows of a table."""
     lines = run(Study.named("presliding"), progress=True)
     areas = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
     rows = table_header(
@@ -310,7 +310,7 @@ def draw_figure() -> None:
     slip_axes.set(xlabel="tangential load / sliding load", ylabel="slips (%)", xlim=(0, 1), ylim=(0, 100))
     slip_axes.legend(frameon=False, fontsize=6, title="dashed: one ball", title_fontsize=6)
     slip_fraction = onset.slip_load().reshape(n, n) / onset.sliding_load
-    # Show the square section of the surface with the largest contact area.
+    # Show the square section with the largest contact area.
     is_contact = curve.contact(0).pressure > 0
     contact_density = uniform_filter(is_contact.astype(float), window_size)[
         window_size // 2 : -window_size // 2, window_size // 2 : -window_size // 2

@@ -1,4 +1,4 @@
-"""Draw docs/images/pla_silicone.png and print the numbers of two silicones in tutorials/friction_tests.md.
+"""Draw docs/images/pla_silicone.png, and print the numbers on two silicones in tutorials/friction_tests.md.
 
     python docs/scripts/pla_silicone.py pla_silicone.csv
 
@@ -26,8 +26,8 @@ from stiction.views.style import (
 
 IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
-MIN_FITTED_LOAD = 50.0  # lowest load of both fits in mN
-MAX_LOAD = 700.0  # load in mN above which values jump, as after a change of range
+MIN_FITTED_LOAD = 50.0  # lowest load (mN) that both fits include
+MAX_LOAD = 700.0  # load (mN) above which values jump, as if the measuring range had changed
 COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 

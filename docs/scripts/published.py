@@ -7,7 +7,7 @@ import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
 NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
-# Contact areas are given at these mean pressures, in units of E* h'.
+# Mean pressures for which contact areas are computed, divided by E* h'.
 RELATIVE_MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)
 
 
@@ -31,7 +31,7 @@ def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=RE
     pressure = loads / NUM_POINTS**2
     gap = (rough_surface.heights.max() - rough_surface.heights.mean() - curve.closure) / np.sqrt(m0)
     stiffness = curve.closure_stiffness * np.sqrt(m0) / pressure
-    # Spectral moments of a profile of an isotropic surface: m2 / 2 and 3 m4 / 8.
+    # Spectral moments of a profile that is cut from an isotropic surface: m2 / 2 and 3 m4 / 8.
     return curve.contact_area / NUM_POINTS**2, gap, stiffness, m0 * (3 * m4 / 8) / (m2 / 2) ** 2
 
 

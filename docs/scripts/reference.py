@@ -1,4 +1,4 @@
-"""Generate reference pages for each build of the documentation: names, keys of study files, options of commands."""
+"""Generate the reference pages of the documentation: public names, keys of study files, and options of commands."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
 from stiction.views.study_keys import markdown_row
 
 API_ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
-"""Pattern of a documented name in a reference page."""
+"""Pattern of the directive that documents a name on a reference page."""
 CLAIMS_COLUMN_TITLES = ("claim or test", "verdict", "statement, and its test numbers")
 CLAIMS_BY_SURFACE_COLUMN_TITLES = (
     "claim or test", "profiles, 100 repetitions", "profiles, 2000 repetitions", "height maps, asperities, 25",
     "half-planes, 20", "half-spaces, 30",
 )  # fmt: skip
-"""Titles of the columns in `generated/columns.md` that the page about friction shows."""
+"""Titles of those columns of `generated/columns.md` that the page about friction shows."""
 
 
 def render_pages(docs: Path) -> dict[str, str]:
@@ -43,7 +43,7 @@ def _markdown_row(*cells: str) -> str:
 
 
 def verdict_table(table: Path, titles: Sequence[str]) -> str:
-    """Return the columns with given titles of a table of claims, with one row for each claim."""
+    """Return the columns of a table of claims that have the given titles, with one row per claim."""
     header, separator, *rows = (
         [cell.strip() for cell in row.split("|")[1:-1]] for row in table.read_text("utf-8").splitlines()
     )
@@ -66,11 +66,11 @@ def _verdict_badge(cell: str) -> str:
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
 PAGE_GROUPS = ("surfaces", "roughness", "mechanics", "closed_forms", "studies", "measured", "files")
-"""Groups of the Python reference, with a page ``docs/reference/api_GROUP.md`` for each."""
+"""Groups of the Python reference. Each group has a page ``docs/reference/api_GROUP.md``."""
 
 
 def render_api_tables(docs: Path) -> str:
-    """Return a table for each group of the Python reference: names, and first lines of their docstrings."""
+    """Return one table per group of the Python reference: public names with the summaries of their docstrings."""
     lines = []
     for group in PAGE_GROUPS:
         text = (docs / f"reference/api_{group}.md").read_text("utf-8")
@@ -86,7 +86,7 @@ def render_api_tables(docs: Path) -> str:
 
 
 def find_link_targets(docs: Path) -> dict[str, str]:
-    """Return the link target of each public name."""
+    """Return the link target of each public name, by name."""
     result = (
         name
         for group in PAGE_GROUPS
@@ -96,7 +96,7 @@ def find_link_targets(docs: Path) -> dict[str, str]:
 
 
 def _docstring_summary(name: str) -> str:
-    """Return the first paragraph of a docstring."""
+    """Return the first paragraph of the docstring of a public name."""
     result: object = stiction
     attribute_names = name.removeprefix("stiction.").split(".")
     if len(attribute_names) > 1:
@@ -116,7 +116,7 @@ def _docstring_summary(name: str) -> str:
 
 
 def render_command_sections() -> str:
-    """Return one section for each command: usage, arguments, options and epilogue."""
+    """Return one section per command: usage, arguments, options, and epilogue."""
     command_group: Any = typer.main.get_command(app)
     lines = []
     for name in (name for group in COMMANDS_BY_GROUP.values() for name in group):
@@ -161,7 +161,7 @@ _PROFILE_TITLES = {"P": "primary profile", "R": "roughness profile", "W": "wavin
 
 
 def render_parameter_tables() -> str:
-    """Return a table of the parameters of each kind of generated profile, and of surfaces."""
+    """Return tables of roughness parameters, one per kind of generated profile, and one for surfaces."""
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
     for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():

@@ -1,4 +1,4 @@
-"""Measure how results depend on scan resolution, and write docs/generated/resolution.md and docs/images/resolution.png.
+"""Measure the effect of scan resolution, and write docs/generated/resolution.md and docs/images/resolution.png.
 
 The argument selects the part to compute: "settling", "bracketing", "continuing" or "joining". Without an argument,
 table and figure are written from the results in the directory `resolution`. Seeds are fixed; all parts take 15 minutes.
@@ -27,12 +27,12 @@ EFFECTIVE_MODULUS, HARDNESS, MU0, TAU0 = 115.0, 4.0, 0.2, 0.2  # GPa
 PRESSURE, HIGH_PRESSURE = 0.02, 0.2  # GPa
 HURST_EXPONENTS = (0.4, 0.8)
 GAP_GRADIENTS_BY_HURST_EXPONENT = {0.4: 0.6, 0.8: 0.25}
-"""Rms gradient of the gap by Hurst exponent, with all wavelengths from four points upwards."""
+"""Rms gradient of the gap by Hurst exponent, including all wavelengths from four points upwards."""
 CUTOFFS_IN_POINTS = (8, 16, 32, 64)
-"""Cutoff wavelengths in points; the surface itself has wavelengths from four points upwards."""
+"""Cutoff wavelengths in grid points. The surfaces themselves have wavelengths from four points upwards."""
 BANDS_PER_DECADE = 5
 NUM_PAIRS, NUM_BRACKET_TEST_PAIRS, NUM_EXTRAPOLATION_TEST_PAIRS = 6, 50, 50
-"""Number of pairs of each Hurst exponent, by part."""
+"""Number of pairs per Hurst exponent, for each part of the study."""
 
 
 def gap_gradient(bodies):
@@ -54,7 +54,7 @@ def create_pair(hurst, index, points, longest):
 
 
 def compute_coarser_cutoffs():
-    """Compute pairs of surfaces at their own resolution and at coarser cutoffs, with and without a hardness."""
+    """Compute pairs of surfaces at their own resolution and at coarser cutoffs, both without and with a hardness."""
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_PAIRS):
@@ -69,7 +69,7 @@ def compute_coarser_cutoffs():
 
 
 def compute_brackets():
-    """Compute many smaller pairs with a hardness, to test the bounds that coarse results give for finer scans."""
+    """Compute many smaller pairs with a hardness, to test bounds for finer scans that coarse results give."""
     results = []
     for hurst in HURST_EXPONENTS:
         for index in range(NUM_BRACKET_TEST_PAIRS):
@@ -105,7 +105,7 @@ def compute_pair_results(bodies, cutoffs, hardness, name):
 
 
 def simulate_coarser_scan(body, shortest, step):
-    """Return every `step`-th point of a surface after a low-pass filter (cutoff in points)."""
+    """Return every `step`-th point of a surface after a low-pass filter with the cutoff `shortest` (points)."""
     transform = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_SIDE_POINTS),) * 2, indexing="ij"))
     filtered_heights = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, transform, 0)).real
@@ -113,7 +113,7 @@ def simulate_coarser_scan(body, shortest, step):
 
 
 def compute_extrapolations():
-    """Extrapolate scans filtered at 32 points: the elastic result at 4 points, and the onset of plasticity."""
+    """Extrapolate scans that are filtered at 32 points: the elastic result at 4 points, and the yield wavelength."""
     from stiction.mechanics.brackets import estimate_gap_hurst_exponent
 
     load = HIGH_PRESSURE * (SMALL_MAP_SIDE_POINTS * SPACING) ** 2
@@ -122,7 +122,7 @@ def compute_extrapolations():
         for index in range(NUM_EXTRAPOLATION_TEST_PAIRS):
             fine_bodies = create_pair(hurst, 1000 + index, SMALL_MAP_SIDE_POINTS, SMALL_MAP_SIDE_POINTS)
             coarse_bodies = [simulate_coarser_scan(body, 32, 4) for body in fine_bodies]
-            # The mean elastic contact pressure reaches `hardness` at a wavelength of about 10 points.
+            # Hardness that the mean elastic contact pressure reaches at a wavelength of about 10 points.
             hardness = EFFECTIVE_MODULUS * GAP_GRADIENTS_BY_HURST_EXPONENT[hurst] / 2.2 * (4 / 10) ** (1 - hurst)
             options = {
                 "mu0": MU0,
@@ -165,7 +165,7 @@ def compute_extrapolations():
 
 
 def compute_joined_spectrum():
-    """Compute one surface as measured by three simulated instruments, and its joined spectrum."""
+    """Compute one surface as three simulated instruments measure it, and the joined spectrum of the scans."""
     from scipy.ndimage import grey_dilation
     from stiction.views.scans import joined_spectrum_figure
     from stiction.views.style import save_figure
@@ -231,7 +231,7 @@ def load_results(name):
 
 
 def render_coarser_cutoff_rows(rows):
-    """Return table rows for one Hurst exponent: differences of results at coarser cutoffs from the finest result."""
+    """Return the table rows of one Hurst exponent: deviations of results at coarser cutoffs from the finest result."""
 
     def format_means(model, name, factor=1.0, digits=3):
         values = np.mean([row[model][name] for row in rows], axis=0)
@@ -261,7 +261,7 @@ def render_coarser_cutoff_rows(rows):
 
 
 def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
-    """Count the pairs for which the bounds at every cutoff contain the results at all finer cutoffs."""
+    """Count the pairs for which the bounds at each cutoff contain the results at all finer cutoffs."""
     count = 0
     for row in rows:
         values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
@@ -278,13 +278,13 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
 
 
 def median_bracket_widths(rows, name, limit_index, upper_key):
-    """Return the median width of the bounds relative to the limit (%), at each cutoff except the finest."""
+    """Return the median width of the bounds, relative to the limit (%), at each cutoff except the finest."""
     relative_bounds = np.array([np.array(row["plastic"][upper_key]) / row["limit"][limit_index] for row in rows])
     return ", ".join(f"{100 * (width_ratio - 1):.1f}" for width_ratio in np.median(relative_bounds, axis=0)[1:])
 
 
 def render_bracket_rows(groups):
-    """Return table rows: fractions of pairs inside their bounds and inside narrower bounds, and widths of bounds."""
+    """Return the rows of the table of bounds: fractions of pairs inside them, and their widths."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
         "| μ_s, friction at all contacts: pairs inside | μ_s: upper bound above the plastic limit (%) |",
@@ -308,7 +308,7 @@ def render_bracket_rows(groups):
 
 
 def render_yield_deviation_rows(rows_by_exponent):
-    """Return table rows: deviation of the coarsest from the finest result at pressures of H and 2 H."""
+    """Return table rows with the deviation of the coarsest from the finest result, at pressures of H and 2 H."""
     lines = [
         f"| μ_s, friction at all contacts, at {CUTOFFS_IN_POINTS[-1]} points | elastic mean pressure / hardness "
         "| mean difference from the finest (%) | largest difference (%) |",

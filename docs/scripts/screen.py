@@ -1,4 +1,4 @@
-"""Draw docs/images/screen.png and screen_dark.png: the output of README's example with numbered parts."""
+"""Draw docs/images/screen.png and screen_dark.png: the output of the example in README, with numbered parts."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 COMMAND_OPTIONS = [
     text for name, value in (EXAMPLE_PAIR_OPTIONS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))
 ]
-NUM_COLUMNS = 80  # characters in a line of the terminal
+NUM_COLUMNS = 80  # number of characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
 IMAGE_MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
 FONT_SIZE = 9.3  # points; at this size, a character of DejaVu Sans Mono is CHARACTER_WIDTH wide
@@ -34,11 +34,11 @@ LABELLED_LINE_PARTS = [
     "% of the contact slips",
     "wrote ",
 ]
-"""Text that the first line of each numbered part of the output contains."""
+"""Texts that identify the first line of each numbered part of the output."""
 
 
 def run_readme_example() -> list[str]:
-    """Return the lines that README's example prints."""
+    """Return the lines that the example in README prints."""
     with tempfile.TemporaryDirectory() as directory:
         command = [
             sys.executable,
@@ -60,7 +60,7 @@ def run_readme_example() -> list[str]:
 
 
 def find_part_starts(lines: list[str]) -> list[int]:
-    """Return the index of the first line of each part. Raises a `ValueError` if the output has changed."""
+    """Return the index of the first line of each part. Raises a `ValueError` if a part is missing or misplaced."""
     indices = []
     for part in LABELLED_LINE_PARTS:
         matching_indices = [i for i, line in enumerate(lines) if part in line]

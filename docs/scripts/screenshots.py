@@ -1,4 +1,4 @@
-"""Draw the screenshots of the report and of the app in docs/images, in headless Chromium, with README's example.
+"""Draw the screenshots of the report and of the app in docs/images, in headless Chromium, for the example in README.
 
 The script takes about a minute on one core.
 """
@@ -37,7 +37,7 @@ def save_screenshot(driver, name: str, height: int) -> None:
 
 
 def save_report_screenshots(driver, directory: Path) -> None:
-    """Save screenshots of the report of README's pair, in light and dark mode."""
+    """Save screenshots of the report of the pair in README, in light mode and in dark mode."""
     result = st.pair(
         SCANS_DIRECTORY / "lapped_upper.csv",
         SCANS_DIRECTORY / "lapped_lower.csv",
@@ -53,7 +53,7 @@ def save_report_screenshots(driver, directory: Path) -> None:
 
 
 def save_app_screenshots(driver, directory: Path) -> None:
-    """Save screenshots of the app with its two sample surfaces: the form, and the result of the half-space model."""
+    """Save screenshots of the app with its two sample surfaces: the form, and the result with the half-space model."""
     wait_until = lambda script: browser.wait_for(driver, lambda driver: driver.execute_script(f"return {script}"))  # noqa: E731
     server = subprocess.Popen(
         [sys.executable, "-m", "stiction", "app", "--demo"], cwd=directory, stderr=subprocess.PIPE, text=True,

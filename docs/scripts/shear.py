@@ -14,7 +14,7 @@ from stiction.surfaces.joint_roughness import measure_joint_roughness
 DOCS_DIRECTORY = Path(__file__).parents[1]
 
 JRC_VALUES = (4, 8, 12, 16, 18)
-JRC_ERROR = 1.0  # half of the range of JRC that each of the ten typical profiles of Barton and Choubey spans
+JRC_ERROR = 1.0  # half of the JRC range that each of the ten typical profiles of Barton and Choubey represents
 BASIC_ANGLE = 31.0  # degrees
 NORMAL_STRESS, STRENGTH = 1.0, 150.0  # MPa
 POINTS, SPACING = 200, 500.0  # µm
@@ -27,7 +27,7 @@ ORANGE, BLUE = "#D55E00", "#0072B2"
 
 
 def create_face(seed: int, jrc: float) -> Surface:
-    """Return a face whose Z2 along x, at 1.27 mm, has the given JRC."""
+    """Return a face with a given JRC, which follows from Z2 along x at a sampling interval of 1.27 mm."""
     face = self_affine_surface(
         seed, hurst_exponent=0.8, rms=1000.0, shape=(POINTS, POINTS), spacing=SPACING, shortest_wavelength=2000.0
     )

@@ -20,16 +20,16 @@ FIGURE_WIDTH, FIGURE_HEIGHT = 170.0, 44.0  # mm
 ASPERITY_RADIUS = 1.0  # asperity radius, the unit of all lengths
 UPPER_OFFSETS = np.array(
     [-0.5, 0.6, -0.6, 0.5]
-)  # offset of each upper asperity from its lower asperity along the sliding direction
+)  # offsets of the upper asperities from the lower asperities, along the sliding direction
 SPACING = 3.0  # distance between lower asperities
-FLAT_HEIGHT = 0.45  # height, above the centres of asperities, of the flat between asperities
+FLAT_HEIGHT = 0.45  # height of the flat between asperities above the centres of the asperities
 ARROW_LENGTH = 1.15  # length of friction arrows
 NUM_POINTS = 1200
 RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
 
 
 def asperity_heights(x: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """Return the heights at x of a row of circular asperities with given centres."""
+    """Return the heights at x of a row of circular asperities with the given centres."""
     heights = np.sqrt(np.clip(ASPERITY_RADIUS**2 - np.subtract.outer(x, centres) ** 2, 0.0, None))
     return np.maximum(heights.max(axis=1), FLAT_HEIGHT)
 
@@ -78,7 +78,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
 
 
 def draw_figure(dark: bool) -> Figure:
-    """Return the figure for a light or a dark page."""
+    """Return the figure, in colours for a light or for a dark page."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE))
         for i, rule in enumerate(RULE_TITLES):

@@ -45,9 +45,9 @@ MAX_AREA_FRACTION = 0.4
 AREA_FRACTIONS = (0.02, 0.04, 0.07, 0.11, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0)
 """Area fractions A/A0 at which areas are compared."""
 MAX_RMS_SLOPE = 0.1
-"""Largest rms slope for which the hardness of a flat surface is used without reservation."""
+"""Largest rms slope for which the hardness of a flat surface certainly applies."""
 MAX_COMPARED_FRACTION = 0.42
-"""Largest area fraction A/A0 that is included in summaries."""
+"""Largest A/A0 for which areas are included in summaries."""
 ONSET_OF_YIELD = 0.5
 """Mean pressure divided by hardness above which yielding below the surface adds area."""
 POWERS = (2.0, 2.25, 2.5)
@@ -81,7 +81,7 @@ class RoughProfile:
         return PROFILE_HARDNESS_FACTOR * self.yield_strength
 
     def amplitudes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return wave numbers (half periods per length) and amplitudes of the cosines."""
+        """Return the wave numbers (half periods per length) and the amplitudes of the cosines that form the profile."""
         wave_numbers = np.arange(round(self.length / 32), self.max_wave_number + 1)
         amplitudes = np.random.default_rng(self.seed).normal(size=wave_numbers.size)
         amplitudes *= wave_numbers ** -(self.hurst + 0.5)
@@ -93,7 +93,7 @@ class RoughProfile:
         return np.cos(np.pi * np.multiply.outer(x, wave_numbers) / self.length) @ amplitudes
 
     def columns(self) -> np.ndarray:
-        """Return the boundaries of the elements along x: four times denser in the upper half of the heights."""
+        """Return the element boundaries along x, which are four times denser in the upper half of the heights."""
         x = np.linspace(0, self.length, round(62.5 * self.length) + 1)
         heights = self.heights(x)
         density = np.where(heights > np.quantile(heights, 0.55), 4.0, 1.0)
@@ -102,7 +102,7 @@ class RoughProfile:
         return np.interp(np.linspace(0, position[-1], round(1.125 * self.length) * self.refinement + 1), position, x)
 
     def rows(self) -> np.ndarray:
-        """Return the depths of the boundaries of the elements."""
+        """Return the depths of the element boundaries below the surface."""
         num_rows = 13 * self.refinement
         depths = np.cumsum(1.28 ** (np.arange(num_rows) / self.refinement))
         return np.concatenate([[0], depths / depths[-1] * self.depth])
@@ -222,7 +222,7 @@ class InputFile:
     def add_unilateral_springs(
         self, nodes: np.ndarray, ends: np.ndarray, gaps: np.ndarray, stiffnesses: np.ndarray
     ) -> None:
-        """Add springs that push if they shorten by more than the gap."""
+        """Add springs that push if they are shortened by more than their gap."""
         for k, (node, end, gap, stiffness) in enumerate(zip(nodes, ends, gaps, stiffnesses, strict=True)):
             self.add_elements("SPRINGA", f"SPRING{k}", np.array([[node, end]]))
             self.lines += [
@@ -235,7 +235,7 @@ class InputFile:
 
 
 def node_weights(case: Case) -> np.ndarray:
-    """Return the area (of a uniform pressure) that belongs to each node of the pressed surface."""
+    """Return the part of the area that belongs to each node of the pressed surface under a uniform pressure."""
     columns = case.columns()
     weights = np.zeros(2 * columns.size - 1)
     points, point_weights = np.polynomial.legendre.leggauss(3)
@@ -249,7 +249,7 @@ def node_weights(case: Case) -> np.ndarray:
 
 
 def plane_nodes(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return x, depth, and a table that maps (2 column, 2 row) to the index of a node, for eight-node elements."""
+    """Return x, depth, and a table with the index of the node at (2 column, 2 row), for eight-node elements."""
     x, depth = (np.interp(np.arange(2 * v.size - 1) / 2, np.arange(v.size), v) for v in (columns, rows))
     is_node = np.add.outer(np.arange(x.size) % 2, np.arange(depth.size) % 2) < 2
     table = np.where(is_node, np.cumsum(is_node).reshape(is_node.shape) - 1, -1)
@@ -258,7 +258,7 @@ def plane_nodes(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def create_plane_model(case: Case, model: InputFile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Add the solid to the model and return the numbers of its surface nodes, their x and their heights."""
+    """Add the solid to the model, and return the numbers, positions x and heights of its surface nodes."""
     x, depth, table = plane_nodes(case.columns(), case.rows())
     numbers = model.add_nodes(np.column_stack([x, case.heights(x) * (1 - depth / depth.max()) - depth]))
     node = numbers[table]
@@ -279,7 +279,7 @@ def create_plane_model(case: Case, model: InputFile) -> tuple[np.ndarray, np.nda
 
 
 def write_input(case: Case, approach: float, path: Path) -> None:
-    """Write the input file of a case in which the rigid flat moves by the approach."""
+    """Write the input file of a case in which the rigid flat approaches the solid by `approach`."""
     model = InputFile()
     surface, x, heights = create_plane_model(case, model)
     ends = model.add_nodes(np.column_stack([x, heights + SPRING_LENGTH]))
@@ -303,7 +303,7 @@ def write_input(case: Case, approach: float, path: Path) -> None:
 
 
 def read_output(path: Path, quantity: str, node_set: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times and the vertical component, of shape (times, nodes), of a quantity in a CalculiX data file."""
+    """Return the times, and a quantity's vertical component as an array (times, nodes), from a CalculiX data file."""
     pattern = rf" {quantity} \([a-z,]+\) for set {node_set} and time +(\S+)\n\n((?: +\d+ .*\n)+)"
     blocks = re.findall(pattern, path.read_text(encoding="utf-8"))
     tables = [np.array([line.split() for line in block.strip().splitlines()], dtype=float) for _, block in blocks]
@@ -311,7 +311,7 @@ def read_output(path: Path, quantity: str, node_set: str) -> tuple[np.ndarray, n
 
 
 def interpolate_edges(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power: float) -> float:
-    """Return the length in contact if the gap beside each contact grows with a power of the distance from its edge."""
+    """Return the length in contact, if the gap beside contacts increases with a power of the distance from the edge."""
     length = 0.0
     starts = np.flatnonzero(np.diff(contact.astype(int), prepend=0) == 1)
     stops = np.flatnonzero(np.diff(contact.astype(int), append=0) == -1)
@@ -331,7 +331,7 @@ def interpolate_edges(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power
 
 
 def measure_area(case: Case, x: np.ndarray, gap: np.ndarray, force: np.ndarray) -> tuple[float, ...]:
-    """Return the true area from the nodes that carry a force, and from the interpolated edges of contacts."""
+    """Return two estimates of the true area: from nodes that carry a force, and from interpolated contact edges."""
     contact = force > 0
     middles = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
     by_edges = interpolate_edges(x, gap, contact, 1.5)
@@ -357,7 +357,7 @@ def find_approach(case: Case) -> float:
 
 
 def run_case(case: Case, directory: Path) -> dict[str, list[float]]:
-    """Run CalculiX in a directory and return the load and the true areas at each increment."""
+    """Run CalculiX for a case in a directory, and return the load and the true areas at each increment."""
     directory.mkdir(parents=True, exist_ok=True)
     approach = find_approach(case)
     write_input(case, approach, directory / "case.inp")
@@ -410,7 +410,7 @@ def load_result(name: str, directory: Path) -> dict[str, list[float]] | None:
 
 @dataclass(frozen=True)
 class HalfSpaceAreas:
-    """Areas in the half-space model at the loads of the finite-element results."""
+    """Areas of the half-space model at the loads of the finite-element results."""
 
     elastic: np.ndarray
     capped: np.ndarray
@@ -449,7 +449,7 @@ def solve_half_space(case: Case, loads: np.ndarray) -> HalfSpaceAreas:
 
 
 def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
-    """Return (A_el^m + (F/H)^m)^(1/m), which tends to the elastic area A_el and to the plastic area F/H."""
+    """Return (A_el^m + (F/H)^m)^(1/m), whose limits are the elastic area A_el and the plastic area F/H."""
     return (elastic**exponent + plastic**exponent) ** (1 / exponent)
 
 
@@ -460,7 +460,7 @@ def combine_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float
 
 @dataclass(frozen=True)
 class AreaComparison:
-    """True area of a case at one load by finite elements, and the areas of other models divided by this area."""
+    """True area of a case at one load by finite elements, with areas of other models divided by this area."""
 
     case: str
     pressure_ratio: float
@@ -538,7 +538,7 @@ def normalize_by_hertz(loads: np.ndarray, areas: np.ndarray, hardness: float) ->
 
 
 def create_rough_pair(kind: str, hurst: float, repetition: int) -> tuple[list[Profile] | list[Surface], float]:
-    """Return two periodic surfaces of unit length, each with an rms slope of 0.1, and the rms slope of their gap."""
+    """Return two periodic surfaces of unit length, each with an rms slope of 0.1, and the rms slope of the gap."""
     options = {"hurst_exponent": hurst, "rms": 1.0, "repetition": repetition}
     if kind == "maps":
         options |= {"shape": (96, 96), "spacing": 1 / 96, "longest_wavelength": 1 / 2, "shortest_wavelength": 1 / 16}
@@ -620,7 +620,7 @@ def format_cases(points: list[AreaComparison]) -> list[str]:
 
 
 def write_points(points: list[AreaComparison]) -> None:
-    """Write the areas divided by the finite-element area as CSV, one row for each load of each case."""
+    """Write areas divided by the finite-element area as CSV, with one row per case and load."""
     names = [name for name in points[0].ratios if name not in ("n = 2", "n = 2.5")]
     with (DOCS_DIRECTORY / "generated/yielding_area.csv").open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -39,11 +39,11 @@ NUM_FINE_POINTS = 160
 EDGE_CORRECTION = (math.pi - 1 + math.log(2)) / 24
 """Fraction of a grid cell that is subtracted from the contact area for each side between contact and gap."""
 MIN_NUM_POINTS = 60
-"""Smallest number of points in contact for which the area of a ball is compared."""
+"""Minimum number of points in contact for a comparison of the area of a ball."""
 AREA_FRACTION_RANGE = (0.02, 0.4)
-"""Smallest and largest area fraction A/A0 to which exponents are fitted."""
+"""Smallest and largest area fraction A/A0 for which areas are included in the fit of an exponent."""
 MIN_NUM_LOADS = 3
-"""Smallest number of loads to which an exponent is fitted."""
+"""Minimum number of loads that the fit of an exponent requires."""
 EXPONENTS = np.geomspace(0.3, 8.0, 800)
 
 
@@ -83,7 +83,7 @@ class RoughMap:
         return (waves @ amplitudes @ waves.T).real * self.rms_slope / rms_slope
 
     def pressures(self) -> np.ndarray:
-        """Return the mean pressures at which the closed form has the area fractions of the case."""
+        """Return the mean pressures at which the closed form gives the area fractions of the case."""
         pressures = np.geomspace(0.005, 0.5, 16) * EFFECTIVE_MODULUS * self.rms_slope
         pressures = pressures[pressures < self.hardness]
         elastic, _, _ = solve_half_space(self, pressures, num_points=128)
@@ -93,7 +93,7 @@ class RoughMap:
 
 @dataclass(frozen=True)
 class PeriodicBall:
-    """Parabola of revolution in the middle of a periodic cell."""
+    """Parabola of revolution in the middle of a cell that is repeated periodically."""
 
     radius: float
     num_points: int = 32
@@ -126,7 +126,7 @@ CASES: dict[str, RoughMap | PeriodicBall] = {
 
 
 def measure_area_fraction(contact: np.ndarray) -> float:
-    """Return the area fraction A/A0 of the points in contact, corrected for the edges of contacts."""
+    """Return the area fraction A/A0 of the points in contact, corrected at the edges of contacts."""
     num_sides = sum(int((contact != np.roll(contact, 1, axis)).sum()) for axis in (0, 1))
     return float(contact.sum() - EDGE_CORRECTION * num_sides) / contact.size
 
@@ -146,7 +146,7 @@ def run_case(case: RoughMap | PeriodicBall) -> dict[str, list[float]]:
     plastic_solver = DFSANECXXSolver(residual)
     plastic_solver.tolerance = 1e-5 * yield_strength
     constraint = tamaas.PolonskyKeerRey.pressure
-    # The solver of tamaas changes the array of heights, so it gets a copy.
+    # Pass a copy, because the solver of tamaas changes the array of heights.
     contact_solver = tamaas.PolonskyKeerRey(solid, heights.copy(), 1e-10, constraint, constraint)
     solver = tamaas.AndersonMixing(contact_solver, plastic_solver, 1e-5)
     elastic_solver = tamaas.PolonskyKeerRey(elastic_solid, heights.copy(), 1e-10)
@@ -174,7 +174,7 @@ def load_result(name: str, directory: Path) -> dict[str, list[float]]:
 def solve_half_space(
     case: RoughMap | PeriodicBall, pressures: np.ndarray, num_points: int = NUM_FINE_POINTS
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return A/A0 of the elastic contact, A/A0 with limited pressure, and numbers of elastic contact patches."""
+    """Return three arrays: elastic A/A0, A/A0 with limited pressure, and number of elastic contact patches."""
     if isinstance(case, PeriodicBall):
         elastic = math.pi * (3 * pressures * case.radius / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
         return elastic, np.full(pressures.size, math.nan), np.ones(pressures.size, dtype=int)
@@ -189,7 +189,7 @@ def solve_half_space(
 
 @dataclass(frozen=True)
 class Areas:
-    """Areas at the loads of a case (elastic, F/H, true, with limited pressure), and numbers of contact patches."""
+    """Areas of a case over the load (elastic, F/H, true, and with limited pressure), and numbers of contact patches."""
 
     elastic: np.ndarray
     plastic: np.ndarray
@@ -205,17 +205,20 @@ class Areas:
         return self.plastic / self.elastic
 
     def deviations(self, combine: Callable[[np.ndarray, np.ndarray, float], np.ndarray], exponent: float) -> np.ndarray:
-        """Return ln(area by a closed form / true area)."""
+        """Return the logarithm of the area by a closed form divided by the true area, for each load."""
         return np.log(combine(self.elastic, self.plastic, exponent) / self.true)
 
     def fit_exponent(self) -> float:
-        """Return the exponent m for which the mean squared deviation is smallest."""
+        """Return the exponent m with the smallest mean squared deviation of the closed form."""
         errors = [float(np.mean(self.deviations(combine_from_onset, m) ** 2)) for m in EXPONENTS]
         return float(EXPONENTS[int(np.argmin(errors))])
 
 
 def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> Areas:
-    """Return areas divided by A0. True areas of maps are multiplied by the error of the elastic area on their grid."""
+    """Return the areas of a map divided by A0.
+
+    True areas are corrected for the error of the elastic area on the grid.
+    """
     pressures, true, on_grid = (np.array(result[key]) for key in ("pressure", "area", "elastic_area"))
     elastic, capped, num_patches = solve_half_space(case, pressures)
     if isinstance(case, RoughMap):
@@ -225,7 +228,7 @@ def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]
 
 
 def find_finite_element_areas(case: yielding_area.Case, result: dict[str, list[float]]) -> Areas:
-    """Return areas at all loads of a case of yielding_area.py that yield and have a moderate area."""
+    """Return the areas of a case of yielding_area.py at all loads at which it yields and its area is moderate."""
     loads, true = (np.array(result[key]) for key in ("load", "area_edges"))
     low, high = AREA_FRACTION_RANGE
     if isinstance(case, yielding_area.PressedBall):
