@@ -192,7 +192,7 @@ def test_importing_the_package_loads_no_dependencies():
 
 
 def test_command_line_module_imports_nothing_before_the_command_starts():
-    """Check this because importing anything before the command starts would delay its handling of Ctrl-C."""
+    """Check that `stiction/__init__.py` imports nothing, because imports would delay the handling of Ctrl-C."""
     body = ast.parse(Path(stiction.__file__).read_text("utf-8")).body
     assert not [node for node in body if isinstance(node, (ast.Import, ast.ImportFrom))]
 
@@ -265,7 +265,7 @@ SMALL_STUDY_CHANGES = (
 
 
 def test_commands_load_dask_only_for_a_cluster(tmp_path):
-    """Check this because xarray would import Dask, if installed, which takes longer than some studies."""
+    """Check that xarray does not import an installed Dask in local runs. The import takes longer than some studies."""
     pytest.importorskip("distributed")
 
     def run_small_study(*options):
@@ -308,12 +308,12 @@ def test_modules_for_exports_and_reports_do_not_load_matplotlib(module, dependen
 
 
 def test_style_sheet_of_the_app_loads_neither_matplotlib_nor_pandas(dependencies_by_step):
-    """Check this because the page of the app is not drawn until its style sheet has arrived."""
+    """Check that slow imports do not delay the style sheet, without which a browser does not draw the page."""
     assert not {"matplotlib", "pandas"} & dependencies_by_step["style sheet"]
 
 
 def test_preview_of_a_scan_loads_neither_matplotlib_nor_pydantic(dependencies_by_step):
-    """Check this because the import of these packages would take longer than the preview of a small map."""
+    """Check that a preview does not import two packages whose import takes longer than the preview of a small map."""
     assert not {"matplotlib", "pydantic"} & dependencies_by_step["preview"]
 
 
@@ -351,6 +351,6 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
 def test_docstrings_do_not_start_with_the_word_of(directory):
-    """Check this because a docstring must be understandable without the line above it."""
+    """Check that no docstring starts with "Of". Each must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

@@ -108,7 +108,7 @@ def test_deletion_of_a_partly_constructed_object_prints_no_error(monkeypatch, ca
 
 
 def test_short_command_runs_without_garbage_collection(tmp_path):
-    """Check this because a collection traverses the objects of all imported libraries."""
+    """Check that a command avoids garbage collections, each of which visits the objects of all imported libraries."""
     script = (
         "import atexit, gc, sys, stiction.cli; collections = []; gc.collect(); gc.freeze(); "
         "gc.callbacks.append(lambda phase, info: collections.append(gc.get_threshold()[0])); "

@@ -396,7 +396,7 @@ def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path
 
 
 def test_stiffness_interval_between_adhesive_loads_contains_the_direct_solution():
-    """Check this because adhesive contacts are stiff without a load, so the stiffness is not proportional to it."""
+    """Check the interpolation of the stiffness of adhesive contacts, which is not proportional to the load."""
     loads = ["2 MPa", "6 MPa"]
     result = run_pair(load=loads, **ADHESION_OPTIONS)
     stiffness = result.at(["2 MPa", "3.5 MPa", "6 MPa"])["normal_stiffness"].squeeze(drop=True)

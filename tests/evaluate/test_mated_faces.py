@@ -61,7 +61,7 @@ def test_result_for_a_direction_that_leads_downhill_has_no_friction_coefficient(
 
 
 def test_unmated_faces_with_small_mu0_have_a_coefficient_even_if_a_direction_leads_downhill():
-    """Check this because the mean over positions of a direction can be below 0 by chance."""
+    """Check that friction is reported although, in one direction, its mean over all positions is below 0 by chance."""
     faces = [
         self_affine_surface(7, side=side, hurst_exponent=0.8, rms=0.05, shape=(96, 96), spacing=0.1)
         for side in ("upper", "lower")

@@ -137,7 +137,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
 
 
 def test_pairs_that_are_solved_quickly_are_stored_in_four_blocks_of_equal_size(monkeypatch):
-    """Check this because the first file of each size takes as long to write as ten members of profiles to compute."""
+    """Check that blocks have one size, because the first file of each size takes as long as ten members of profiles."""
     monkeypatch.setattr(runner, "estimate_member_time", lambda _: 0.011)
     for total in (16, 64):
         assert runner.choose_block_size(with_repetitions(total, RUNNER_STUDY)) == total // 4
@@ -303,7 +303,7 @@ class PartialFileAgeingExecutor(Executor):
 
 @pytest.mark.parametrize("is_removed", [False, True], ids=["old", "removed"])
 def test_run_refreshes_its_claim_of_a_directory_while_it_computes(tmp_path, monkeypatch, is_removed):
-    """Check this because other machines ignore, and remove, a claim that nobody has refreshed for an hour."""
+    """Check that claims are refreshed, because other machines remove a claim that was not refreshed for an hour."""
     monkeypatch.setattr(_files, "CLAIM_REFRESH_INTERVAL", 0.01, raising=False)
 
     def wait_until_recent(file):

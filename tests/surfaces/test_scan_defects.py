@@ -263,7 +263,7 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
 
 
 def test_roughness_drift_of_a_profile_is_limited_if_its_roughness_jumps():
-    """Check this because a straight line through the logarithms of strips overshoots a step."""
+    """Check the upper limit of the drift, because a linear fit overestimates an abrupt change of the roughness."""
     heights = rough_maps(points=96)[0].heights.copy()
     heights[:, 48:] *= 0.02
     assert scan_defects.estimate_roughness_drift(Surface(heights, spacing=0.1)) == scan_defects.MAX_DRIFT
