@@ -121,7 +121,7 @@ def comments(files: TextsByPath) -> Iterator[SampledText]:
                     lines.append((token.start[0], is_whole_line, token.string.lstrip("#! ")))
         elif name.endswith((".cpp", ".hpp", ".js")):
             for number, line in enumerate(text.splitlines(), 1):
-                if match := re.search(r"(?:^|[;{},]) *///? ?(.+)", line):
+                if match := re.search(r"(?:^|[;{},]) *///?<? ?(.+)", line):
                     lines.append((number, line.lstrip().startswith("//"), match[1]))
         joined_comments: list[tuple[int, int, str]] = []
         for number, is_whole_line, comment in lines:
