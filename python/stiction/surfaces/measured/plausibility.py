@@ -20,7 +20,8 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Smaller limits than `MIN_MISSING_CODE_DISTANCE`, for codes that a file repeats, and for usual codes such as 9999.
+# Minimum distance of a code that a file repeats, and of a usual code such as 9999, from the other heights,
+# relative to the range of these heights.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
