@@ -350,7 +350,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return residuals of the tests with sliding for each row of `points`, with junction growth."""
+            """Return the residuals of the tests with sliding, including junction growth, for each row of `points`."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -457,7 +457,7 @@ class CalibrationProblem:
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the true area per load, A/F (1/GPa), averaged over the tests with sliding."""
+        """Return samples of the true area per load, A/F (1/GPa), each averaged over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
         return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))

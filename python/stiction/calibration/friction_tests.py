@@ -37,7 +37,7 @@ coefficient due to junction growth. A coefficient depends on junction growth if 
 
 @dataclass(frozen=True)
 class Ball:
-    """Smooth elastic ball on a smooth flat, whose true area follows from Hertz's theory.
+    """Smooth elastic ball on a smooth flat. Its true contact area follows from Hertz's theory.
 
     Attributes
     ----------
@@ -162,7 +162,7 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a test with a ball, whose contact area is proportional to E*^(-2/3)."""
+    """Area factor of a test with a ball. The contact area of a ball is proportional to E*^(-2/3)."""
 
     moduli: UncertainModulus
     area_loss: float  # central area loss under shear
@@ -249,7 +249,7 @@ MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """Friction test: the pair of surfaces or ball, the load, and the measured coefficient with its uncertainty.
+    """Friction test: result for the pair (or ball), load, and measured coefficient with its uncertainty.
 
     Attributes
     ----------
@@ -353,7 +353,7 @@ class FrictionTest:
 
 
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
-    """Return whether junction growth by slip-line theory would change a test's coefficient by more than the limits."""
+    """Return whether junction growth by slip-line theory would noticeably change the coefficient of a test."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT

@@ -30,7 +30,7 @@ from stiction.study.interfaces import (
 
 
 class Interface(InterfaceStrength):
-    """Strength of an interface as a joint distribution of mu0 and tau0, which predicts friction of other surfaces.
+    """Fitted strength of an interface, a joint distribution of mu0 and tau0 that predicts friction of other surfaces.
 
     Attributes
     ----------
