@@ -94,7 +94,7 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State of the iteration towards an adhesive equilibrium, from which the iteration can be resumed."""
+    """State of the iteration towards an adhesive equilibrium. An interrupted iteration resumes from this state."""
 
     attraction: Floats
     pressure: Floats | None = None
@@ -651,7 +651,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain, or ""."""
+    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain (or "")."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,

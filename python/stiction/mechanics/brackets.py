@@ -146,7 +146,7 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the highest mu_s that a finer scan can give if contacts yield, from a number or from samples of mu_s."""
+    """Return the highest mu_s that a finer scan can give if contacts yield. `value` is mu_s of this scan."""
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(

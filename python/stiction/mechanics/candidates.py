@@ -172,7 +172,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the given contact candidates, or None for two surfaces, and the contact model of the keyword arguments."""
+    """Return the contact candidates and the contact model. For two surfaces, the candidates are None."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

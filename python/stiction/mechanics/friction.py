@@ -69,7 +69,7 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 
 
 PLANE_STRAIN_RATIO = 2 + np.pi
-"""Ratio H/k of hardness to shear strength for a flat punch in plane strain, the case of the slip-line formulas."""
+"""Ratio H/k of hardness to shear strength that the slip-line formulas assume: a flat punch in plane strain."""
 
 MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
 """Ratios of hardness to shear strength: minimum (plane strain), central value, maximum (rough circular flat punch).
@@ -78,7 +78,7 @@ Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 
 """
 
 MAX_BULK_SHEAR_EFFECT = 0.05
-"""Relative reduction of the friction force by shear of the softer body up to which the reduction is neglected."""
+"""Largest relative reduction of the friction force by shear of the softer body that is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
 """Smallest mean pressure in the table of `_fraction_below`, as a fraction of the largest pressure.
@@ -123,7 +123,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
+        """Compute a load (mN) from contact sums: the "normal", "tangential", "lateral" or "unloaded" load.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -169,7 +169,7 @@ class FrictionLaw:
         return float(slip_lines.plastic_coefficient(hardness)) / plain_coefficient - 1 if plain_coefficient > 0 else 0.0
 
     def is_stronger_than_body(self, hardness: Any) -> Any:
-        """Return whether yielding contacts have a stronger interface, in shear, than a body of given hardness (GPa)."""
+        """Return whether a body with a given hardness (GPa) shears before its yielding contacts slide."""
         if not self.uses_slip_lines:
             return self.bulk_strength_ratio(hardness) >= 1
         return self.force(0.5 * hardness, 1.0) > hardness / self.junction_growth
@@ -518,7 +518,7 @@ class FrictionCurve(PlotReprMixin):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each loading step, from mu0 and tau0 (GPa)."""
+        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each loading step, for given mu0 and tau0 (GPa)."""
         normal_load = self._broadcast_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 

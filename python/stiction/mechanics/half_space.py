@@ -219,7 +219,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Pull-off force (mN), and True if this force is only a lower bound. Unlike `pull_off`, it gives no warning."""
+        """Pull-off force (mN), and True if this force is only a lower bound. Gives no warning, unlike `pull_off`."""
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
@@ -301,7 +301,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._compute_stiffness("unloading_stiffness")
 
     def _compute_stiffness(self, name: str) -> Floats:
-        """Return the stiffness with the attribute name `name` at each load, from jointly computed compliances."""
+        """Return the stiffness `name` at each load. The compliances of all loads are computed in one call."""
         if self._problem.has_finite_approach or name.endswith("closure_stiffness"):
             cache_compliances(self._contact_solutions, unloading=name.startswith("unloading"))
         return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
@@ -337,7 +337,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def hardness(self) -> float | None:
-        """Hardness (GPa), the largest possible pressure, or None if the bodies do not yield."""
+        """Hardness (GPa), which is the largest possible pressure. None if the bodies do not yield."""
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
@@ -441,7 +441,7 @@ def half_space(
     progress: Callable[[int, int, float], object] | None = None,
     record: SolutionRecord | None = None,
 ) -> HalfSpaceCurve:
-    """Compute contact pressure, true contact area and friction of the rough surfaces of two elastic half-spaces.
+    """Compute contact pressure, true contact area and friction of two rough surfaces in the half-space model.
 
     Parameters
     ----------
@@ -607,7 +607,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report a solver iteration at the loading step `index` of a group, which follows `num_solved` solved steps."""
+    """Report a solver iteration at step `index` of a group of loading steps. `num_solved` steps precede the group."""
     progress(num_solved + index, iteration, error)
 
 

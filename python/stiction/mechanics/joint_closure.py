@@ -18,7 +18,7 @@ MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Bandis' law p = K c / (1 - c/V) of a joint, with pressure p, closure c, and largest deviation of the fit.
+    """Bandis' law of a joint: p = K c / (1 - c/V) for pressure p and closure c. Includes the deviation of the fit.
 
     Attributes
     ----------

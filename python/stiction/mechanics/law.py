@@ -26,7 +26,7 @@ def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Base class of the contact laws, which give force and area of a single contact from its overlap and radius.
+    """Base class of the contact laws, which give the force and the area of a single contact.
 
     `CONTACT_LAWS` lists all laws.
     """
@@ -89,7 +89,7 @@ class HertzCylinder(ContactLaw):
 
 @dataclass(frozen=True)
 class JacksonGreen(ContactLaw):
-    """Jackson-Green law of elastic, perfectly plastic spheres, a fit to finite element results.
+    """Jackson-Green law of elastic-perfectly plastic spheres, fitted to finite element results.
 
     Hertz up to 1.9 critical overlaps, ω_c = (π C S_y / 2 E*)² R with C = 1.295 exp(0.736 ν). Above, the contact grows
     faster, and the mean pressure tends to a hardness that decreases from 2.84 S_y as the contact radius a grows.

@@ -180,7 +180,7 @@ class AsperityTangentialProblem:
 
 
 class HalfSpaceTangentialProblem:
-    """Half-space contact at a constant normal load, and its slip states under tangential loads."""
+    """Half-space contact at a constant normal load, which computes slip states under tangential loads."""
 
     def __init__(
         self,

@@ -218,7 +218,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
 
 
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
-    """Check two surfaces, and create their contact model from keyword arguments, with the defaults for their type."""
+    """Check two surfaces, and create their contact model from keyword arguments and the defaults for their type."""
     check_pair(upper, lower)
     check_modulus_is_given(keywords, upper, lower)
     if isinstance(upper, Surface):
@@ -275,7 +275,7 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies have the same type and equal spacings and, with `whole`, no missing points."""
+    """Check that two bodies have the same type and equal spacings. With `whole`, no point may be missing."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:

@@ -38,7 +38,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Slip state of a contact at one tangential load (mN): displacement (µm), slipped fractions and tractions (GPa).
+    """State of partial slip at one tangential load (mN): displacement (µm), slipped fractions and tractions (GPa).
 
     `point_displacements` are the displacements of the contact points if the solver returned them.
     """
@@ -227,7 +227,7 @@ class Onset(PlotReprMixin):
         )
 
     def frame(self) -> pandas.DataFrame:
-        """Return the curve of first loading as a table: one row per load, with units in the column names.
+        """Return the first loading as a table. Each row is a load, and the column names contain units.
 
         `energy_lost` is the energy loss in a cycle with this amplitude. The table is the backbone of a Masing model.
         """
@@ -337,11 +337,11 @@ def compute_onset(
 
 DEFAULT_POISSON_RATIO = 0.3  # Poisson's ratio of both bodies if the study specifies none
 MIN_RELATIVE_STRENGTH = 1e-9
-"""Smallest mu0, or smallest tau0/E*, for which an onset of sliding is computed. Less friction is lost in round-off."""
+"""Smallest mu0 or tau0/E* for which an onset of sliding is computed. Smaller friction is lost in round-off."""
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Check an index, and return it as a nonnegative index. A negative index counts from the end."""
+    """Check an index, which may count from the end if it is negative, and return the nonnegative index."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:

@@ -14,7 +14,7 @@ from stiction._checks import Floats
 from stiction.mechanics.model import SlidingRule
 
 MAX_LEVEL_PATCH_SLOPE = 1e-6
-"""Largest ratio of the mean slope of a patch to the rms slope in contact at which the patch counts as level.
+"""A patch counts as level up to this ratio of its mean slope to the rms slope in contact.
 
 Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
 1e-6.
@@ -58,7 +58,7 @@ class PatchSums:
 
     @cached_property
     def opposes_motion(self) -> NDArray[np.bool_]:
-        """Mask of the patches that push the upper surface against its motion, with shape (directions, patches)."""
+        """Mask, of shape (directions, patches), of the patches that push the upper surface against its motion."""
         patch_counts = np.diff(self.first_patch, append=self.force.size)
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
@@ -74,7 +74,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return the five sums of `DIRECTED_TOTALS` over the patches with friction, with shape (directions, k)."""
+        """Return the sums in `DIRECTED_TOTALS` over the patches with friction, each of shape (directions, k)."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._total(values) for values in sums]

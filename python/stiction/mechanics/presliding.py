@@ -56,7 +56,7 @@ class FourParameterIwan(TextReprMixin):
 
     @property
     def displacement_at_sliding(self) -> float:
-        """Displacement φ (µm) at which the Iwan model slides."""
+        """Displacement φ (µm) at which sliding starts in the Iwan model."""
         chi, beta = self.chi, self.beta
         return self.sliding_load * (1 + beta) / (self.stiffness * (beta + (chi + 1) / (chi + 2)))
 

@@ -40,7 +40,7 @@ bodies with an onset of sliding, of measured bodies, and of bodies that yield be
 """
 
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
-"""Unit of all stiffnesses per area in datasets and files, which is usual for rock joints and machine joints."""
+"""Unit of all stiffnesses per area in datasets and files. This unit is usual for rock joints and machine joints."""
 
 STIFFNESS_PER_AREA_FACTOR = 1e6  # factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
 
@@ -594,7 +594,7 @@ DISTRIBUTION_QUANTITIES = select_quantity_names(lambda quantity: "fraction_below
 """Names of the quantities whose quantiles a result of measured bodies stores for each member at each load."""
 
 GAP_QUANTITIES = select_quantity_names(lambda quantity: "measured" in quantity.stored and "step" not in quantity.along)
-"""Names of the quantities of the gap of each member, which do not depend on the load."""
+"""Names of the quantities of the gap of a member. They do not depend on the load."""
 
 LOAD_STEP_QUANTITIES = select_quantity_names(
     lambda quantity: "measured" in quantity.stored and quantity.along == _STEP_AXIS

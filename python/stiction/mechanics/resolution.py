@@ -323,7 +323,7 @@ def _make_cutoff_dataset(
     pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return area, pressure and contact sums at each cutoff as a dataset, with NaN where the solver failed."""
+    """Return a dataset of area, pressure and contact sums at each cutoff. Values are NaN where the solver failed."""
     import xarray as xr
 
     gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
@@ -459,7 +459,7 @@ def spectral_resolution(
     kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Estimate true area and friction of two surfaces as functions of the shortest wavelength, in closed form.
+    r"""Estimate true area and friction of two surfaces in closed form, as functions of the shortest wavelength.
 
     Parameters
     ----------

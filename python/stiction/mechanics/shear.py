@@ -90,7 +90,7 @@ _VARIABLE_ATTRIBUTES: dict[str, dict[str, str]] = {
 
 @dataclass(frozen=True, eq=False)
 class ShearBox:
-    """Two faces in a direct shear test, with the conditions of the test.
+    """Direct shear test: two faces, and the load, stiffness and direction of the test.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class ShearBox:
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut both faces into strips along the motion, and return one shear test per strip, at the same normal stress.
+        """Cut both faces into strips along the motion. Return one shear test per strip, with unchanged normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -345,7 +345,7 @@ class ShearBox:
     def _make_row(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the contact sums, height of the upper face and other results of a solved contact, by name."""
+        """Return the results of a solved contact by name: contact sums, height of the upper face, and others."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -369,7 +369,7 @@ class ShearBox:
         return float(self.law.load("normal", row))
 
     def solve_closure(self, record: SolutionRecord) -> BandisLaw:
-        """Compute the closure up to the initial normal load at the start of the path, and fit Bandis' law to it."""
+        """Fit Bandis' law to the closure at the start of the path, computed up to the initial normal load."""
         loads = self.load * np.geomspace(1 / MAX_TO_MIN_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
@@ -385,7 +385,7 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return the map of the contact pressure (GPa) at the peak of the shear curve, or None if there is no peak."""
+        """Return a map of the contact pressure (GPa) at the peak of the shear curve, or None without a peak."""
         import xarray as xr
 
         if test.attrs["peak_status"] != STATUS_OK:
@@ -512,7 +512,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the attributes of a shear curve: peak coefficient, its displacement and status, and final coefficient.
+    """Return the attributes of a shear curve: coefficient, displacement and status at the peak, and final coefficient.
 
     The peak is NaN if the faces lock. The final coefficient is NaN if the faces slide without a tangential load.
     """
