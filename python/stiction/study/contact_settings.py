@@ -301,7 +301,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Compute E* and the lower body's fraction of the compliance if the section contains Young's moduli."""
+        """Compute E* and the compliance fraction of the lower body if the section contains Young's moduli."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -629,7 +629,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
     GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
-"""Base classes of `[contact]`, which messages name if a key belongs to other bodies or to another contact model."""
+"""Base classes of `[contact]`. A message names such a class if a key belongs to other bodies or another model."""
 
 
 def select_contact_settings_class(
@@ -679,7 +679,7 @@ def parse_contact_settings(
 
 
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add a geometric progression of `num_loads` loads (mN), which extends beyond the given loads, to these loads.
+    """Add a geometric progression of `num_loads` loads (mN) around the given loads.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """

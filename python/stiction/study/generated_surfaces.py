@@ -109,7 +109,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the fractal dimensions and the amplitudes (µm) for which the contacts of the study are computed."""
+        """Return the coordinates of the cells of the study, which are fractal dimensions and amplitudes (µm)."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 

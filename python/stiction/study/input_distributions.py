@@ -103,7 +103,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Short text of an input: an exact number with up to six digits, or a range as the user wrote it."""
+        """Short text of an input: a number with up to six digits if exact, otherwise the range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
@@ -279,7 +279,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return both limits of a range as texts with a unit, which the user may have given for one limit only."""
+    """Return both limits of a range as texts with a unit. The user may have given the unit for one limit only."""
     units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if units[0] is None and units[1] is not None:
         return f"{first_text} {units[1][0]}", last_text
@@ -299,7 +299,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 
 def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
-    """Compute the direction numbers of one dimension of a Sobol sequence, as bits from the most significant down."""
+    """Compute the direction numbers of one dimension of a Sobol sequence, as bits (most significant first)."""
     numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(numbers) < SOBOL_BITS:
         number = numbers[-degree]
@@ -373,7 +373,7 @@ _INPUT_LIMITS = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse an input of a study, such as "hardness", with its range or uncertainty.
+    """Parse the text of an input of a study, such as "hardness", which may be a range or have an uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not contain the name.
     """
@@ -394,7 +394,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse "slip-line" or, with a range of the ratio of hardness to shear strength, "slip-line 5.14..5.69"."""
+    """Parse the input "slip-line", which may include a range of H/k as in "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio:

@@ -148,7 +148,7 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of an input (GPa, or dimensionless), which is the value in contact computations."""
+        """Return the central value of an input (GPa, or dimensionless). Contacts are computed with this value."""
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:

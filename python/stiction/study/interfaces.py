@@ -53,7 +53,7 @@ MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
-"""Smallest p-values of a fit's residuals for which the rule is not excluded, and for which errors are not scaled.
+"""Limits of the p-value of a fit: for excluding the sliding rule, and for scaling the errors of the tests.
 
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
@@ -193,7 +193,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a line with mu0 + tau0 A/F and, if the tests determine mu0 and tau0 separately, with mu0 and tau0."""
+        """Return a line with mu0 + tau0 A/F. If the tests separate mu0 from tau0, the line also contains both."""
         entries = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -249,7 +249,7 @@ class InterfaceStrength:
 
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Pairs of mu0 and tau0 samples (GPa) in which one parameter is 0, provided that its interval includes 0.
+        """Pairs of mu0 and tau0 samples (GPa) in which a parameter is 0 if the interval of the parameter includes 0.
 
         The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """
@@ -273,7 +273,7 @@ class InterfaceStrength:
         return cover_credible_intervals([coefficient(*samples) for samples in self.strength_samples])
 
     def at(self, area_per_load: float) -> ValueWithLimits:
-        """Return the sum mu0 + tau0 A/F with its 95 % interval at a given true area per load A/F (1/GPa)."""
+        """Return the sum mu0 + tau0 A/F at a given true area per load A/F (1/GPa), with its 95 % interval."""
         area_per_load = validate_number("area_per_load", area_per_load)
         if area_per_load < 0:
             raise ValueError(f"area_per_load must be at least 0, got {area_per_load:g}")
@@ -305,7 +305,7 @@ class InterfaceStrength:
         return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether a junction growth (None for α = 0) equals that of the tests, including its uncertainty."""
+        """Return whether a junction growth and its uncertainty equal those of the tests. None stands for α = 0."""
         test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -461,7 +461,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Read an interface file, or all in a directory, and return kind, mu0, tau0 and other texts by file name.
+    """Return kind, mu0, tau0 and other texts by file name, from an interface file or all files in a directory.
 
     Files of other kinds in the directory are ignored.
     """

@@ -234,7 +234,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """Name of the body in output: its first file without the directory, and the number of further scans."""
+        """Name of the body in output: first file without directory, and number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
@@ -448,7 +448,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Cache key of a scan file: file name, checksum and reading options, with the path of the file."""
+    """Cache key of a scan file: file name, checksum and reading options. The path of the file is not compared."""
 
     settings: MeasuredBodySettings
     path: Path = field(compare=False)

@@ -82,7 +82,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the cutoff wavelengths (µm) of the study, which are the coordinates of its cells."""
+        """Return the coordinates of the cells of the study, which are the cutoff wavelengths (µm)."""
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class MemberNames(NamedTuple):
-    """Word for the members of a study in output, such as "position", in singular and plural."""
+    """Word for the members of a study in output, in singular and plural, such as "position" and "positions"."""
 
     singular: str
     plural: str

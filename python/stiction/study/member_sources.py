@@ -31,7 +31,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: a pair of bodies, with relative shift (µm), line number, and True if they are surrogates."""
+    """Member of a study: pair of bodies, relative shift (µm), line number, and a flag for surrogates."""
 
     pair: BodyPair
     x: float
@@ -96,7 +96,7 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study, which returns a member (pair of bodies) for each index."""
+    """Source of the members of a study. Each index gives one member, a pair of bodies."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member (pair of bodies) with a given index.
@@ -154,7 +154,7 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Function that returns a pair of lines, with a cache, because several members press the same lines."""
+        """Cached function that returns a pair of lines. Several members press the same lines."""
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:

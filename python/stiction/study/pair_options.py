@@ -361,7 +361,7 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return False if the asperity model alone is used with a hardness, which already gives the yield strength."""
+    """Return False if a hardness is given and only the asperity model is used, and True otherwise."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
@@ -850,7 +850,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Name of the option of `pair` that corresponds to an argument of surface functions, by name of the argument."""
+"""Names of options of `pair`, by the name that the same argument has in surface functions."""
 
 
 def format_command_line_name(name: str) -> str:

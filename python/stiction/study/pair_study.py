@@ -352,7 +352,7 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Interface that the user gives instead of mu0 and tau0, or None."""
+        """Interface that the user gives instead of mu0 and tau0. None if the user gives no interface."""
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -453,7 +453,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) over which a load on two profiles is distributed, if the user gives the load as a force."""
+        """Width (µm) of two profiles over which a load is distributed that the user gives as a force."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -489,7 +489,7 @@ class MeasuredPair:
 
     @property
     def preview_study(self) -> Study | None:
-        """Study for a quick preview of the result, in the asperity model.
+        """Study in the asperity model, for a quick preview of the result.
 
         None if profiles or scan lines are pressed, if points are masked, or if the result itself uses the asperity
         model.
@@ -907,7 +907,7 @@ def _validate_study(data: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a study key such as "friction.mu0[0]", or None if no option does."""
+    """Return the name of the option that sets a study key such as "friction.mu0[0]". Return None if no option does."""
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
     return next(

@@ -113,7 +113,7 @@ _SURFACE_CLASSES_BY_KIND = {
     "surface": _map_key_to_classes("generator", WeierstrassMandelbrotSettings, SelfAffineSettings),
     "measured": _map_key_to_classes("press", *get_args(MeasuredSurfaceSettings)),
 }
-"""Key that selects the class of `[surfaces]`, and the classes by value of this key, for each `kind` of surfaces.
+"""Classes of the section `[surfaces]` by `kind`, with the key whose value selects one of several classes.
 
 The first class is the default.
 """

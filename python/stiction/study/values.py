@@ -121,7 +121,7 @@ Times = Annotated[tuple[Time, ...], *_optional_short_list]
 def _build_one_or_tuple_validator(
     name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]
 ) -> PlainValidator:
-    """Build a pydantic validator that accepts one value, or a list in which no value occurs twice."""
+    """Build a pydantic validator that accepts one value, or a list of different values."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -208,7 +208,7 @@ def make_key_error(key: str, message: str) -> PydanticCustomError:
 
 
 def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key that selects the variant of a section; by default, the first name in `cases`.
+    """Return the value of a key that selects the variant of a section. The default is the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -243,7 +243,7 @@ class _ValueRange(SettingsSection):
 
 
 class FractalDimensionRange(_ValueRange):
-    """Range of fractal dimensions with equal steps, from a first to a last one."""
+    """Range of fractal dimensions: first and last dimension, and number of dimensions."""
 
     start: FractalDimension
     stop: FractalDimension
