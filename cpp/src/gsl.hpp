@@ -2,7 +2,7 @@
 // Status codes are converted to exceptions, and no exception passes through GSL's stack frames.
 #pragma once
 
-#include "stiction/array.hpp"
+#include "stiction/values.hpp"
 
 namespace stiction::gsl {
 

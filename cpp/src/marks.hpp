@@ -1,7 +1,7 @@
 // Iteration over marked points, for arrays in which few points are marked.
 #pragma once
 
-#include "stiction/array.hpp"
+#include "stiction/values.hpp"
 
 #include <cstdint>
 #include <cstring>

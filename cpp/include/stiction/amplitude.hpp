@@ -1,7 +1,7 @@
 // Amplitude of a profile: height statistics, measures of amplitude, and scaling to a given amplitude.
 #pragma once
 
-#include "stiction/array.hpp"
+#include "stiction/values.hpp"
 
 #include <array>
 #include <limits>

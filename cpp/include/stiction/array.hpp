@@ -1,7 +1,4 @@
-// Number and array types of the library: double precision, row-major, signed indices.
-//
-// Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
-// A profile lies along x, at y = 0.
+// Matrices and vectors of the library: double precision, row-major. Units: values.hpp.
 //
 // No compiled function takes, returns or contains an Eigen array that owns its memory.
 // How Eigen allocates and aligns memory depends on compiler flags (-mavx, -fsanitize=address).
@@ -9,19 +6,19 @@
 // An Eigen array could therefore be freed by a function that does not match the function that allocated the array.
 #pragma once
 
+#include "stiction/values.hpp"
+
 #include <Eigen/Core>
 
-#include <span>
+#include <type_traits>
 
 namespace stiction {
 
-using Index = Eigen::Index;
+static_assert(std::is_same_v<Index, Eigen::Index>, "EIGEN_DEFAULT_DENSE_INDEX_TYPE must not be changed");
+
 using Vector2 = Eigen::Vector2d;  ///< horizontal vector (x, y)
 using Vector3 = Eigen::Vector3d;  ///< vector (x, y, z)
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixView = Eigen::Ref<const Matrix>;
-
-/// Heights [µm] of a profile, or other values at the grid points of a profile.
-using Values = std::span<const double>;
 
 }  // namespace stiction

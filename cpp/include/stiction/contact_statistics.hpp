@@ -1,9 +1,9 @@
 // Statistics of the contacts between two bodies: load fractions, and quantiles of contact area and pressure.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
 #include "stiction/patches.hpp"
+#include "stiction/values.hpp"
 
 #include <cstddef>
 #include <span>

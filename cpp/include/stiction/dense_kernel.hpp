@@ -1,8 +1,8 @@
 // Elastic half-space: displacements of a few points of a grid, from the matrix of their influence coefficients.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
+#include "stiction/values.hpp"
 
 #include <cstddef>
 #include <cstdint>

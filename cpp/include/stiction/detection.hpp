@@ -2,7 +2,7 @@
 // All heights [µm] must be finite, and both profiles must have the same number of points.
 #pragma once
 
-#include "stiction/array.hpp"
+#include "stiction/values.hpp"
 
 #include <algorithm>
 #include <cmath>

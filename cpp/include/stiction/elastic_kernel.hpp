@@ -1,8 +1,8 @@
 // Elastic half-space on a grid: displacements due to pressures, and spectral filters for preconditioning.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/thread_pool.hpp"
+#include "stiction/values.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,9 +1,9 @@
 // Energy of an adhesive half-space contact under a constant load, minimised by preconditioned conjugate gradients.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
 #include "stiction/thread_pool.hpp"
+#include "stiction/values.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // Normal contact of an elastic half-space with a rigid rough surface, computed on successively finer grids.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
 #include "stiction/thread_pool.hpp"
+#include "stiction/values.hpp"
 
 #include <cstddef>
 #include <cstdint>

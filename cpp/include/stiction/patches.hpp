@@ -1,8 +1,8 @@
 // Connected contact patches on a grid, and the sums over each patch that determine friction.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
+#include "stiction/values.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // Preconditioner of the areal half-space solver: approximate inverse of the elastic kernel on the free points.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/elastic_kernel.hpp"
 #include "stiction/thread_pool.hpp"
+#include "stiction/values.hpp"
 
 #include <array>
 #include <cstddef>

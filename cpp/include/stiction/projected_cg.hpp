@@ -1,8 +1,8 @@
 // Solver for the normal contact of an elastic half-space: projected conjugate gradients.
 #pragma once
 
-#include "stiction/array.hpp"
 #include "stiction/thread_pool.hpp"
+#include "stiction/values.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Natural cubic spline through equally spaced points: slope and curvature at all points or in a range of points.
 #pragma once
 
-#include "stiction/array.hpp"
+#include "stiction/values.hpp"
 
 namespace stiction {
 

@@ -1,0 +1,20 @@
+// Indices and values of grid points: signed indices, double precision.
+//
+// Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
+// A profile lies along x, at y = 0.
+//
+// Headers whose functions take no matrices and no vectors include this file and not array.hpp, because Eigen takes most
+// of the time of compiling a small source file.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace stiction {
+
+using Index = std::ptrdiff_t;
+
+/// Heights [µm] of a profile, or other values at the grid points of a profile.
+using Values = std::span<const double>;
+
+}  // namespace stiction
