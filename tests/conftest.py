@@ -4,7 +4,7 @@ import os
 import signal
 from pathlib import Path
 
-# Tests run in one process for each core; additional threads for linear algebra would slow the tests down.
+# Limit linear algebra to one thread, because tests run in one process per core already.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis
@@ -16,10 +16,10 @@ from support.command import disable_companion_files, disable_drawing, disable_re
 from support.generated_studies import SMALL_STUDY
 from support.input_samples import use_input_samples, use_nuisance_points
 
-# Background jobs of a shell ignore SIGINT, which some tests send to themselves.
+# Restore the handler of SIGINT, which background jobs of a shell ignore, but which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Generated examples have no time limit, because other processes may use the cores.
+# Generated examples have no time limit, because other processes may occupy the cores.
 hypothesis.settings.register_profile(
     "without time limits", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
 )
@@ -35,7 +35,7 @@ NUISANCE_POINT_FRACTION_IN_TESTS = 0.25
 
 @pytest.fixture(scope="session", autouse=True)
 def few_input_samples(request):
-    """Draw few samples of inputs and calibrations in the tests that `./dev test` runs, which saves time."""
+    """Draw few samples of inputs, and few nuisance points of calibrations, in the tests that `./dev test` runs."""
     draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
     with (
         use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
@@ -46,14 +46,14 @@ def few_input_samples(request):
 
 @pytest.fixture
 def all_input_samples():
-    """Draw as many samples of inputs and calibrations as for users. Results must be created during the test."""
+    """Draw as many samples of inputs as for users, and as many nuisance points. Create results during the test only."""
     with use_input_samples(NUM_INPUT_SAMPLES), use_nuisance_points(1):
         yield
 
 
 @pytest.fixture(scope="session")
 def find_measured_file():
-    """Return a function that returns the path of a measured file, and skips the test if the file is absent."""
+    """Return a function that returns the path of a measured file, or skips the test if the file is absent."""
     directory = Path(os.environ.get("STICTION_TEST_DATA", Path(__file__).parents[2] / "shared" / "data"))
 
     def find_file(name):
@@ -66,7 +66,7 @@ def find_measured_file():
 
 @pytest.fixture(scope="session")
 def create_rough_profiles():
-    """Return a function that generates an upper and a lower profile of a given fractal dimension."""
+    """Return a function that generates an upper and a lower profile with a given fractal dimension."""
 
     @functools.lru_cache(maxsize=8)
     def create_pair(dimension, *, points=12_000, repetition=0, amplitude=0.1, band_limit=None):
@@ -83,7 +83,7 @@ def create_rough_profiles():
 
 @pytest.fixture(scope="session")
 def create_circular_arc():
-    """Return a function that generates a circular arc: the profile of a cylinder or sphere."""
+    """Return a function that generates a circular arc, the profile of a cylinder or a sphere."""
 
     def create_arc(apex, radius, spacing, points, side):
         x = np.arange(points) * spacing - apex

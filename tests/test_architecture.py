@@ -45,7 +45,7 @@ MODULES_WITH_THE_FRICTION_LAW = {"mechanics/friction.py", "calibration/fit.py"}
 def multiplies_strength(node):
     if not (isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Mult, ast.Div))):
         return False
-    # Divisions by mu0 or tau0 are accepted, because they compare a value with mu0 or tau0.
+    # Accept divisions by mu0 or tau0, which only compare a value with mu0 or tau0.
     operands = (node.left, node.right) if isinstance(node.op, ast.Mult) else (node.left,)
     names = {getattr(operand, "id", getattr(operand, "attr", None)) for operand in operands}
     is_conversion_of_units = isinstance(node.left, ast.Constant) or isinstance(node.right, ast.Constant)
@@ -64,7 +64,7 @@ MODULES_THAT_BUILD_FRICTION_LAWS = {
     "evaluate/shear_intervals.py", "evaluate/maps.py", "evaluate/ensemble_means.py", "companions/contact_forces.py",
     "direct_shear.py",
 }  # fmt: skip
-"""Modules besides `mechanics` and `calibration` that build a friction law.
+"""Modules outside of `mechanics` and `calibration` that may build a friction law.
 
 The law of a study comes from its inputs. The others build it from samples, for generated surfaces, or without a study.
 """

@@ -142,7 +142,7 @@ def test_parts_of_claims_have_unique_names():
 
 
 def create_result(**sum_functions):
-    """Return a result with equal loads at every dimension D and amplitude a.
+    """Return a result in which the loads are equal at all dimensions D and all amplitudes a.
 
     Functions of (D, a, load) may replace the sums.
     """
@@ -171,11 +171,11 @@ def sum_functions_with_friction(coefficient):
 
 
 def sum_functions_with_adhesion(coefficient):
-    """Return sums in which tau0 = 1 GPa adds a given value to the coefficient."""
+    """Return sums in which tau0 = 1 GPa increases the coefficient by a given amount."""
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-# For each part, the data contain sums for which it is true and sums for which it is false.
+# For each part of a claim: sums for which the part is true, and sums for which it is false.
 TRUE_AND_FALSE_DATA = {
     "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
     "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
@@ -251,7 +251,7 @@ def test_part_of_a_claim_has_data_that_support_it_and_data_that_contradict_it():
 
 
 def test_confidence_band_of_a_noisy_minimum_is_wider_than_its_percentile_interval():
-    # The friction is independent of D except for noise, which lowers the smallest value over D.
+    # The friction does not depend on D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
     result = create_result(**sum_functions_with_friction(lambda d, a, f: 0.2 * noise))
     bands, percentiles = (
@@ -357,7 +357,7 @@ def test_tables_of_claims_are_written_from_stored_results(tmp_path):
     claims.write_tables(tmp_path, tmp_path, changes=small_study_changes | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert text.count("| **") == 2 * len(CLAIMS)
-    # If all results are stored, the tables are written from these results, and nothing is computed.
+    # All results are stored, so the tables are written from them, and nothing is computed.
     claims.write_tables(tmp_path, tmp_path)
     assert (tmp_path / "claims.md").read_text(encoding="utf-8") == text
     assert "| amplitude 0.05 µm |" in (tmp_path / "variants.md").read_text(encoding="utf-8").splitlines()[0]

@@ -60,7 +60,7 @@ def test_interval_is_printed_as_its_limits_joined_by_the_word_to():
 def test_unit_prefix_of_an_estimate_is_determined_by_its_value():
     assert Estimate(0.25, 0.125, 0.5, unit="um").in_prefixed_unit() == Estimate(250.0, 125.0, 500.0, unit="nm")
     assert Estimate(0.25, 0.125, 0.5).in_prefixed_unit("%") == Estimate(25.0, 12.5, 50.0, unit="%")
-    # The value is rounded to the printed digits first, so it is not printed as 10000 mN/µm.
+    # The value is rounded before the unit is chosen, so it is not printed as 10000 mN/µm.
     stiffness = Estimate(9999.0, 9998.0, 10_000.0, unit="mN/um", name="stiffness", kind="mean")
     assert stiffness.in_prefixed_unit() == Estimate(9.999, 9.998, 10.0, unit="N/µm", name="stiffness", kind="mean")
     assert Estimate(3.0, 2.0, 4.0).in_prefixed_unit("1") == Estimate(3.0, 2.0, 4.0, unit="")
@@ -74,7 +74,7 @@ def test_extended_estimate_includes_both_intervals_and_ignores_missing_limits():
 
 
 def test_extending_an_estimate_without_interval_adds_no_interval():
-    # The interval of another estimate does not describe the uncertainty of this value, and may not contain the value.
+    # An interval that belongs to another estimate may not contain this value.
     assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
 
 
@@ -100,4 +100,4 @@ def test_estimate_is_immutable():
 )
 def test_estimate_from_its_json_object_has_the_same_interval(estimate):
     read = Estimate.from_record(json.loads(to_json(estimate.to_record())))
-    assert repr(read) == repr(estimate)  # two NaN limits are not equal
+    assert repr(read) == repr(estimate)  # compare texts, because two NaN limits are not equal

@@ -48,7 +48,7 @@ def test_docstring_examples_give_the_documented_output(name):
 
 @pytest.fixture(scope="module")
 def run_script_once(tmp_path_factory):
-    """Return a function that runs a script once in an empty directory, and returns its output."""
+    """Return a function that runs a script in an empty directory, once for all tests, and returns its output."""
 
     @functools.cache
     def run_script(path):
@@ -87,7 +87,7 @@ LANGUAGES_WITHOUT_CODE = {
     "{toctree}",
     "{glossary}",
 }
-"""Languages of blocks that are not run: included pages and files, which other tests check, and output and diagrams."""
+"""Languages of blocks that are not run: output, diagrams, and included pages and files, which other tests check."""
 
 
 class CodeBlock(NamedTuple):
@@ -96,7 +96,7 @@ class CodeBlock(NamedTuple):
 
 
 def code_blocks(page):
-    """Return all code blocks of a page."""
+    """Return all code blocks of a documentation page."""
     values = []
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
         if token.type == "fence":
@@ -127,11 +127,11 @@ def test_documentation_page_contains_only_code_blocks_that_a_test_runs(page):
 
 
 NOTEBOOK_CELL_OPTIONS = r"\A(---\n(.*\n)*?---\n|(:.*\n)+)"
-"""Pattern of the options at the start of a code cell, such as the tags that hide it on the built page."""
+"""Pattern of the options at the start of a code cell, such as tags that hide the cell on the built page."""
 
 
 def find_prompt_error(code):
-    """Return the message of the first statement that an interactive prompt rejects, or None."""
+    """Return the error message of the first statement that an interactive prompt rejects, or None."""
     lines = []
     for line in [*code.splitlines(), ""]:
         lines.append(line)
@@ -172,12 +172,12 @@ SMALL_STUDY_CHANGES = {
 
 
 PROFILE_NAMES = {"upper.csv", "lower.csv", "lapped_upper.csv", "lapped_lower.csv"}
-"""Names of the scan files on pages that contain profiles. Other files may contain height maps."""
+"""Names of the scan files that contain profiles. Other files on pages may contain height maps."""
 NUM_PROFILE_POSITIONS = 8
 
 
 def reduce_study_size(command):
-    """Return the command with a smaller study, whose number of repetitions still depends on that of the command."""
+    """Return a command with a smaller study, whose number of repetitions still depends on that in the command."""
     match shlex.split(command)[1]:
         case "run" if shlex.split(command)[2] != "pair":
             changes = dict(SMALL_STUDY_CHANGES)
@@ -198,11 +198,11 @@ COMMANDS_WITHOUT_DRAWINGS = {"pair", "run"}
 
 
 def run_command(line, cwd):
-    """Run a command line of stiction; for other commands, check that the files that they name exist."""
+    """Run a line that calls stiction. For other commands, check that the files that they name exist."""
     line = line.split(" #")[0].strip()
     match shlex.split(line):
         case ["stiction", "app", *_]:
-            pass  # The tests of the app start this command. Here it would wait until somebody closes its window.
+            pass  # Not run here, because it would wait until somebody closes its window. The tests of the app run it.
         case ["stiction", *_]:
             command_words, _, output_file = reduce_study_size(line).partition(" > ")
             # Commands that start processes on a cluster need their own Python interpreter.
@@ -228,7 +228,7 @@ def run_command(line, cwd):
             project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
             assert set((package[1] or "").split(",")) <= {"", *project["optional-dependencies"]}
         case ["ccx", "block"]:
-            assert (cwd / "block.inp").exists()  # A test of joint tables runs the block in CalculiX.
+            assert (cwd / "block.inp").exists()  # A test of joint tables runs the finite-element model in CalculiX.
         case ["cp", source, "."]:
             shutil.copy(ROOT / source, cwd)
         case ["cmake" | "build/rough", *_]:
@@ -241,7 +241,7 @@ DEV_SCRIPT = ROOT / "dev"
 
 
 def dev_commands():
-    """Return the commands in the usage of `dev`, or an empty set if the file is absent, as in an installed package."""
+    """Return the commands in the usage of `dev`, or an empty set without this file, as in an installed package."""
     usage = ast.get_docstring(ast.parse(DEV_SCRIPT.read_text(encoding="utf-8"))) if DEV_SCRIPT.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
@@ -251,7 +251,7 @@ def command_lines(block):
 
 
 def run_page(page, cwd):
-    """Run the blocks of a page in order, in one directory."""
+    """Run the blocks of a page in order, all in one directory."""
     for block in code_blocks(page):
         if block.kind == "sh":
             for line in command_lines(block):
@@ -265,7 +265,7 @@ def has_code(page):
 
 
 def is_notebook(page):
-    """Return whether the build of the documentation runs the code cells of a page."""
+    """Return whether the code cells of a page are run by the build of the documentation."""
     return any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in code_blocks(page))
 
 
@@ -274,7 +274,7 @@ LITERAL_PAGES = [
     for page in PAGE_FILES
     if page in (ROOT / "README.md", ROOT / "docs/index.md") or page.parent == ROOT / "docs/tutorials"
 ]
-"""Pages whose commands are run unchanged, in a copy of the tree. On other pages, studies and files are smaller.
+"""Pages whose commands are run unchanged, in a copy of the tree.
 
 The build of the documentation runs the cells of tutorials that are notebooks unchanged, in a directory that contains
 only the example scans.
@@ -301,7 +301,7 @@ exec .venv/bin/stiction run "$@"
 
 
 def shell_script(page):
-    """Return all shell and Python blocks of a page as a script."""
+    """Return all shell and Python blocks of a page as one script."""
     parts = ["set -e"]
     for block in code_blocks(page):
         if block.kind == "sh":
@@ -312,7 +312,7 @@ def shell_script(page):
 
 
 def run_in_new_terminal(script, directory):
-    """Run a script in a bash whose environment contains no directory of the tested package."""
+    """Run a script in a bash whose environment names no directory of the tested package."""
     environment = {"PATH": os.defpath, "HOME": str(directory), "LANG": "C.UTF-8", "MPLBACKEND": "agg"}
     return subprocess.run(
         ["bash", "-c", script], cwd=directory, env=environment, capture_output=True, text=True, timeout=600, check=False
@@ -394,7 +394,7 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
         run_command(
             "stiction pair upper.csv lower.csv --effective-modulus '115 GPa' --mu0 0.2 --load '10 mN'", tmp_path
         )
-    # The test does not read intervals, so it draws few samples of uncertain inputs.
+    # Draw few samples of uncertain inputs, because the test does not read intervals.
     with use_input_samples(2**10):
         run_page(page, tmp_path)
 
@@ -404,7 +404,7 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
 def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
     table = run_script_once(ROOT / "examples/characterise_profile.py")
     shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
-    # Before the table, the command prints a line about how it read the file.
+    # Skip the line before the table, which states how the file was read.
     assert table in [text.partition("\n")[2] for text in shown_outputs]
 
 
@@ -461,7 +461,7 @@ def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page
 
         def replace_cluster_settings(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
-            for name, value in SLURM_TASK_ENVIRONMENT.items():  # The shell would replace these variables.
+            for name, value in SLURM_TASK_ENVIRONMENT.items():  # Replace these variables as the shell would.
                 text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 
@@ -478,7 +478,7 @@ def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page
                     assert completed.returncode == 0, completed.stderr
                 if (tmp_path / "big").exists():
                     assert store.info(tmp_path / "big").finished == 2
-                    # Remove the result, because otherwise the next command would have nothing to compute.
+                    # Remove the result, or else the next command would have nothing to compute.
                     shutil.rmtree(tmp_path / "big")
                     num_computed += 1
     assert num_computed == 3
@@ -506,7 +506,7 @@ def load_script(name):
 
 
 MAX_GREY_DIFFERENCE = 5.0
-"""Largest rms difference of grey levels (0 to 255). A change of the approach by 10 nm gives a difference of 13."""
+"""Largest rms difference of grey levels (0 to 255). If the approach changes by 10 nm, the difference is 13."""
 
 
 @pytest.mark.docs

@@ -23,30 +23,30 @@ LAYERS = (
     "surfaces", "mechanics", "study", "solve", "evaluate", "companions", "calibration", "summary", "views", "facade",
     "app", "cli",
 )  # fmt: skip
-"""Layers from low to high. Each layer may import from itself and from lower layers."""
+"""Layers from low to high. Each layer may import from itself and from lower layers only."""
 
 SLOW_PACKAGES = {"matplotlib", "PIL", "starlette", "uvicorn"}
-"""Third-party packages that take long to load. Functions may import modules of this package that need one of them."""
+"""Third-party packages that load slowly. Only modules that need one of them may be imported inside functions."""
 
 ALLOWED_DEPENDENCIES = {
     "numpy",
     "pydantic", "pydantic_core", "annotated_types", "typing_extensions", "typing_inspection",
 }  # fmt: skip
-"""Dependencies that an import of all public names loads; packages for plots, files and clusters must be absent."""
+"""Third-party packages that an import of all public names may load. Those for plots, files and clusters are absent."""
 
 DEPENDENCIES_IMPORTED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc", "typing_extensions"}
-"""Dependencies that `stiction --help` imports. Numeric packages must not be among them."""
+"""Third-party packages that `stiction --help` may import, none of which is numeric."""
 
 
 def imported_names(source):
-    """Yield the full names that a module imports from the package, also inside functions."""
+    """Yield the full name of everything that a module imports from the package, also inside functions."""
     for node in ast.walk(parse_file(PACKAGE_DIRECTORY / source)):
         names = []
         if isinstance(node, ast.Import):
             names = [name.name for name in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{source} imports {node.module} relatively; write the full name"
-            # The package defines its public names after all modules are loaded, so modules cannot import these names.
+            # Public names are defined after all modules are loaded, so modules cannot import them from the package.
             assert node.module != "stiction", (
                 f"{source}, line {node.lineno}: import names from the module that defines them"
             )
@@ -59,12 +59,12 @@ MODULES = {
     ".".join(path.relative_to(PACKAGE_DIRECTORY).with_suffix("").parts).removesuffix(".__init__"): path
     for path in sorted(PACKAGE_DIRECTORY.rglob("*.py"))
 }
-"""Files of all modules, by their names in the package."""
+"""Files of all modules of the package, by module name."""
 
 
 @functools.cache
 def imported_modules(module, *, only_top_level=False):
-    """Return the modules of the package that a module imports, also inside functions and for type checkers."""
+    """Return the package's modules that a module imports, also inside functions and for type checkers."""
     tree = parse_file(MODULES[module])
     found = set()
     for node in tree.body if only_top_level else ast.walk(tree):
@@ -77,7 +77,7 @@ def imported_modules(module, *, only_top_level=False):
 
 
 def layer_of(module):
-    """Return the layer of a module, or an empty string for modules that all layers use."""
+    """Return the layer of a module, or "" for a module that all layers may use."""
     first = module.split(".")[0]
     return "facade" if first in FACADE else "" if first.startswith("_") else first
 
@@ -114,7 +114,7 @@ def test_package_has_no_circular_imports():
 
 
 def find_slow_modules():
-    """Return the modules that load a slow package when they are imported."""
+    """Return the modules of the package whose import loads a slow package."""
     slow = set()
     for name, path in MODULES.items():
         for node in parse_file(path).body:
@@ -153,15 +153,15 @@ MODULES_RESTRICTED_FOR_VIEWS = {
     "evaluate.maps", "evaluate.member_means", "evaluate.member_values", "solve.member_solution", "solve.runner",
     "solve.store", "study.members", "summary.report_grid",
 }  # fmt: skip
-"""Modules that read stored results and files, evaluate results, compute statistics or solve contacts.
+"""Modules from which views import constants only: modules that read files, evaluate results or solve contacts.
 
-Views use `Evaluation` and `Summary` instead, and import only constants from these modules.
+Views use `Evaluation` and `Summary` instead.
 """
 
 ALLOWED_IMPORTS_OF_VIEWS = {
     "companions.height_scale.ScaledBodies", "summary.report_grid.ParameterAxis", "companions.onset.OnsetValues",
 }  # fmt: skip
-"""Types that views may import from these modules."""
+"""Types that views may import from the restricted modules."""
 
 
 def test_views_import_no_modules_for_storage_or_reading_or_statistics():
@@ -174,13 +174,13 @@ def test_views_import_no_modules_for_storage_or_reading_or_statistics():
 
 
 def select_dependencies(modules):
-    """Return the third-party packages of loaded modules."""
+    """Return the third-party packages among loaded modules."""
     packages = {name.split(".")[0] for name in modules}
     return {name for name in packages - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
 
 
 def loaded_dependencies(code):
-    """Run code in a new process, and return the third-party packages that it loads."""
+    """Return the third-party packages that code loads in a new process."""
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
     message = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
     return select_dependencies(message.split())
@@ -214,11 +214,11 @@ for code in json.loads(sys.argv[1]):
     loaded.append(sorted(set(sys.modules) - before))
 print(json.dumps(loaded))
 """
-"""Script that runs pieces of code one after another, and prints the modules that are loaded after each piece."""
+"""Script that runs pieces of code in succession, and prints the modules that are loaded after each piece."""
 
 
 def list_dependencies_of_steps(code_by_step):
-    """Run the code of each step in the same new process, and return the third-party packages loaded after each step.
+    """Return the third-party packages that are loaded after each step, when the code of all steps runs in one process.
 
     The step that may load the fewest packages must be the first. A package that a step loads is listed for this step
     and for all later ones, so that no step hides what another one loads.

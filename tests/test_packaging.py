@@ -18,7 +18,7 @@ SAMPLE_SCANS_DIRECTORY = ROOT / "examples/scans"
 
 
 def load_script(path, monkeypatch):
-    """Return a script outside of the package as a module."""
+    """Return a script that lies outside of the package as a module."""
     monkeypatch.syspath_prepend(str(path.parent))
     for name in ("prove", "wheel", "release"):
         monkeypatch.delitem(sys.modules, name, raising=False)
@@ -149,7 +149,7 @@ def test_release_script_writes_the_repository_address_into_all_files(release_scr
 # ---- The sample scans -----------------------------------------------------------------------------------------------
 
 MAX_HEIGHT_DIFFERENCE_IN_STEPS = 1.0
-"""Largest difference of a height in converter steps; processors may round the last bit differently."""
+"""Largest difference of a height in converter steps. Processors may round the last bit differently."""
 
 
 def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):

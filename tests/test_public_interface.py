@@ -101,7 +101,7 @@ UNITS_BY_NAME = {
     ),
     **dict.fromkeys(("contact_area", "area"), "µm²"), "stiffness": "mN/µm", "angles": "degrees",
 }  # fmt: skip
-"""Units of arguments and attributes whose name always stands for the same quantity."""
+"""Units of arguments and attributes whose names stand for the same quantity everywhere."""
 
 
 def test_docstrings_state_the_units_of_numbers():
@@ -130,7 +130,7 @@ def test_public_classes_define_their_own_repr():
             dataclass_options = getattr(kind, "__dataclass_params__", None)
             has_generated_repr = (
                 dataclass_options is not None and dataclass_options.repr and kind.__repr__.__doc__ is None
-            )  # each `__repr__` that is written in the package has a docstring
+            )  # a `__repr__` that the package itself defines has a docstring
             assert kind.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
             assert not has_generated_repr or name in CLASSES_WITH_GENERATED_REPR, name
 
@@ -226,7 +226,7 @@ def test_surface_is_unchanged_by_an_xarray_round_trip(lower):
 XARRAY_METHODS = {name for kind in (xarray.Dataset, xarray.DataArray) for name in dir(kind) if not name.startswith("_")}
 
 ACCEPTED_NAME_CONFLICTS = {"load"}
-"""Names that are also methods of xarray: ``result["load"]`` needs brackets, because ``result.load`` reads a file."""
+"""Names of variables that are also methods of xarray, so that brackets are needed, as in ``result["load"]``."""
 
 
 def create_datasets(upper, lower, function_result, directory):
@@ -339,7 +339,7 @@ def test_surface_from_a_surface_topography_object_preserves_heights(lower):
 
 
 class SurfalizeStandIn:
-    """Object with the attributes of a surface of the package surfalize."""
+    """Object with those attributes of a surface of the package surfalize that stiction reads."""
 
     def __init__(self, data, step_x, step_y):
         self.data, self.step_x, self.step_y = data, step_x, step_y

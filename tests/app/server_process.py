@@ -29,7 +29,7 @@ class ServerProcess:
         self.address = f"{self.origin}/?token={self.token}"
 
     def request(self, method, path, body=None, *, cookie=None, **headers):
-        """Send a request and return its status, headers and body.
+        """Send a request, and return the status, headers and body of the response.
 
         By default the request has the headers that the page of the app sends; a header of None is omitted.
         """
@@ -50,7 +50,7 @@ class ServerProcess:
             return response.status, response.headers, response.read()
 
     def log_in(self):
-        """Log in with the token of the address, and return the header that sets the cookie."""
+        """Log in with the token in the address of the server, and return the header that sets the cookie."""
         status, headers, _ = self.request("GET", f"/?token={self.token}")
         assert status == 303
         self.cookie = headers["Set-Cookie"].split(";")[0]
@@ -69,7 +69,7 @@ class ServerProcess:
         return json.loads(body)["scan"]
 
     def list_jobs(self):
-        """Return the list of jobs that the server sends to the page."""
+        """Return the list of jobs as the server sends it to the page."""
         return json.loads(self.request("GET", "/jobs")[2])
 
     def resident_memory(self):
@@ -106,7 +106,7 @@ def wait_until(compute_value, is_met):
 
 @contextlib.contextmanager
 def start_server(directory, *options, code=""):
-    """Start a server in a directory that also contains its temporary files.
+    """Start a server in a directory, which also contains its temporary files.
 
     The server is started by the command `stiction app`, or by `code` if it is given.
     """

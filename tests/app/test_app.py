@@ -52,7 +52,7 @@ def app(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def driver(app, tmp_path_factory):
-    """Browser that is logged in to the server."""
+    """Browser that is logged in to the server of the app."""
     with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
         driver.set_page_load_timeout(MAX_WAITING_TIME)
         set_window_size(driver)
@@ -67,8 +67,8 @@ def driver(app, tmp_path_factory):
 
 @pytest.fixture
 def empty_page(driver, app):
-    """Page of the app without inputs; after the test, the log of the browser must contain no unexpected error."""
-    driver.get(f"{app.origin}/app.css")  # a page without scripts, which cannot write to the storage
+    """Page of the app without inputs. After the test, the browser log must contain no unexpected error."""
+    driver.get(f"{app.origin}/app.css")  # a page without scripts, which writes nothing to the storage
     driver.execute_script("sessionStorage.clear()")
     driver.get(app.origin)
     driver.get_log("browser")
@@ -99,7 +99,7 @@ def choose_scan(driver, side, path):
 
 
 def drop_scan_file(driver, side, path):
-    """Drop a file on the field of a scan, as with the mouse."""
+    """Drop a file on the field of a scan, as a user does with the mouse."""
     driver.execute_script(
         "const files = new DataTransfer(); files.items.add(new File([arguments[1]], arguments[2]));"
         "const dropped = new DragEvent('drop', {dataTransfer: files, bubbles: true});"
@@ -141,13 +141,13 @@ def wait_until_finished(driver):
     """Wait until the job ends, and return its final state and its error message."""
     wait_until(lambda: read_job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
     activity_script = "return jobs.find(({number}) => number === current).words"
-    # The app reads the result of a stopped job before it clears this text.
+    # The text remains while the app reads the result of a stopped job.
     wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)
     return " ".join([read_job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
 
 
 def read_displayed_result(driver):
-    """Return the values and intervals by sliding rule that the page shows, and the sentence about the first result."""
+    """Return the displayed values and intervals by sliding rule, and the sentence about the first result."""
     script = "return [...document.querySelectorAll('#answer .value')].map((each) => ({...each.dataset}))"
     rules = driver.execute_script(script)
     interval_by_rule = {
@@ -158,7 +158,7 @@ def read_displayed_result(driver):
 
 
 def run_shown_command(driver, directory, monkeypatch):
-    """Run the command line that the page shows on the same files, and return its values and its sentence."""
+    """Run the command line that the page shows on the same files, and return its values and its sentence to quote."""
     command_line = driver.find_element("id", "command").get_property("textContent")
     monkeypatch.setattr(result_output, "write_figures", lambda *_, **__: None)
     completed = check_stiction(*shlex.split(command_line)[1:], "--json", cwd=directory)
@@ -174,7 +174,7 @@ def extract_first_answer(record):
 
 
 def run_script_in_report(driver, script):
-    """Run a script in which the variable `inside` is the document of the report."""
+    """Run a script in the page, in which the variable `inside` is the document of the displayed report."""
     return driver.execute_script(f"const inside = document.getElementById('page').contentDocument; {script}")
 
 
@@ -311,7 +311,7 @@ def test_panel_of_reading_options_opens_for_an_unreadable_scan_and_closes_for_a_
     choose_scan(empty_page, "lower", map_files[1])
     wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
     assert not empty_page.execute_script(is_open)
-    # A section of the form that the user opened stays open.
+    # A section of the form stays open if the user has opened it.
     empty_page.find_element("css selector", "#lower-drop summary").click()
     choose_scan(empty_page, "lower", text_file)
     choose_scan(empty_page, "lower", map_files[1])
@@ -468,7 +468,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
 
 
 def write_fitting_faces(directory):
-    """Write a rough face and its mate as they would be scanned, and return their paths."""
+    """Write a rough face and the face that fits onto it, both as they would be scanned, and return the paths."""
     face = self_affine_surface(
         4, hurst_exponent=0.8, rms=1000.0, shape=(64, 64), spacing=500.0, shortest_wavelength=3000.0
     )
@@ -583,7 +583,7 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     np.savetxt(text_file, np.random.default_rng(0).standard_normal((24, 24)))
 
     def get_command_error(path, *options):
-        """Return the error message of the command, with field labels instead of option names."""
+        """Return the error message of the command, in which field labels replace option names."""
         message = call_stiction("characterise", path.name, *options, cwd=tmp_path).stderr
         return replace_option_names(message.removeprefix("stiction: ").strip())
 
@@ -595,7 +595,7 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
         )  # fmt: skip
 
     assert choose_scan(empty_page, "upper", broken_file)["wrong"] == get_command_error(broken_file)
-    # The browser reports a second choice of the same file only if the field is empty.
+    # Empty the field, or else the browser does not report a second choice of the same file.
     assert empty_page.find_element("id", "upper-file").get_property("value") == ""
     assert choose_scan(empty_page, "upper", text_file)["wrong"] == get_command_error(text_file)
     set_file_form_field("unit", "nm")
@@ -605,7 +605,7 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in empty_page.find_element("id", "pair-wrong").text
-    # The file of the second map has a different grid and contains its units.
+    # The second map has another grid, and its file contains the units.
     csv_file = tmp_path / "coarse.csv"
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
@@ -618,7 +618,7 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     assert empty_page.execute_script("return arguments[0].previousElementSibling.control.name", message) == "load"
     assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
     assert empty_page.execute_script("return jobs.length") == num_jobs
-    # A condition that depends on the scans is checked by the job. Its message is shown beside the field, too.
+    # The job checks a condition that depends on the scans, and its message is shown beside the field, too.
     fill_fields(empty_page, {"load": "5 MPa", "lay": "grooves"})
     assert empty_page.find_elements("id", "field-wrong") == []
     press_start_button(empty_page)
@@ -643,7 +643,8 @@ def test_preview_uses_no_more_positions_than_requested(app, empty_page):
         _, headers, body = app.request("GET", link.removeprefix(app.origin))
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
-    wait_until(lambda: read_job_state(empty_page), bool)  # The page computes the sample surfaces without a click.
+    # The page starts to compute the sample surfaces without a click.
+    wait_until(lambda: read_job_state(empty_page), bool)
     empty_page.execute_script("postJson(`/jobs/${current}/stop`)")
     assert wait_until_finished(empty_page) in ("stopped", "done")
     fill_fields(empty_page, {"shifts": "2"})
@@ -749,7 +750,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
         set_window_size(empty_page)
 
     try:
-        for section in ("#made", "#there", "details[name=what]"):  # Open each section of the form with the Enter key.
+        for section in ("#made", "#there", "details[name=what]"):  # Open all sections of the form with the Enter key.
             empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
             check_accessibility()
         for side, path in zip(("upper", "lower"), map_files, strict=True):

@@ -13,7 +13,7 @@ from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, compare_scans, render_height_map_png
 
 MAX_LEVEL_DIFFERENCE = 1
-"""Maximum difference of grey levels, because Matplotlib rounds some of its 256 levels down to the level below."""
+"""Maximum difference of grey levels: Matplotlib rounds some of its 256 levels down to the next level."""
 
 
 def read_grey_levels(png):
@@ -60,7 +60,7 @@ def test_compare_scans_reads_each_scan_with_its_own_options(tmp_path):
     micrometres, millimetres = ({"unit": unit, "spacing": "50 um"} for unit in ("um", "mm"))
     assert compare_scans((mate, lower), (micrometres, millimetres)) == {"fits": True, "path": "240 µm"}
     assert not compare_scans((mate, other), (micrometres, micrometres))["fits"]
-    assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # lower scan without spacing
+    assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # the lower scan has no spacing
     command = [sys.executable, "-m", "stiction.app.preview"]
     command += [mate, json.dumps(micrometres), lower, json.dumps(millimetres)]
     assert json.loads(subprocess.check_output(command))["fits"] is True

@@ -29,7 +29,7 @@ from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
 SMALL_ENSEMBLE = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-MAX_SERVER_MEMORY = 400e6  # memory limit in bytes; the server loads xarray and reads one scan at a time
+MAX_SERVER_MEMORY = 400e6  # maximum memory (bytes) of a server that has loaded xarray and reads one scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def app(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def map_scans(app, tmp_path_factory):
-    """Identifiers of two uploaded maps, as in a request for a job."""
+    """Identifiers of two uploaded maps, in the form in which a request for a job contains them."""
     paths = write_maps(tmp_path_factory.mktemp("maps"))
     return {side: app.upload(path) for side, path in zip(("upper", "lower"), paths, strict=True)}
 
@@ -436,13 +436,13 @@ def test_job_is_marked_as_stopped_before_the_server_reads_its_partial_result(tmp
 
 @pytest.fixture
 def fake_pair_command(monkeypatch):
-    """Replace the command of a pair by a function that writes small files and returns a record of two points."""
+    """Replace the command of a pair by a function that writes small files, and returns a record with two points."""
     answers = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
-        if '"preview"' in arguments[1]:  # a preview that takes longer than the command itself
+        if '"preview"' in arguments[1]:  # simulate a preview that takes longer than the command itself
             await asyncio.Event().wait()
-        if arguments[0] != "stiction":  # a process that reads the finished part of a stopped job
+        if arguments[0] != "stiction":  # simulate a process that reads the finished part of a stopped job
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
         directory = Path(arguments[-1].removeprefix("--output="))
@@ -635,7 +635,7 @@ def test_profile_preview_rejects_studies_of_measured_surfaces(app):
 def test_server_answers_requests_despite_many_idle_connections(tmp_path):
     with start_server(tmp_path, "--keep") as server, ExitStack() as stack:
         server.log_in()
-        # The event loop accepts several batches of connections before it closes the oldest ones.
+        # Wait, because the event loop accepts several batches of connections before it closes the oldest ones.
         resource.prlimit(server.process.pid, resource.RLIMIT_NOFILE, (512, 512))
         for _ in range(800):
             idle_connection = stack.enter_context(socket.create_connection(("127.0.0.1", int(server.port)), timeout=60))

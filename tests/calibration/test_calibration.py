@@ -34,13 +34,13 @@ LOADS = np.geomspace(5.0, 2000.0, 8)
 MU0, TAU0, RELATIVE_ERROR = 0.15, 0.012, 0.03
 
 SAMPLING_TOLERANCE = 0.04
-"""Tolerance of interval ends as a fraction of the width: the scatter of 95 % intervals from 4000 samples."""
+"""Tolerance of interval limits, as a fraction of the width: the scatter of 95 % intervals from 4000 samples."""
 
 
 def simulate_ball_tests(
     *, mu0: float = MU0, tau0: float = TAU0, seed: int = 3, error: float = RELATIVE_ERROR
 ) -> list[FrictionTest]:
-    """Return eight friction tests on a ball with random relative errors."""
+    """Return eight friction tests on a ball, with random relative errors."""
     random = np.random.default_rng(seed)
     truth = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
     return [
@@ -50,7 +50,7 @@ def simulate_ball_tests(
 
 
 def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the least-squares estimate of (mu0, tau0) and its covariance, without bounds."""
+    """Return the least-squares estimate of (mu0, tau0) without bounds, and its covariance."""
     error = np.array([test.uncertainty for test in tests])
     matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / error[:, np.newaxis]
     covariance = np.linalg.inv(matrix.T @ matrix)
@@ -119,7 +119,8 @@ def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decade
     ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
     ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
     design = np.stack([np.ones_like(ratios), ratios], axis=1)
-    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))  # All coefficients have the same error.
+    # All measured coefficients have the same error.
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
@@ -191,9 +192,9 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert upper - lower < 0.03
     unrelated_pair = pair(
         *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # Two different texts define independent values, so this hardness is independent of the calibrated pair.
+    )  # The texts differ, so this hardness is independent of that of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
-    # A pair with the hardness text of an interface file shares its error of the hardness.
+    # A pair whose hardness has the text in the interface file has the same error of the hardness.
     write_interface(strength, tmp_path / "film.csv")
     arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     shared_result, unrelated_result = (
@@ -201,7 +202,7 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
         for text in (hardness, "0.5..1.51 GPa")
     )
     assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
-    # The row of the interface names the hardness if it replaces the row of the hardness.
+    # The row of the interface names the hardness if there is no separate row for the hardness.
     for each, is_shared in ((shared_result, True), (unrelated_result, False)):
         labels = each.budget["input"].tolist()
         (label,) = (text for text in labels if text.startswith("the interface"))
@@ -320,7 +321,7 @@ def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_pa
     interface = calibrate(tests, common=0.0, sliding="all")
     assert interface.mu0[1] == 0.0
     (tau0_at_bound,) = [tau0 for mu0, tau0 in interface.samples_at_bounds if not mu0.any()]
-    # If mu0 is 0, only tau0 is unknown, and its estimate is a weighted mean with a normal error.
+    # With mu0 = 0, only tau0 is unknown, and its estimate is a weighted mean with a normal error.
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
     scaled_coefficients = np.array([test.coefficient / test.uncertainty for test in tests])
     estimate, error = ratio @ scaled_coefficients / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
@@ -378,12 +379,12 @@ def test_friction_tests_that_did_not_slide_are_lower_bounds_of_the_coefficient()
 PLASTIC_PAIR_OPTIONS = PAIR_OPTIONS | {"hardness": "0.625 GPa", "yield_exponent": 1.15}
 STEEL_BALL = Ball("5 mm", "80 GPa")
 DIRECT_SOLUTION_TOLERANCE = 0.01
-"""Relative tolerance between a coefficient at another hardness and a pair solved at that hardness."""
+"""Relative tolerance between a coefficient predicted at another hardness and a pair solved at that hardness."""
 
 
 @cache
 def compute_plastic_pair(alpha: Any, rms: float = 0.03, hardness: str = "0.625 GPa") -> Any:
-    """Return the result of a pair with junction growth whose contacts all yield at 0.625 GPa."""
+    """Return the result of a pair with junction growth, whose contacts all yield at 0.625 GPa."""
     return pair(*rough_surface_pair(rms), **PLASTIC_PAIR_OPTIONS | {"hardness": hardness}, junction_growth=alpha)
 
 
@@ -510,7 +511,7 @@ def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction
     interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
     with pytest.warns(UserWarning, match="calibrated with junction growth 9, and the result has 0"):
         interface.predict(compute_plastic_pair(0), "20 MPa")
-    interface.predict(STEEL_BALL, 50.0)  # no warning, because the ball does not yield
+    interface.predict(STEEL_BALL, 50.0)  # there is no warning, because the ball does not yield
 
 
 def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
@@ -611,19 +612,19 @@ def load_curve_of_rough_surfaces(rms: float, hardness: float | None = None) -> H
 
 
 def true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
-    """Return the coefficient of static friction of a ball or a load curve at a load (mN)."""
+    """Return the static friction coefficient of a ball or a load curve at a load (mN)."""
     if isinstance(body, Ball):
         return mu0 + tau0 * body.area_per_load(load)
     return float(np.interp(load, body.load, np.ravel(body.friction_coefficient(mu0=mu0, tau0=tau0))))
 
 
 def ball_and_load(ratio: float) -> tuple[Ball, float]:
-    """Return a ball and the load (mN) at which its contact area per load is `ratio` (1/GPa)."""
+    """Return a ball, and the load (mN) at which its contact area per load is `ratio` (1/GPa)."""
     return BALL, 100.0 * (BALL.area_per_load(100.0) / ratio) ** 3
 
 
 ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
-FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of each simulated test series
+FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of each series of simulated friction tests
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),
@@ -640,7 +641,7 @@ FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of each simulate
 
 
 def simulate_coverage(kind: str, count: int) -> np.ndarray:
-    """Simulate `count` test series; return whether predicted intervals contain the true mu_s.
+    """Simulate `count` test series, and return whether the predicted intervals contain the true mu_s.
 
     The array of shape (count, 3) has columns for 1/3, 1 and 3 times the area per load of the tests.
     """
@@ -719,7 +720,7 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
     ratios = [ball.area_per_load(float(load)) for load in LOADS]
     assert [float(word) for word in range_text.split(" to ")] == pytest.approx([min(ratios), max(ratios)], rel=0.01)
     assert len(numbers) == (3 if has_interval else 1)
-    if has_interval:  # contact area per load is proportional to E* to the power of -2/3
+    if has_interval:  # the contact area per load is proportional to E*^(-2/3)
         assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)
 
 

@@ -19,7 +19,7 @@ SMALL_STUDY_OPTIONS = [
 
 
 def run_shell_script(script, *arguments, cwd):
-    """Run a shell script in which "$@" stands for the command with its arguments. Its output is buffered, as usual."""
+    """Run a shell script in which "$@" is the command with its arguments, with buffered output as usual."""
     command = ["bash", "-o", "pipefail", "-c", script, "bash", sys.executable, "-m", "stiction", *arguments]
     environment = os.environ | {"PYTHONUNBUFFERED": ""}
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120, env=environment)
@@ -30,7 +30,7 @@ def test_stiction_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
     assert completed.returncode == 0
     assert all(
         line.startswith("repetitions ") for line in completed.stderr.splitlines()
-    )  # On a slow machine, the command also prints its progress.
+    )  # On a slow machine, the command prints its progress, too.
     assert (tmp_path / "quick" / "area.png").exists()
     completed = run_shell_script('"$@" | true', "materials", cwd=tmp_path)
     assert (completed.returncode, completed.stderr) == (0, "")
@@ -157,7 +157,7 @@ def test_malicious_study_file_is_rejected_with_a_short_printable_error(tmp_path,
 
 def test_commands_reject_pipes_and_devices_as_input_files(tmp_path):
     for name in ("fifo.toml", "fifo.csv"):
-        # A program that opens a pipe for reading waits until another program opens the pipe for writing.
+        # Opening a pipe for reading waits until another program opens the pipe for writing.
         os.mkfifo(tmp_path / name)
     for name in ("fifo.toml", "/dev/zero"):
         assert_rejected(call_stiction("run", name, "-o", "o", cwd=tmp_path), f"{name}: is not a regular file")
@@ -223,7 +223,7 @@ if not {can_start_thread}:
 with cli.exit_on_interrupt():
     signal.raise_signal(signal.SIGINT)
 """
-"""Script that receives the signal of Ctrl-C while modules are imported."""
+"""Script that is sent the signal of Ctrl-C while it imports modules."""
 
 
 @pytest.mark.parametrize(
@@ -250,7 +250,7 @@ finally:
     assert "numpy" in sys.modules
     print("threads:", len(os.listdir("/proc/self/task")))
 """
-"""Script that counts the threads of a command after the import of NumPy."""
+"""Script that prints the number of threads of a command after NumPy was imported."""
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the threads of a process are counted in /proc")

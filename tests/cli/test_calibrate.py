@@ -31,14 +31,14 @@ def write_table(path, rows, header="load (mN),coefficient,uncertainty (%)"):
 
 
 def ball_test_rows():
-    """Return load, exact coefficient and uncertainty (%) of five tests with a ball."""
+    """Return the load, the exact coefficient and the uncertainty (%) of five friction tests on a ball."""
     ball = Ball("5 mm", "3 GPa")
     return [(load, TRUE_MU0 + TRUE_TAU0 * ball.area_per_load(load), 3) for load in (5.0, 20.0, 100.0, 500.0, 2000.0)]
 
 
 @pytest.fixture(scope="module")
 def two_finishes_directory(tmp_path_factory):
-    """Directory with results of two elastic pairs, a ground and a lapped one, and a table of their friction forces."""
+    """Directory with results of a ground and of a lapped elastic pair, and with a table of their friction forces."""
     directory = tmp_path_factory.mktemp("finishes")
     rows = []
     for name, rms in (("ground", 0.04), ("lapped", 0.01)):
@@ -85,7 +85,7 @@ def test_calibrate_command_recovers_mu0_and_tau0_of_ball_tests_and_stores_them(t
     assert first_line.startswith("μ0 + τ0 A/F = ")
     assert other_lines[0].startswith("μ0 = 0.1")
     assert float(other_lines[1].removeprefix("τ0 = ").split()[0]) == pytest.approx(12, rel=0.01)
-    # Both sliding rules give a smooth ball the same area, so the result has only one χ².
+    # The result has only one χ², because a smooth ball has the same area under both sliding rules.
     assert completed.stdout.count("χ²") == 1
     stored_interface = read_interface(tmp_path / "film")
     assert stored_interface.separated
@@ -119,7 +119,7 @@ def test_caveat_about_a_yielding_ball_states_its_load_the_yield_load_and_elastic
     materials = {"upper_material": "PMMA", "lower_material": "glass"}
     ball = Ball("1 mm", **materials)
     yield_limit = 0.39 * ball.elasticity.hardness
-    # By Hertz, the mean pressure is proportional to the cube root of the load.
+    # The mean pressure of a Hertz contact is proportional to the cube root of the load.
     yield_load = (yield_limit * ball.area_per_load(1.0)) ** 3
     loads = [factor * yield_load for factor in (0.3, 0.9, 1.1, 4, 8)]
     write_table(tmp_path / "forces.csv", [(repr(load), 0.3, 3) for load in loads])

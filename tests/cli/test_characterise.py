@@ -49,7 +49,7 @@ def scans_directory(tmp_path, profile, surface):
 
 
 def run_characterise(*arguments, cwd):
-    """Run the command; return the history of the scan, the other rows of the table, and the path of the figure."""
+    """Run the command, and return the history of the scan, all other rows of the table, and the path of the figure."""
     completed = check_stiction("characterise", *arguments, "--verbose", cwd=cwd, without_figures=True)
     assert completed.stderr == ""
     lines = completed.stdout.splitlines()
@@ -67,7 +67,7 @@ def normalized_table(text):
 
 
 def normalize_whitespace(text):
-    """Return a text with a single space instead of each line break or run of spaces."""
+    """Return a text in which each line break or run of spaces is replaced by a single space."""
     return " ".join(text.split())
 
 
@@ -284,7 +284,7 @@ def test_characterise_command_reads_a_stylus_profile(find_measured_file, tmp_pat
 
 def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured_file, tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography")
-    # Twelve lines are too few for the expected exponents: along x, their median band is another one.
+    # Fit all lines: twelve lines have another median band along x, and thus other exponents.
     monkeypatch.setattr("stiction.surfaces.lines.MAX_FITTED_LINES", MAX_FITTED_LINES)
     history, output_table, _ = run_characterise(find_measured_file("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"

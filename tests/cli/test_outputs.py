@@ -63,7 +63,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, a
         path.symlink_to(target)
     completed = call_stiction(*arguments, cwd=scans_directory)
     assert_rejected(completed, f"{path.name}: already exists")
-    assert completed.stdout == ""  # The command checks the file before it computes, so it prints no result.
+    assert completed.stdout == ""  # The command checks the file first, so it computes and prints nothing.
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
@@ -132,7 +132,7 @@ def test_csv_table_escapes_file_names_that_spreadsheets_would_read_as_formulas(s
     with (scans_directory / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
-    # A cell that starts with "-" could be a formula and is escaped, but a negative number is not.
+    # A text that starts with "-" could be a formula and is escaped, unlike a negative number.
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 
@@ -149,7 +149,7 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
 
 def test_table_command_replaces_a_table_written_meanwhile_by_an_equal_command(tmp_path, monkeypatch):
     def write_and_export(dataset, path, **options):
-        export(dataset, path)  # this table is written by the other command
+        export(dataset, path)  # a table that the other command writes
         export(dataset, path, **options)
 
     export = store.export

@@ -81,7 +81,7 @@ def scans_directory(tmp_path_factory):
 
 
 def parse_pair_arguments(scans_directory, *arguments):
-    """Parse the arguments of `pair` into a pair of bodies with its options."""
+    """Parse the arguments of `pair`, and return the pair of bodies with its options."""
     group = typer.main.get_command(app)
     command = group.get_command(group.context_class(group), "pair")
     with (
@@ -92,7 +92,7 @@ def parse_pair_arguments(scans_directory, *arguments):
 
 
 def parse_study(scans_directory, *arguments):
-    """Parse the arguments of `pair` and return the study that they define."""
+    """Parse the arguments of `pair`, and return the study that results."""
     with contextlib.chdir(scans_directory):
         return parse_pair_arguments(scans_directory, *arguments).study
 
@@ -287,7 +287,7 @@ def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(
     assert "brass" in remark_without_hardness
     assert "--hardness" in remark_with_hardness
 
-    # Rubber has no hardness, because it does not yield.
+    # Rubber has no hardness in the table of materials, because it does not yield.
     arguments = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "PDMS", "--lower", "glass"]
     assert parse_study(scans_directory, *MAP_ARGUMENTS, *arguments).contact.hardness is None
     with contextlib.chdir(scans_directory):
@@ -421,7 +421,7 @@ def test_pair_command_evaluates_the_stored_sums_of_each_load_only_once(scans_dir
         return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *others)
 
     monkeypatch.setattr(member_values, "_evaluate_piece", evaluate_and_record)
-    monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all requests
+    monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all calls
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--load", "9 MPa", "--shifts", 4, "--onset", 0]
     result = call_stiction(
         "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_directory,
@@ -459,8 +459,9 @@ def test_pair_command_interrupted_while_it_writes_files_has_already_printed_its_
         raise KeyboardInterrupt
 
     monkeypatch.setattr(f"stiction.{function}", interrupt)
-    monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)  # Ctrl-C must not be ignored
-    monkeypatch.setattr("os._exit", sys.exit)  # os._exit would end the test run
+    # Keep the command from ignoring Ctrl-C.
+    monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)
+    monkeypatch.setattr("os._exit", sys.exit)  # replace os._exit, which would end the test run
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
     arguments += ["-o", tmp_path / "out"]
     interrupted = call_stiction(*arguments, cwd=scans_directory, without_report=True)
@@ -660,7 +661,7 @@ RUBBER_ON_GLASS_OPTIONS = [
 def test_pair_command_output_fits_in_24_lines(scans_directory, arguments, tmp_path):
     options = {"cwd": scans_directory, "columns": 80, "without_figures": True, "without_report": True}
     completed = check_stiction("pair", *arguments, "-o", tmp_path / "out", **options)
-    # Characters of paths are not counted, because paths in this test are longer than in the current directory.
+    # Do not count the characters of paths, which are longer here than in the current directory.
     output = (completed.stderr + completed.stdout).replace(str(tmp_path / "out"), "out")
     text_before_paths, _, paths = output.partition("wrote ")
     assert "report.html" in paths
@@ -716,7 +717,7 @@ def test_slow_import_of_a_scan_reader_package_is_announced_only_once(scans_direc
 
 @pytest.fixture(scope="module")
 def model_check_output(scans_directory):
-    """Output of `pair --check` on two profiles, which computes them with both contact models."""
+    """Output of `pair --check` on two profiles, which solves the pair with both contact models."""
     completed = check_stiction(
         "pair",
         *PROFILE_FILES,
@@ -898,7 +899,7 @@ def test_stylus_profile_paired_with_itself_at_one_position_is_shifted_by_the_tra
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-@pytest.mark.parametrize("lines", [4, 16])  # the mean of four lines has no interval
+@pytest.mark.parametrize("lines", [4, 16])  # the mean over four lines has no interval
 def test_pair_command_presses_an_afm_map_on_its_surrogates(find_measured_file, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = find_measured_file("di-4.di")
@@ -949,7 +950,7 @@ REJECTED_JSON_KEYS = {
     "friction_waited", "from_roughness", "headline", "holds", "if_known", "next_test", "of_positions", "parts",
     "reading", "share", "sticking", "told", "verdict", "wait", "waited", "wave", "waves", "what", "words",
 }  # fmt: skip
-"""Keys that are not terms of the glossary."""
+"""Keys that must not occur in JSON output, because they are not terms of the glossary."""
 
 
 def iterate_json_objects(content):
@@ -990,7 +991,7 @@ def test_pair_command_reports_onset_of_sliding(directory_options_and_record):
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)
     assert 0 < onset["displacement_at_sliding"]["value"] < 0.1
-    # A repeated command computes nothing and prints the same sentence.
+    # The command computes nothing when it is repeated, and prints the same sentence.
     (directory / "pair/onset.csv").unlink()
     completed = call_stiction(
         "pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=directory, without_figures=True, without_report=True

@@ -102,7 +102,7 @@ def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cuto
     rows, columns = pairs.shape
     cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
-    # If all results are filtered, the spacing of the surrogates follows from the smallest cutoff wavelength.
+    # The spacing of the surrogates follows from the smallest cutoff if all results are filtered.
     assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
 
 
@@ -125,7 +125,7 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
         assert low < truth < high
     assert abs(coarse_mean - truth) > 2 * abs(
         mean - truth
-    )  # A coarse scan lacks the short wavelengths, which determine the area.
+    )  # A coarse scan lacks short wavelengths, which determine the area.
 
 
 def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_directory):
@@ -149,7 +149,7 @@ def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_d
     check_stiction("at", "pair", "--load", "30 MPa", cwd=spectra_directory)
     check_stiction("report", "pair", cwd=spectra_directory, without_figures=True)
     dataset = evaluate_at_cutoffs(open_stored_result(spectra_directory / "pair")).isel(load=0, mu0=0, tau0=0)
-    # The figure of results against the cutoff shows the spectral estimate.
+    # The figure of results over the cutoff contains the estimate from spectra.
     spectral_estimate = find_resolution_limits(dataset, study).spectral
     assert float(spectral_estimate.mean_pressure.max()) == pytest.approx(4.0)
     assert float(spectral_estimate.wavelength.max()) > 1.0

@@ -58,7 +58,7 @@ def test_shear_command_prints_peak_and_table_and_writes_four_files(directory):
     report = (directory / "shear/report.html").read_text()
     assert "upper.npy on lower.npy" in report
     assert lines[0].removeprefix("peak: ") in report
-    assert report.count("<tr>") == 7  # one row of titles and six rows of displacements
+    assert report.count("<tr>") == 7  # one row of headings and six rows of displacements
 
 
 def test_shear_command_prints_json_with_peak_and_curve(directory):
@@ -102,7 +102,7 @@ def test_shear_table_marks_displacements_at_which_the_face_slides_by_itself():
 
 
 class Interruption:
-    """Progress function that raises `KeyboardInterrupt` at a step."""
+    """Progress function that raises `KeyboardInterrupt` at a given step."""
 
     def __init__(self, step):
         self.step, self.calls = step, []
@@ -150,7 +150,7 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     with pytest.raises(KeyboardInterrupt):
         shear_test(*faces, directory=tmp_path / "test", progress=interruption, **options)
     whole = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
-    # Seven shear curves are computed: the test itself, two limits of the hardness and four strips.
+    # Seven shear curves are computed: the test itself, the tests at two limits of the hardness, and four strips.
     assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))
     calls = count_solved_contacts(monkeypatch)
     resumed = shear_test(*faces, directory=tmp_path / "test", **options)

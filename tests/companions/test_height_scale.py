@@ -63,7 +63,7 @@ def bodies():
 
 @pytest.fixture(scope="module")
 def result(bodies):
-    """Return a result, solved also with both surfaces scaled by 0.5 and 2 and with only the upper scaled by 2."""
+    """Return a result with stored height factors: both surfaces scaled by 0.5 and 2, and the upper scaled by 2."""
     computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
     compute_results_at_height_factors(computed.source, [0.5, 2])
     compute_results_at_height_factors(computed.source, [2], "upper")
@@ -93,7 +93,7 @@ def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
     flat_surfaces, kwargs = (
         create_smooth_maps(rms=0.002),
         PAIR_OPTIONS | hardness | {"load": "2 MPa"},
-    )  # The slopes add 1e-4 to the true area.
+    )  # tolerance for slopes, which increase the true area by 1e-4
     table = pair(*flat_surfaces, **kwargs).at(height_scale=[0.5, 2], compute=True)
     for index, factor in enumerate((0.5, 2)):
         stiffer_table = pair(*flat_surfaces, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
@@ -234,7 +234,7 @@ def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution(
             value = solved[name].sel(statistic="mean").values
             assert ((lower <= value) & (value <= upper)).all()
             assert (lower >= 0).all()
-    # Limits that were only interpolated between two factors would lie on straight lines in the logarithms.
+    # Limits without interpolation error would lie on straight lines over the logarithm of the factor.
     areas = result.at(height_scale=[1, 2**0.25, 2**0.5])["contact_area"].squeeze()
     width = np.log(areas.sel(statistic="upper") / areas.sel(statistic="lower")).values
     assert width[1] > 1.01 * (width[0] + width[2]) / 2

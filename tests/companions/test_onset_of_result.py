@@ -64,7 +64,7 @@ def test_onset_of_a_result_is_the_mean_over_its_pairs_of_surfaces(study, onset):
         options = {"mu0": 0.3, "tau0": 0.05, "steps": steps, "poisson": [0.3, 0.4]}
         curves.append(curve.onset(0, **options, tolerance=TRACTION_TOLERANCE))
         exact_displacements.append(curve.onset(0, **options).displacement)
-    # The study solves with a looser tolerance, whose displacements agree to 1e-6 with those of the default tolerance.
+    # The onset of a study has a looser solver tolerance, with which displacements change by at most 1e-6.
     np.testing.assert_allclose(
         onset["displacement"].sel(statistic="mean"), np.mean(exact_displacements, axis=0), rtol=1e-6
     )
@@ -133,7 +133,7 @@ def test_slip_map_contains_the_load_at_which_each_point_slips(study, onset, monk
     np.testing.assert_allclose(onset["slip"], expected, rtol=1e-6)
     in_contact = curve.contact(0).pressure > 0
     np.testing.assert_array_equal(np.isfinite(onset["slip"]), in_contact)
-    # Points that slip at half of the sliding load carry the load fraction of the onset curve.
+    # The points that slip at half of the sliding load carry the load fraction that the onset curve states.
     slipped_fraction = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
     assert slipped_fraction == pytest.approx(
         member_onset.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9

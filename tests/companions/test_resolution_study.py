@@ -83,7 +83,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
-    # Even for an interface fitted at opposing contacts, the limit belongs to friction at all contacts.
+    # The limit applies to friction at all contacts even if the interface was fitted at opposing contacts.
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "50 MPa", "sliding": "opposing"}
     opposing_study = small_study.with_changes({"friction.interface": interface})
     opposing_rows = cut_off_rows(find_resolution_effect(result, opposing_study, result.isel(tau0=[1])), 4.0)
@@ -96,7 +96,7 @@ def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_pat
     assert limits.plastic_limit == (min_friction, min_area_fraction)
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
-    # A resolution study that is stored with the result of another hardness is ignored.
+    # A cutoff study that was stored for another hardness is ignored.
     softer_directory = tmp_path / "softer"
     compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_directory)
     compute_missing_blocks(cutoff_study, softer_directory / CUTOFF_STUDY_DIRECTORY)

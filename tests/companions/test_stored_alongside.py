@@ -19,7 +19,7 @@ COMPANION_LOADERS = {"picture.nc": load_contact_picture, "onset.nc": load_stored
 
 @pytest.fixture(scope="module")
 def result_and_datasets(tmp_path_factory):
-    """Return a stored result of two maps, and the datasets stored alongside, keyed by file name."""
+    """Return a stored result of two maps, and the datasets stored alongside it, by file name."""
     directory = tmp_path_factory.mktemp("maps")
     contact_keys = 'load = ["2 mN"]\ndirection = [0, 180]'
     study = create_study_from_files(
@@ -61,7 +61,7 @@ def test_flipped_bit_in_a_stored_file_is_detected_before_the_file_is_opened(comp
         export(complete_result.dataset(), path)
     content = path.read_bytes()
     assert content[-len(CHECKSUM_PREFIX) - 8 : -8] == CHECKSUM_PREFIX
-    # The file must not be opened, because opening a damaged file might never end.
+    # The damaged file is not opened by HDF5, which might never return.
     monkeypatch.setattr(h5py, "File", None)
     num_checked_bits = 8 * (len(content) - len(CHECKSUM_PREFIX) - 8)
     for bit_index in [

@@ -35,10 +35,10 @@ REPEATED_SOLUTION_TOLERANCE = 1e-9
 """Relative tolerance between two solutions of one contact that start from different initial pressures."""
 
 LOAD_PATH_TOLERANCE = 1e-3
-"""Relative tolerance between two solutions at one load that start from solutions at different loads."""
+"""Relative tolerance between two solutions at one load, which start from solutions at different loads."""
 
 MAX_ESTIMATE_RATIO = 2.0
-"""Largest ratio between the estimated and the computed increase of the load by adhesion, near the limit of 5 %."""
+"""Maximum ratio of the estimated to the computed increase of the load by adhesion, near the limit of 5 %."""
 
 PAIR_OPTIONS = {
     "load": ["2 MPa", "20 MPa"],
@@ -96,7 +96,7 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
     assert (np.diff(coefficient) < 0).all()
     assert coefficient[0] > 3 * coefficient[-1]
     contact_load, area = (table[name].sel(statistic="mean").values for name in ("contact_load", "contact_area"))
-    # The formula omits friction on slopes, which adds to the contact load at the smallest load.
+    # The formula omits friction on slopes, which increases the contact load at the smallest load.
     assert (coefficient * table["load"].values)[1:] == pytest.approx((0.3 * contact_load + 0.02 * area)[1:], rel=0.03)
     assert table["mean_pressure"].sel(statistic="mean").values == pytest.approx(contact_load / area, rel=0.2)
 
@@ -192,7 +192,7 @@ def test_result_at_zero_load_states_whether_the_surfaces_adhere(adhesive_result)
     assert "with μ0 = 0.2." in " ".join(text_of_two_mu0.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         run_pair(load=0)
-    # All results have the same pull-off force. The area at zero load needs a solution at a negligible load.
+    # All results have the same pull-off force. A solution at a negligible load gives the area at zero load.
     for result, has_area in ((unloaded_result, True), (two_load_result, True), (adhesive_result, False)):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area
@@ -272,7 +272,7 @@ def test_zero_work_of_adhesion_leaves_values_unchanged_and_adds_no_caveat(adhesi
         for result in (default_result, zero_adhesion_result, adhesive_result)
     ]
     assert has_caveat == [True, False, False]
-    # The estimated pull-off force is a lower bound only if it exceeds the load itself.
+    # The pull-off force counts as a lower bound only if it exceeds the load at which it was found.
     (text,) = (caveat.text for caveat in default_result.caveats if caveat_text in caveat.text)
     assert re.search(r"by (about [\d.]+|more than 100) %$", text)
     steep_result = pair(rough_surface("upper", 0.03), rough_surface("lower", 0.03), **PAIR_OPTIONS | {"load": "20 MPa"})

@@ -112,7 +112,7 @@ def test_friction_at_zero_load_includes_the_area_loss():
             float(each.at(mu0=[0.0])[name].sel(sliding="all", statistic="mean").mean())
             for each in (with_loss, without_loss)
         )
-        assert value == pytest.approx(0.8 * expected, rel=0.02)  # slopes add slightly to the friction force
+        assert value == pytest.approx(0.8 * expected, rel=0.02)  # slopes slightly increase the friction force
     widths = []
     for loss in (0.15, "0..0.3"):
         _, lower, upper = press(**options, area_loss=loss).at()["friction_at_no_load"].sel(sliding="all").values.ravel()

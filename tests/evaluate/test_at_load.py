@@ -67,7 +67,8 @@ def profile_study_and_dataset(tmp_path_factory):
 def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_study_and_dataset):
     study, result = profile_study_and_dataset
     pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
-    order = np.argsort(result["x"].values)  # The interval of the mean depends on the order of positions.
+    # Sort the positions, because the interval of the mean depends on their order.
+    order = np.argsort(result["x"].values)
     material = {"mu0": 0.3, "tau0": 0.05}
     for load, mu0, tau0 in (("elastic", 0.0, 0.0), ("normal", *material.values())):
         table = at_load(result, [0.05], load_definition=load).sel(material).isel(cut_off=0, load=0)
@@ -81,7 +82,7 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
             np.testing.assert_allclose(
                 coefficients_at_load, intervals.average_correlated_values(coefficients), rtol=2e-3
             )
-        if load == "elastic":  # The contact area always belongs to the elastic load.
+        if load == "elastic":  # The contact area is that at the elastic load for each definition of the load.
             area = np.array([curve.contact_area[0] for curve in curves])[order]
             np.testing.assert_allclose(table["contact_area"], intervals.average_correlated_values(area), rtol=1e-9)
 
@@ -171,7 +172,8 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
         str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
     }
     expected = quantities_of_members - MEAN_LOAD_QUANTITIES - {"share_opposing"}
-    expected -= {"approach"} if name == "asperities" else set()  # asperity studies prescribe the approach
+    # The approach of an asperity study is given, not evaluated.
+    expected -= {"approach"} if name == "asperities" else set()
     summary = result.summary()
     frame, table = values_frame(summary.at), summary_table(summary)
     assert expected <= {*frame["name"]}
@@ -191,7 +193,7 @@ def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_
     }  # fmt: skip
     generated = {str(each) for name in GENERATED_STUDIES for each in run_generated_study(name).at().data_vars}
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
-    assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping contacts
+    assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping asperities
     assert shown_ratios - generated == QUANTITIES_PER_NOMINAL_AREA
 
 
@@ -234,7 +236,7 @@ def test_evaluating_selected_quantities_gives_the_values_of_a_complete_evaluatio
 def test_stiffnesses_per_nominal_area_have_equal_units(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     values = at_load(dataset, dataset["load"].values[:2]).squeeze()
-    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # conversion from GPa/µm to MPa/mm
+    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # convert GPa/µm to MPa/mm
     np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
     names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
     assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
@@ -439,8 +441,8 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
 
 
 INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "mean_friction")
-MAX_INTERVAL_WIDTH_RATIO = 2.2  # largest ratio of interval widths with and without the error
-MIN_COVERAGE = 0.93  # minimum fraction of solved values within the interpolation error, which is a 95 % error
+MAX_INTERVAL_WIDTH_RATIO = 2.2  # maximum ratio of interval widths with and without the interpolation error
+MIN_COVERAGE = 0.93  # minimum fraction of solved values within the estimated interpolation error, a 95 % limit
 
 
 def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, hardness):
@@ -469,7 +471,8 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
     rows = []
     for name in INTERPOLATED_QUANTITIES:
         dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
-        sign = -1 if "stiffness" in name else 1  # The mean of a stiffness is the inverse of the mean compliance.
+        # Compare compliances, because the mean of a stiffness is the inverse of the mean compliance.
+        sign = -1 if "stiffness" in name else 1
         values = members[name].transpose("repetition", *dims).values ** sign
         mean, *limits = sign * np.log(intervals.average_independent_values(values))
         upper = np.maximum(*limits)
@@ -491,7 +494,7 @@ def test_interval_between_computed_loads_contains_the_direct_solution_if_contact
         )
     ]
     difference, error = (np.array([row[index] for row in rows]) for index in (1, 2))
-    assert np.abs(difference).max() > 0.1  # single contacts cause jumps of the friction
+    assert np.abs(difference).max() > 0.1  # single contacts that appear cause jumps of friction
     assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
 
 

@@ -26,14 +26,16 @@ from support.studies_of_files import pair_study
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SIDES = ("upper", "lower")
-MAX_SAMPLING_ERROR = 0.02  # largest error of an interval end due to random samples, relative to the interval width
+# Largest error of an interval limit due to random samples, as a fraction of the interval width.
+MAX_SAMPLING_ERROR = 0.02
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}  # few positions suffice to compare solutions at equal positions
+# Three positions suffice, because solutions are compared at equal positions.
+THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}
 
 
-LARGE_MAP_POINTS = 64  # number of points along a side of the maps in tests of interpolation between solutions
+LARGE_MAP_POINTS = 64  # points per side of the maps with which interpolation between solutions is tested
 
 
 def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinement: int = 1) -> list[Surface]:
@@ -182,7 +184,7 @@ def test_percentiles_of_a_single_test_agree_with_percentiles_of_random_samples()
     assert lower < expected[0] < expected[2] < upper
 
 
-@pytest.mark.parametrize("rms", [0.03, 0.003])  # a plastic and an elastic-plastic contact
+@pytest.mark.parametrize("rms", [0.03, 0.003])  # rms heights of a plastic and of an elastic-plastic contact
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", junction_growth=0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
@@ -322,7 +324,7 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
 
 
 TRUTH_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
-MIN_COVERAGE = 0.92  # 95 % intervals must contain at least this fraction of 300 true values.
+MIN_COVERAGE = 0.92  # minimum fraction of 300 true values that 95 % intervals contain
 
 
 @pytest.mark.parametrize("num_truths", TRUTH_COUNT_CASES)
@@ -331,7 +333,7 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
     num_covered = num_covered_tests = 0
     rng = np.random.default_rng(2016)
     for seed in range(num_truths):
-        # The true surfaces have 1, 2 or 4 times the resolution of the scans, and wavelengths shorter by this factor.
+        # Factors by which the true surfaces have finer grids and shorter wavelengths than the scans.
         refinement = int(rng.choice([1, 2, 4]))
         true_surfaces = rough_surfaces(
             seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, refinement=refinement
@@ -380,8 +382,8 @@ def test_interval_contains_the_coefficient_if_the_distribution_of_tau0_is_trunca
 
 
 def test_combined_interval_contains_the_interval_of_the_mean_for_random_means_and_intervals(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # skip the budgets to save time
-    # Replace the results by random statistics. Some ranges for finer scans are wider than the interval of the inputs.
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # compute no budgets, which saves time
+    # Replace the statistics of the result by random ones, so that some ranges for finer scans exceed the interval.
     random = np.random.default_rng(5)
     result = pair(
         *rough_surfaces(),

@@ -21,14 +21,14 @@ from stiction.study.inputs import Inputs
 from support.synthetic_results import measured_study
 
 LOAD, ELASTIC_AREA, NOMINAL_AREA = 10.0, 20.0, 10_000.0  # load (mN), contact area (µm²), nominal area (µm²)
-QUANTILE_ERROR = 0.01  # relative error of the logarithm of a quantile of the samples
+QUANTILE_ERROR = 0.01  # relative error of the logarithm of a quantile that is estimated from samples
 
 
 def build_intervals(
     changes=None, *, hardness=None, mu0=0.0, tau0=0.05, half_width=0.0, spread=0.0, ok=(8, 8), sliding="all",
     drifts=None, area=ELASTIC_AREA, growth=0.0,
 ):  # fmt: skip
-    """Return intervals of a pair with the coefficient mu0 + tau0 A/F, whose area A is proportional to the load."""
+    """Return the intervals of a pair with the coefficient mu0 + tau0 A/F, where A is proportional to the load."""
     study = measured_study(hardness=hardness, mu0=[mu0]).with_changes(
         {"friction.tau0": [f"{tau0} GPa"]} | (changes or {})
     )
@@ -139,7 +139,7 @@ def test_contact_area_and_pressure_intervals_follow_the_range_of_the_modulus():
     combined = intervals.extend_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
     for name in names[:3]:
         assert combined[name][1:] / 0.5 == pytest.approx([0.8, 1.25], rel=QUANTILE_ERROR)
-    # The stiffness of an area that is proportional to the load does not depend on the modulus.
+    # If the area is proportional to the load, the stiffness does not depend on the modulus.
     for name in names[3:]:
         assert combined[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
@@ -195,7 +195,7 @@ def test_friction_samples_have_no_upper_limit_if_tau0_exceeds_the_shear_strength
     changes = {"friction.tau0": "uniform 0.15 .. 0.2 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.175, area=0.5, growth=5.6)
     strength = 1 / 5.6
-    # The model neglects a reduction of the friction force of up to 5 %.
+    # The model neglects reductions of the friction force of up to 5 %.
     expected = (0.2 - strength / 0.95) / 0.05
     assert intervals.unlimited_fraction == pytest.approx(expected, abs=0.02)
 

@@ -15,7 +15,7 @@ from stiction.evaluate.intervals import (
 from stiction.solve.contact_statistics import compute_sample_quantiles
 
 NUM_TRIALS = 500  # 500 trials give a standard error of 1 % of the measured coverage.
-MAX_WIDTH_RATIO = 1.5  # largest ratio of the median width to the width for a known variance, for at least 32 values
+MAX_WIDTH_RATIO = 1.5  # maximum median width for at least 32 values, relative to the width for a known variance
 
 MIN_DEFINED_FRACTION = 0.85
 """Smallest fraction of traverses with an interval; if half of 16 correlated values are zero, all may be zero."""
@@ -29,7 +29,8 @@ MIN_COVERAGE = {
 }  # fmt: skip
 
 
-DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))  # cases outside the stress suite: number of values, correlation
+# Cases that also run outside the stress suite: number of values, correlation.
+DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -210,7 +211,7 @@ def test_mean_at_a_load_has_no_interval_if_only_one_repetition_carries_load():
 
 
 def test_interval_of_a_mean_of_zero_is_zero_if_the_loads_differ_only_by_round_off():
-    # The values increase after the curve crosses the load, so the slope is not zero.
+    # The values increase only after the curve crosses the load, and the slope must not be zero.
     round_off = np.array([-1.0, 0.0, 1.0]) * np.finfo(float).eps
     normal = np.geomspace(0.01, 0.3, 5)[np.newaxis, :, np.newaxis] * (1 + round_off)
     values = np.where(normal > 0.05, normal, 0.0)

@@ -141,7 +141,7 @@ def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
 
 
 def with_sums(result, **ratios):
-    """Return a result whose sums are multiples of the elastic load in all directions."""
+    """Return a result whose sums are given multiples of the elastic load in all directions."""
     dataset = result.dataset.copy(deep=True)
     for name, ratio in ratios.items():
         dataset[name][...] = (
@@ -151,7 +151,7 @@ def with_sums(result, **ratios):
 
 
 def find_area_ratios(result):
-    """Return the true area before shear per solved area, and the true area at the onset per true area."""
+    """Return the true area before shear per solved area, and the true area at the onset per area before shear."""
     values = result.at().sel(statistic="mean")
     before, onset = (float(values[name].squeeze()) for name in ("contact_area", "contact_area_at_onset"))
     solved = result.dataset["contact_area"].sel(load=float(values["load"].squeeze()), method="nearest").mean()
@@ -161,7 +161,7 @@ def find_area_ratios(result):
 def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     assert growth > 1.1
-    # Before contacts grow, adhesion contributes -10 % of the normal load.
+    # Adhesion contributes -10 % of the normal load before the contacts grow.
     ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])
     values = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(per_member=True)
     load = float(values["load"].squeeze())
@@ -171,7 +171,7 @@ def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_res
 
 def test_pair_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
-    # The growth of the contacts changes the sign of the normal load from positive to negative.
+    # After the contacts have grown, the normal load is negative.
     ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))
     result = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
     values = result.at(per_member=True)

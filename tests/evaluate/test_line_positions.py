@@ -26,7 +26,7 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 LOADS = [0.003, 0.03]
 INTERFACE_OPTIONS = {"mu0": 0.3, "tau0": 0.1}
-ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12
+ROOT_TOLERANCE = 1e-9  # relative error of values at a load, whose approach is found to 1e-12
 INTERPOLATION_TOLERANCE = 2e-3  # relative error of values that are interpolated between two solved loads
 
 
@@ -43,7 +43,7 @@ def profile_pair():
 
 
 LOAD_RATIOS = (0.03, 0.3, 0.6, 0.72, 0.8, 0.87, 0.93, 1.0, 1.07, 1.15, 1.25, 1.4, 1.8, 3.0, 30.0)
-"""Ratios of solved elastic loads to the requested normal load, closely spaced around 1."""
+"""Ratios of the solved elastic loads to the requested normal load, which are dense around 1."""
 
 
 def create_study(upper, lower, loads, **options):
@@ -57,7 +57,7 @@ def run_pair(upper, lower, loads, **options):
 
 
 def read_member_values(result, **arguments):
-    """Return values of each position with friction at opposing contacts only, and drop dimensions of length one."""
+    """Return the values of each position under the rule "opposing", without dimensions of length one."""
     table = result.at(per_member=True, **arguments).sel(sliding="opposing").isel(cut_off=0)
     return table.swap_dims(repetition="x").squeeze(("mu0", "tau0"))
 
@@ -136,7 +136,7 @@ def test_friction_is_interpolated_linearly_where_the_load_jumps_between_approach
 
 def test_positions_are_rounded_to_the_nearest_grid_point(profile_pair):
     upper, lower = profile_pair
-    assert 0.29 / 0.01 < 29  # 0.29/0.01 is slightly below 29 and must be rounded, not truncated
+    assert 0.29 / 0.01 < 29  # 0.29/0.01 is slightly below 29 and must not be truncated to 28
     member = read_member_values(run_pair(upper, lower, [0.01], positions=[0.29], **INTERFACE_OPTIONS)).sel(
         direction=0.0
     )

@@ -31,8 +31,8 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 LOADS = (0.02, 0.1)
 ASPERITY_OPTIONS = {"mechanics": "asperities", "level": "mean", "direction": [0, 45]}
-ROOT_TOLERANCE = 1e-9  # relative error of values at a load; the approach at this load is accurate to 1e-12
-SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions, which may differ at the edges of contact patches
+ROOT_TOLERANCE = 1e-9  # relative error of values at a load, whose approach is found to 1e-12
+SOLUTION_TOLERANCE = 1e-4  # relative difference between two solutions, which differ at the edges of contact patches
 
 
 def rough_surface(side="lower", seed=3, shape=(64, 64), rms=0.02, shortest=0.4):
@@ -47,7 +47,7 @@ def surface_pair(**changes):
 
 
 def run_pair(upper, lower, loads=(0.1,), **options):
-    """Return the result of two surfaces without a low-pass filter."""
+    """Return the result of pressing two surfaces without a low-pass filter."""
     study_options = {"mu0": 0.3, "effective_modulus": 10.0, "cutoff": "none"} | options
     return run(pair_study(flipped(upper), lower, load=list(loads), **study_options))
 
@@ -57,7 +57,7 @@ def read_member_values(result, member_kind=None):
 
 
 def pair_levelled_maps(upper, lower):
-    """Return the pieces of maps that a study brings into contact, cut from the levelled maps."""
+    """Return the pairs of map pieces that a study presses, cut from the levelled maps."""
     return MapPairs(flipped(levelled(flipped(upper), "plane")), levelled(lower, "plane"))
 
 
@@ -216,7 +216,7 @@ def test_contact_statistics_of_a_pair_equal_sums_over_its_contacts(mechanics):
         force, area = contact_list.force * contact_list.normal[:, 2], contact_list.area
     assert force.size == int(member["contact_count"])
     assert force.sum() == pytest.approx(0.1, rel=1e-6)
-    # A projected area is smaller than the true area by the cosine of the slope.
+    # The projected area is the true area times the cosine of the slope.
     assert area.sum() == pytest.approx(float(member["contact_area"]), rel=0.02)
     assert float(member["share_on_largest"]) == pytest.approx(force.max() / force.sum(), rel=1e-6)
     assert member["patch_area"].values == pytest.approx(np.quantile(area, QUANTILE_PROBABILITIES), rel=1e-6)
@@ -286,7 +286,7 @@ class TestSurrogatePairs:
 
 
 def cut_middle(body):
-    """Return the middle three quarters of a surface, levelled by a plane."""
+    """Return the middle three quarters of a surface along each axis, levelled by a plane."""
     rows, columns = (points - points // 4 for points in body.heights.shape)
     top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2
     middle_piece = Surface(body.heights[top : top + rows, left : left + columns], spacing=body.spacing)

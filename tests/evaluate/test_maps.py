@@ -43,7 +43,7 @@ def test_friction_map_interpolates_loads_linearly_in_the_approach():
 
 def test_friction_map_is_the_ratio_of_mean_loads_of_all_pairs_including_those_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
-    # The mean normal loads are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
+    # The mean normal loads at the two approaches are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values
     assert np.allclose(values, [0.5 / (4 / 3)], rtol=ROUND_OFF)
 
@@ -51,7 +51,7 @@ def test_friction_map_is_the_ratio_of_mean_loads_of_all_pairs_including_those_wi
 def test_friction_map_uses_the_first_approach_at_which_the_load_rises_to_the_requested_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
-    # The first upward crossing may follow a range of negative load.
+    # The load may be reached from below even after a range of negative loads.
     result = create_result([1.0, -3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.0])["friction_coefficient"], [0.4], rtol=ROUND_OFF)
     assert np.allclose(
@@ -168,7 +168,7 @@ NUM_ENSEMBLES = 2000
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},
     (0.8, 0.5): {5: 0.88, 10: 0.91, 24: 0.925, 100: 0.935},
-    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # 1 % of the repetitions determine most of the mean
+    (1.0, 1.0): {5: 0.81, 10: 0.845, 24: 0.885, 100: 0.915},  # here 1 % of the repetitions determine most of the mean
 }
 MAX_COVERAGE = 0.975
 
@@ -201,7 +201,7 @@ def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touchin
     [item if item == (0.8, 0.5) else pytest.param(*item, marks=pytest.mark.soak) for item in MIN_COVERAGE],
 )
 def test_friction_map_intervals_contain_the_true_value_in_95_percent_of_cases(repetitions, spread, scatter):
-    # The requested load is the true mean load at one of the approaches, so interpolation adds no error.
+    # Request the true mean load at one of the approaches, at which interpolation adds no error.
     load = APPROACHES[5] ** 1.5
     truth = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(repetitions, NUM_ENSEMBLES, spread=spread, scatter=scatter, seed=repetitions)

@@ -46,7 +46,7 @@ def result():
 
 
 def solve_members(result, load, hardness):
-    """Return the areas (µm²) and the tangential adhesive sums of all members, solved one by one."""
+    """Return the areas (µm²) and the adhesive tangential sums of all members, each solved on its own."""
     bodies, contact = load_bodies(result.study), result.study.contact
     curves = [
         half_space(*bodies.member(index, 0.0).pair, [load], **contact.solver_arguments() | {"hardness": hardness})
@@ -140,7 +140,8 @@ def test_area_evaluated_at_another_hardness_or_modulus_equals_that_of_a_direct_s
         yield_exponent=changes.get("yield_exponent", 1.25),
     ) / area(load)  # fmt: skip
     expected = mean_value(direct_result, "contact_area") / mean_value(result, "contact_area")
-    assert float(ratio) == pytest.approx(expected, rel=0.01)  # this pair has few contacts
+    # The tolerance is large because this pair has few contacts.
+    assert float(ratio) == pytest.approx(expected, rel=0.01)
 
 
 def test_true_area_as_a_function_of_load_does_not_exceed_the_nominal_area():
@@ -225,7 +226,7 @@ def test_results_without_elastic_areas_use_the_area_at_pressures_limited_to_the_
 
 @functools.cache
 def press_large_maps(rms, **changes):
-    """Return the result of large maps. The result at the central inputs is solved once for all changes."""
+    """Return the result of large maps at the central inputs, which is solved only once for all tests."""
     maps = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
     return pair(*maps, **OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15} | changes)
 
@@ -256,7 +257,7 @@ UNLOADING_PAIRS = (
     ("unloading_stiffness", "normal_stiffness"), ("unloading_closure_stiffness", "closure_stiffness"),
     ("unloading_stiffness_per_area", "stiffness_per_area"),
 )  # fmt: skip
-"""Stiffnesses while unloading and while loading, which are equal for elastic bodies."""
+"""Pairs of stiffnesses while unloading and while loading, which are equal for elastic bodies."""
 
 
 def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals():

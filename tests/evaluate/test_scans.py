@@ -180,7 +180,7 @@ def test_pair_function_rejects_a_directory_of_scans_that_contains_a_pipe(tmp_pat
     (tmp_path / "part").mkdir()
     for index in range(2):
         write_surface(rough_scan(index, "upper"), tmp_path / "part" / f"a{index}.npy")
-    os.mkfifo(tmp_path / "part/pipe.npy")  # a reader of a pipe would block
+    os.mkfifo(tmp_path / "part/pipe.npy")  # a program that reads this pipe would block
     with pytest.raises(ValueError, match=r"pipe\.npy: is not a file"):
         pair(tmp_path / "part", rough_scan(9, "lower"), mechanics="asperities", onset=0, shifts=4, **PAIR_OPTIONS)
 
@@ -219,7 +219,7 @@ def test_interval_from_few_scans_contains_the_mean_friction_over_many_scans(spre
 
     true_result = pair(
         *generate_scans(100, 24), shifts=576, **arguments
-    ).value  # every part has the same distribution of gradients
+    ).value  # the gradients of all parts have the same distribution
     results = [pair(*generate_scans(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
     covered = sum(item.interval[0] <= true_result <= item.interval[1] for item in results)
     print(f"spread {spread}: {covered} of 20 cover {true_result:.4f}")
@@ -272,7 +272,7 @@ def test_roughness_drift_of_a_single_scan_widens_the_interval_and_is_in_budget_a
     budget = result.budget.set_index("input")
     assert budget.index[0] == "which piece of the upper part"
     assert "which piece of the lower part" not in budget.index
-    # The interval that remains contains only the scatter between positions.
+    # The remaining interval is due to the scatter between positions alone.
     assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
         list(result.interval_of_mean), rel=0.01
     )

@@ -35,7 +35,7 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Maximum fraction of the grid points at which two solvers disagree about contact; their pressure is almost zero."""
 
 ROUND_OFF = 1e-12
-MAX_LOWER_BOUND_FORCES = 2  # At most this number of 200 random pairs may have only a lower bound of the pull-off force.
+MAX_LOWER_BOUND_FORCES = 2  # maximum number of 200 random pairs whose pull-off force is only known to exceed a bound
 
 PERIODICITY_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
@@ -59,7 +59,7 @@ STEP_SUM_TOLERANCE = 3e-3
 
 
 def create_ball_on_flat(tabor, *, points=64, length=10.0):
-    """Return a ball of radius 1 µm on a flat, with an adhesion range of 1 nm and the given Tabor parameter."""
+    """Return a ball with a radius of 1 µm on a flat, with an adhesion range of 1 nm and a given Tabor parameter."""
     height = tabor * 1e-3
     spacing = length * height**0.5 / points
     x = (np.arange(points) - points // 2) * spacing
@@ -179,11 +179,11 @@ def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tab
 def test_contact_of_an_adhesive_cylinder_equals_barquins_solution():
     """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
-    radius = (2 * work / np.pi) ** (1 / 3)  # contact radius at pull-off
+    radius = (2 * work / np.pi) ** (1 / 3)  # contact radius (µm) at pull-off
     spacing = 12 * radius / length
     x = (np.arange(length) - length // 2) * spacing
     bodies = Profile(np.zeros(length), spacing=spacing), Profile(-(x**2) / 2, spacing=spacing)
-    adhesion_range = work ** (2 / 3) / 5  # With these values, Tabor's parameter is 5.
+    adhesion_range = work ** (2 / 3) / 5  # adhesion range at which Tabor's parameter is 5
     curve = half_space(*bodies, [0.0], effective_modulus=1.0, work_of_adhesion=work, adhesion_range=adhesion_range)
     assert curve.adhesion_range == adhesion_range
     assert curve.pull_off == pytest.approx(0.75 * np.pi * radius**2, rel=CLOSED_FORM_TOLERANCE)
@@ -201,7 +201,7 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     work = (alpha * full_contact_pressure) ** 2 / 2
-    # The adhesion range is such that 4 grid points resolve the attraction at the contact edge.
+    # Choose the adhesion range so that 4 grid points resolve the attraction at the contact edge.
     adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}
     loads = np.array([0.0, 0.05]) * full_contact_pressure
     curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesive)
@@ -234,7 +234,7 @@ def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_
     points, height = 512, 0.005
     x, full_contact_pressure = np.arange(points) / points, np.pi * height
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
-    # The work of adhesion is so large that the grid resolves the range of the attraction.
+    # Choose a work of adhesion so large that the grid resolves the range of the attraction.
     work = 2.001 * (tension * full_contact_pressure) ** 2 / points
     adhesive = {
         "work_of_adhesion": work,
@@ -291,7 +291,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
 
 
 def create_soft_bodies_in_complete_contact():
-    """Return bodies in complete contact at zero load that begin to open at a tension below the pull-off force."""
+    """Return bodies in complete contact at zero load, which start to open at a tension below the pull-off force."""
     return create_rough_bodies(5e-3, 1.1e-5, modulus=1.4e-3, spacing=0.01, length=0.013)
 
 
@@ -335,7 +335,7 @@ def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pu
 
 
 class InterruptedRecord(SolutionRecord):
-    """Record that interrupts a computation when it offers its state, or continues from a stored state."""
+    """Record that interrupts the computation when it is offered a state, or that continues from a stored state."""
 
     def __init__(self, interrupted_offer=None, state=None):
         super().__init__()

@@ -42,7 +42,7 @@ ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
 
 
 def create_rough_surfaces(seed=3, **changes):
-    """Return a resolved pair of surfaces with eight points per shortest wavelength."""
+    """Return a pair of rough surfaces that the grid resolves, with eight points per shortest wavelength."""
     choices = {
         "hurst_exponent": 0.8, "rms": 0.05, "shape": (64, 80), "spacing": (0.05, 0.04), "shortest_wavelength": 0.4,
     } | changes  # fmt: skip
@@ -55,12 +55,12 @@ def surface_from_function(function, shape=(61, 81), spacing=(0.02, 0.02)):
 
 
 def assert_close(actual, expected, tolerance):
-    """Assert that each value agrees within a relative tolerance."""
+    """Assert that all values agree within a relative tolerance."""
     assert np.all(np.abs(np.subtract(actual, expected)) <= tolerance * np.abs(expected)), (actual, expected)
 
 
 def assert_sums_close(one, other, tolerance, names=DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS):
-    """Assert that sums of two curves agree, relative to the load or the area to which each sum contributes."""
+    """Assert that the sums of two curves agree, relative to the load or the area to which each sum contributes."""
     for name in names:
         actual, expected = getattr(one, name), getattr(other, name)
         size = {"adhesive": other.contact_area}.get(name.rpartition("_")[2], other.normal_elastic)
@@ -161,7 +161,7 @@ class TestSurfacesAgainstExactSolutions:
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter_radius = hertz_ellipse_by_axis_ratio(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        # The grid resolves the shorter radius and contains the longer axis of the ellipse.
+        # The grid resolves the shorter radius, and contains the longer axis of the ellipse.
         half_width = 1.5 * axes[0]
         spacing = min(2 * half_width / 80, 0.02 * shorter_radius)
         size = 2 * round(half_width / spacing)
@@ -198,7 +198,7 @@ class TestSurfacesAgainstExactSolutions:
         theta = math.atan(slope)
         assert_close(curve.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
         assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # the slope of this contact assists the motion
-        # The motion is up and down the slope, with friction at all contacts.
+        # Move up and down the slope, with friction at all contacts.
         curve_of_both_directions = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
         assert_close(
             curve_of_both_directions.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF
@@ -214,7 +214,7 @@ class TestSurfacesAgainstExactSolutions:
         upper = surface_from_function(lambda x, y: 0.4 * x + ((x - 0.807) ** 2 + (y - 0.604) ** 2))
         lower = surface_from_function(lambda x, _y: 0.4 * x)
         curve = press(upper, lower, [1e-3], direction=90, sliding="all")
-        # The motion is along +y on a plane that rises along +x. The height is constant, and the load acts towards -x.
+        # Move along +y on a plane that rises along +x, so that the height is constant and the load acts towards -x.
         theta = math.atan(0.4)
         force = curve.normal_elastic / math.cos(theta)
         assert_close(curve.tangential_load(mu0=0.3), 0.3 * force, ROUND_OFF)
@@ -366,7 +366,7 @@ class TestSurfaceScalingAndSymmetry:
 class TestContactLawsOnMaps:
     def test_elastic_plastic_law_uses_the_geometric_mean_of_the_radii(self):
         upper, lower = create_rough_surfaces()
-        # A bowl shape keeps contacts away from the edge.
+        # The bowl shape of the body keeps contacts away from the edge.
         y, x = (np.linspace(-1, 1, size) for size in upper.heights.shape)
         upper = Surface(upper.heights + 0.5 * (x**2 + y[:, None] ** 2) ** 3, spacing=upper.spacing)
         law = JacksonGreen(yield_strength=0.05, poisson_ratio=0.3)
@@ -412,7 +412,7 @@ class TestValidityIndicators:
 
     @staticmethod
     def ellipse_rim_points(gap_spline, table, i, angles):
-        """Return points on the rim of a projected ellipse, from the principal directions of the reference."""
+        """Return points on the rim of a projected contact ellipse, from the principal directions of the reference."""
         n = table.normal[i]
         p = -n[:2] / n[2]
         x, y = (table.centre[i] + 0.5 * table.overlap[i] * n)[:2]
@@ -421,7 +421,7 @@ class TestValidityIndicators:
         u, v = (root.T @ vectors).T
         a, b, _ = areal.compute_semi_axes(
             *table.radii[i], table.overlap[i]
-        )  # sum over the complete ellipse, including its part beyond the edge of the map
+        )  # a sum over the complete ellipse, including the part beyond the edge of the map
         return np.array([x, y]) + np.outer(np.cos(angles), a * u) + np.outer(np.sin(angles), b * v)
 
     @staticmethod
@@ -680,7 +680,7 @@ def random_smooth_heights(generator, shape, shortest):
 
 
 def create_body_with_flat_areas(generator, kind, shape):
-    """Return a surface with flat valleys, sides or lines. Its height is about 1."""
+    """Return a surface about 1 high that has flat valleys, sides or lines."""
     y, x = np.meshgrid(*(np.arange(size) for size in shape), indexing="ij")
     match kind:
         case "flat":

@@ -1,4 +1,4 @@
-"""Tests of boundary elements, of the asperity model, and of values in docs/explanation/half_space.md."""
+"""Tests of boundary elements and of the asperity model, including numbers in docs/explanation/half_space.md."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from stiction import westergaard_contact_fraction
 
 pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
-# full contact of a sinusoid needs this mean pressure (Westergaard's p*)
+# mean pressure at which a sinusoid is in full contact (Westergaard's p*)
 FULL_CONTACT_PRESSURE = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH
 FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
@@ -62,7 +62,7 @@ def test_asperity_model_of_a_sinusoid_equals_closed_forms(relative_pressure):
     assert fraction / exact_contact_fraction(pressure) == pytest.approx(expected, rel=1e-4)
     westergaard_stiffness = np.pi * EFFECTIVE_MODULUS / np.log(1 / relative_pressure) / WAVELENGTH
     assert stiffness / westergaard_stiffness == pytest.approx(np.log(1 / relative_pressure) / 4, rel=1e-12)
-    # With the displacement by its own load and its periodic images, an asperity has Westergaard's stiffness.
+    # An asperity has Westergaard's stiffness if the displacements by its own load and periodic images are included.
     assert asperities.interacting_response(pressure)[STIFFNESS_INDEX] == pytest.approx(westergaard_stiffness, rel=1e-4)
 
 

@@ -25,9 +25,9 @@ from stiction.mechanics.law import CONTACT_LAWS, CONTACT_LAWS_BY_NAME, LawName
 from stiction.mechanics.model import ContactModelArguments
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
-# Relative difference between the results of two spline solvers for the same heights.
+# Relative difference between results that use different spline solvers for the same heights.
 SPLINE_TOLERANCE = 1e-9
-# Delay of the interrupt in seconds of processor time, on which other processes have no effect.
+# Delay of the interrupt (s) in processor time, on which other processes have no effect.
 SIGNAL_DELAY = 0.2
 MAX_DELAY_AFTER_SIGNAL = 1.0
 

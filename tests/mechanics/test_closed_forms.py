@@ -27,7 +27,7 @@ from stiction import (
     westergaard_contact_fraction,
 )
 
-# Tolerance for two evaluations of one formula that differ in the order of operations.
+# Tolerance between two evaluations of one formula with different orders of operations.
 REORDERING_TOLERANCE = 1e-13
 length_strategy = st.floats(1e-4, 1e3)
 modulus_strategy = st.floats(1e-2, 1e3)
@@ -63,7 +63,7 @@ def test_jackson_green_law_of_the_core_equals_the_published_fit(ratio, radius, m
 
 @pytest.fixture(scope="session")
 def reference_modules():
-    """Return the ContactMechanics modules of reference solutions (Hertz, Westergaard), if the package is installed."""
+    """Return the ContactMechanics modules with reference solutions (Hertz, Westergaard), if they are installed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         names = ("Hertz", "Westergaard")

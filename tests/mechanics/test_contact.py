@@ -43,7 +43,7 @@ def stack_sums(curve):
 
 
 def assert_close(actual, expected, tolerance):
-    """Assert that each value agrees within a relative tolerance."""
+    """Assert that all values agree within a relative tolerance."""
     assert np.all(np.abs(actual - expected) <= tolerance * np.abs(expected)), (actual, expected)
 
 
@@ -232,7 +232,7 @@ class TestProfilesAgainstExactSolutions:
 
 @st.composite
 def random_profile_pairs(draw):
-    """Generate rough pairs of a few hundred points. Heights are sums of harmonics with random amplitudes and phases."""
+    """Generate pairs of rough profiles with a few hundred points, as sums of harmonics with random amplitudes."""
     points = draw(st.integers(60, 300))
     spacing = draw(st.floats(0.01, 0.1))
     x = np.arange(points) * spacing
@@ -248,7 +248,7 @@ def random_profile_pairs(draw):
 
 
 def is_insensitive_to_round_off(upper, lower, approach, choices):
-    """Return whether round-off can change neither the contact count nor the set of opposing contacts."""
+    """Return whether round-off can change neither the number of contacts nor the set of opposing contacts."""
     table = contacts(upper, lower, approach, **choices)
     if choices["detection"] == "cell":
         offset = table.centre[:, 0] - table.index * upper.spacing
@@ -334,7 +334,7 @@ class TestProfileScalingAndSymmetry:
         ]
         assert np.allclose(
             *coefficients, rtol=1e-10, atol=0, equal_nan=True
-        )  # nearly self-locking contacts magnify errors of mu_s
+        )  # nearly self-locking contacts amplify errors of mu_s
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS

@@ -40,7 +40,7 @@ ROUND_OFF = 1e-12
 PLASTIC_EDGE_TOLERANCE = 0.05
 QUADRATURE_TOLERANCE = 1e-9  # relative difference from a numerical integral of smooth functions on 60 by 200 points
 FRICTION_SCATTER_TOLERANCE = 0.015  # relative scatter over twelve directions of two pairs with some tens of contacts
-TIGHT_TOLERANCE = 1e-10  # solver tolerance in comparisons of two solutions
+TIGHT_TOLERANCE = 1e-10  # solver tolerance for comparisons of two solutions
 
 
 # Error relative to the largest displacement. It is larger than round-off because logarithms of distant cells cancel.
@@ -59,7 +59,7 @@ def make_solver(gap, spacing, *, periodic, bound=np.inf, tolerance):
 
 
 def create_paraboloid(n, extent, radii):
-    """Return a paraboloid whose lowest point is off the grid."""
+    """Return a paraboloid whose lowest point lies between grid points."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1]), spacing=extent / n)
 
@@ -189,7 +189,7 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
     amplitude, full_contact_pressure = (
         1e-4,
         np.pi * EFFECTIVE_MODULUS * 1e-4,
-    )  # the slopes are so small that areas equal projected areas
+    )  # at such small slopes, true areas equal projected areas
     wave_arguments = {"amplitude": amplitude, "wavelength": 1.0, "effective_modulus": EFFECTIVE_MODULUS}
     load = full_contact_pressure * np.sin(np.pi / 2 * fraction) ** 2
     errors = []
@@ -322,7 +322,7 @@ def test_half_space_results_scale_with_the_modulus_and_ignore_height_offsets():
 
 def test_free_and_periodic_boundaries_give_equal_results_for_small_contact_patches():
     differences = []
-    force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # the contact radius is then 0.2 µm
+    force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # force (mN) at which the contact radius is 0.2 µm
     for extent in (0.5, 1.0, 2.0):
         gap = create_paraboloid(int(64 * extent), extent, (4.0, 4.0))
         free_pressure, periodic_pressure = (
@@ -522,8 +522,7 @@ def test_small_slope_friction_equals_its_formula():
 
 
 def friction_on_random_slopes(sigma_along, sigma_across, m, *, rule):
-    """Return the friction of contacts with equal forces on normally distributed slopes, by direct summation over
-    tangents."""
+    """Return the friction of contacts with equal forces and normally distributed slopes, summed directly."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(60)
     nodes_of_half, quadrature_weights = np.polynomial.legendre.leggauss(200)
     # The sum covers uphill slopes of up to ten standard deviations. Downhill slopes are their mirror image.
@@ -576,7 +575,7 @@ def test_small_slope_friction_of_both_orders_agrees_for_tiny_slopes_and_for_groo
 
 
 def pair_with_gradient(ratio, seeds, slope):
-    """Return a pair of surfaces whose gap has an rms gradient of about `slope`. One body is flatter by a ratio."""
+    """Return a pair of surfaces whose gap has an rms gradient of about `slope`. One body is flatter by `ratio`."""
     steeper = slope / np.hypot(1, 1 / ratio)
     return (
         periodic_body((128, 128), seed=seed, longest=8, shortest=16, slope=item)
@@ -884,7 +883,7 @@ def test_half_space_solver_stops_soon_after_ctrl_c():
         signal.raise_signal(signal.SIGINT)
 
     def solve():
-        timer.start()  # The timer starts inside the block, so that the block also handles an early signal.
+        timer.start()  # Start the timer inside the block, so that the block also handles an early signal.
         half_space(flat_like(body), body, np.geomspace(0.001, 0.5, 200))
 
     timer = threading.Timer(0.3, send_interrupt)
@@ -973,7 +972,7 @@ with scipy.fft.set_workers(4):
     curve = half_space(*heights, [1.0], spacing=0.1, effective_modulus=10, boundary="periodic")
 print(curve.contact_area.tobytes() == expected.contact_area.tobytes())
 """
-"""Script in which the system can create the first of three threads only: each takes 1 GiB, and 1.5 GiB are left."""
+"""Script in which only the first of three threads can start: each takes 1 GiB, and 1.5 GiB are left."""
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space applies to threads on Linux only")

@@ -7,7 +7,7 @@ from stiction.mechanics.friction import FrictionLaw
 ROUND_OFF = 1e-12
 
 PLASTIC_TOLERANCE = 5e-3
-"""Relative difference between a half-space whose contacts all yield and Tabor's closed form."""
+"""Relative difference between the half-space model, in which all contacts yield, and Tabor's closed form."""
 
 
 def random_junction_parameters(count=200):
@@ -99,7 +99,7 @@ CENTRAL_RATIO = 5.6
 
 
 def solve_slip_lines(hardness, mu0, tau0, ratio):
-    """Return H', or None if the interface is stronger than the bulk, by bracketing the root in the pressure."""
+    """Return H', found by bracketing the root in the pressure, or None if the interface is stronger than the bulk."""
 
     def residual(pressure):
         traction_over_strength = min(ratio * (mu0 * pressure + tau0) / hardness, 1.0)

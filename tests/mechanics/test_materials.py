@@ -27,7 +27,7 @@ def test_material_values_are_physically_possible_and_have_sources(listed_materia
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
         assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
-        # The source is a publication with its year, a standard, or a web page.
+        # Each source is a publication with its year, a standard, or a web page.
         assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431|\(web\)", value.source), value.source
     assert (listed_material.hardness is None) == (listed_material.kind == "elastomer")
     if listed_material.hardness is None:
@@ -49,7 +49,7 @@ def test_material_values_are_physically_possible_and_have_sources(listed_materia
 @pytest.mark.parametrize(
     ("name", "young", "hardness"),
     [
-        # The values are from sources outside the table: Johnson (1985), Contact Mechanics; Hutchings & Shipway (2017).
+        # Values from sources outside of the table: Johnson (1985), Contact Mechanics; Hutchings & Shipway (2017).
         ("steel", 207, 1.2), ("tungsten carbide", 600, 15), ("soda-lime glass", 70, 5.6), ("aluminium", 70, 0.25),
         ("silicon nitride", 300, 16), ("PMMA", 3, 0.2), ("gold", 78, 0.3), ("silicon", 165, 11), ("lead", 16, 0.04),
     ],

@@ -33,18 +33,18 @@ LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
 def create_paraboloid(n, extent, radii):
-    """Return a paraboloid whose summit is off the grid."""
+    """Return a paraboloid whose summit lies between grid points."""
     x = (np.arange(n) - n / 2 + 0.31) * extent / n
     return Surface(-(x[:, None] ** 2 / (2 * radii[0]) + x[None, :] ** 2 / (2 * radii[1])), spacing=extent / n)
 
 
 def create_rough_body(shape, seed=4, slope=0.1):
-    """Return a rough body of unit size with wavelengths from 0.5 down to 8 points."""
+    """Return a rough body of unit size, with wavelengths from half of its size down to 8 points."""
     return periodic_body(shape, seed=seed, longest=2, shortest=max(shape[-1] // 8, 4), slope=slope)
 
 
 def compute_load_at_relative_pressure(body, fraction):
-    """Return the load on a unit length or a unit square at a mean pressure that is a fraction of E* h'."""
+    """Return the load on a unit length or a unit square at a mean pressure of `fraction` times E* h'."""
     steps = [np.diff(body.heights, axis=axis) * body.heights.shape[axis] for axis in range(body.heights.ndim)]
     return fraction * EFFECTIVE_MODULUS * np.sqrt(sum(np.mean(np.square(step)) for step in steps))
 
@@ -155,7 +155,10 @@ def test_stick_area_of_an_elliptical_contact_is_a_similar_ellipse():
 
 
 def compute_traction_bound(curve, mu0, tau0):
-    """Return the contact points, and the bound, pressure and true area of the model. Slopes contribute at most 1e-8."""
+    """Return contact points, bound of the traction, pressure and true area of the model.
+
+    Slopes contribute at most 1e-8.
+    """
     pressure = curve.contact(0).pressure
     is_in_contact = pressure > 0
     periodic = curve._problem.grids.periodic
@@ -450,7 +453,7 @@ def test_surfaces_in_full_contact_have_no_displacement_before_a_point_slips(shap
     curve = half_space(flat_like(lower), lower, [0.5], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
     pressure = curve.contact(0).pressure
     assert pressure.min() > 0
-    first_slip_fraction = pressure.min() / pressure.mean()  # The traction is uniform before a point slips.
+    first_slip_fraction = pressure.min() / pressure.mean()  # The traction is uniform until a point slips.
     fractions = np.concatenate([np.linspace(0.1, 0.999, 8) * first_slip_fraction, [0.5 + 0.5 * first_slip_fraction, 1]])
     onset = curve.onset(0, mu0=0.2, steps=fractions)
     assert onset.displacement[:8].tolist() == [0.0] * 8

@@ -52,7 +52,7 @@ def small_named_study(name, **changes):
 
 @pytest.fixture(scope="module")
 def datasets_by_title(no_contact_pictures):
-    """Return datasets of members of all kinds of studies."""
+    """Return datasets of member sums for all kinds of studies, by a title."""
     areal_changes = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
@@ -97,7 +97,7 @@ def iterate_variables(datasets):
 
 
 def normalized_dims(name, dataset):
-    """Return the dimensions of a variable, other than cells and members, as listed in the table of quantities."""
+    """Return the dimensions of a variable as the table of quantities lists them, without cells and members."""
     omitted_dims = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     renamed_dims = {"approach": "step", "load": "step"}
     return {renamed_dims.get(str(dim), str(dim)) for dim in dataset[name].dims} - omitted_dims
@@ -127,7 +127,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_listed_in_the_table_of_
 def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantities(results_at_loads):
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # The status describes the coefficient of friction, not the contact.
+            if name == "status":  # The status is that of the coefficient of friction, not of the contact.
                 assert normalized_dims(name, dataset) == normalized_dims("friction_coefficient", dataset)
             else:
                 # The mean load depends on the sliding rule, mu0 and tau0, and so do all quantities at this load.

@@ -37,7 +37,7 @@ def create_rough_surfaces(hurst=0.8, points=128, spacing=0.04, rms=0.03, seed=5,
 
 @pytest.fixture(scope="module")
 def pair_and_resolution_result():
-    """Return the result of a pair under 20 MPa at its own resolution and at coarser resolutions."""
+    """Return a pair under 20 MPa, with its results at its own resolution and at coarser resolutions."""
     upper, lower = create_rough_surfaces()
     load = 0.02 * 128**2 * 0.04**2
     lengths = [0.16, 0.32, 0.64]
@@ -181,9 +181,9 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
     roughness = scale_dependent_roughness(gap, periodic=True)
     value, low, high = result.plastic_wavelength[0, 0].values
     assert low <= value <= high
-    # The wavelength is long enough to be resolved by the scan.
+    # The scan resolves a wavelength of this length.
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
-    # Because the pair has few contacts, κ agrees only within a factor.
+    # κ agrees only within a factor, because the pair has few contacts.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     kappa_factor = float(kappa_uncertainty_factor(curve.contact_count)[0])
     assert 1.1 <= kappa_factor <= math.exp(1)
@@ -237,7 +237,7 @@ def test_extrapolated_interval_contains_friction_of_a_finer_scan():
         estimate = result.continued_elastic_friction_coefficient.sel(finer_wavelength=0.08)[0]
         truth = resolution(*fine_surfaces, load, hardness=None, **options).friction_coefficient.sel(sliding="all")[0, 0]
         num_contained += bool(estimate.sel(statistic="lower") <= truth <= estimate.sel(statistic="upper"))
-    assert num_contained >= 5  # at a coverage of 95 %, the probability of two misses is 1 in 30
+    assert num_contained >= 5  # at a coverage of 95 %, the probability of at least two misses is 1 in 30
 
 
 def test_friction_of_profiles_at_each_cutoff_is_the_mean_over_both_directions():

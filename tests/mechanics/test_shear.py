@@ -32,7 +32,7 @@ def create_rough_map(points=64):
 
 
 def create_mate(face):
-    """Return the face that fits onto another face, as it would be scanned."""
+    """Return the face that fits onto another face, in the orientation in which it would be scanned."""
     return face.changed(flipped(face).heights, "mate")
 
 
@@ -41,7 +41,7 @@ def run_shear_test(face, **options):
 
 
 def integrate_work(result):
-    """Return the work of the tangential load, of dilation and of elastic deformation since the second step, in nJ."""
+    """Return the work (nJ) of the tangential load, of dilation and of elastic deformation since the second step."""
     force = (result.shear_stress * result.overlap_area).values[1:]
     work = np.sum((force[1:] + force[:-1]) / 2 * np.diff(result.displacement.values[1:]))
     dilation, energy = (float(result[name][-1] - result[name][1]) for name in ("dilation", "elastic_energy"))
@@ -80,7 +80,7 @@ def test_sawtooth_slides_by_itself_after_its_tips_have_passed_each_other():
 
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
-    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth of 45 degrees
+    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth with flanks of 45 degrees
     result = run_shear_test(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
     assert list(result.status.values) == ["ok", "self-locked", "self-locked"]
     assert result.attrs["peak_status"] == "self-locked"
@@ -109,7 +109,7 @@ def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_
 
 def test_work_of_shear_without_friction_is_balanced_if_an_edge_rides_up_the_other_face():
     x = np.linspace(-1, 1, 401)
-    bowl = Profile(4 * x**2, spacing=0.25)  # the ends of the upper face touch first
+    bowl = Profile(4 * x**2, spacing=0.25)  # here the ends of the upper face touch first
     result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
     assert result.load_fraction_at_edges[-1] > 0.3
     work, dilation_work, energy = integrate_work(result)
@@ -174,7 +174,7 @@ def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation()
 def test_shear_test_loses_contact_if_the_normal_stiffness_unloads_contracting_faces():
     x = 2 * np.pi * np.arange(256) / 256
     wave = Profile(5 * np.cos(x), spacing=1.0)
-    opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # crests stand on crests at the start
+    opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # at the start, crests are in contact with crests
     result = shear_test(
         opposite, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
         **FULL_FIT,
@@ -192,7 +192,7 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
     assert result.status[0] == "self-locked"
     assert result.status[-1] == "ok"
     stiff_test = shear_test(pin, ramp, normal_stiffness="1 kPa/mm", **options)
-    assert (stiff_test.status[1:] == "not-solved").all()  # without a height at the start, the load is unknown
+    assert (stiff_test.status[1:] == "not-solved").all()  # the load is unknown without a height at the start
 
 
 def test_shear_test_of_faces_that_fit_perfectly_starts_without_force_at_zero_friction():
@@ -397,7 +397,7 @@ def test_strips_of_a_shear_test_are_parallel_to_the_motion():
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
     along = run_shear_test(ridges, **options)
-    # All strips are equal, so there is no scatter.
+    # Equal strips have no scatter.
     assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
     turned = run_shear_test(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
     assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]

@@ -16,7 +16,7 @@ def create_rough_surfaces(seed, shape=(48, 64)):
 
 
 def resultant_offset(curve, index, missing=None):
-    """Return the distance of the resultant force from the middle of the measured area, relative to its length."""
+    """Return the distance of the resultant force from the middle of the measured area, divided by its length."""
     contact = curve.contact(index)
     is_measured = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
     grid_positions = np.indices(contact.pressure.shape).reshape(contact.pressure.ndim, -1)
@@ -108,7 +108,7 @@ def test_free_tilt_centres_the_resultant_force_on_a_single_contact_point():
 
 
 def find_rigid_contact(gap):
-    """Return the indices of the points at which rigid surfaces with free tilt touch, and their fractions of the load.
+    """Return the indices of the points at which rigid surfaces with free tilt touch, with their load fractions.
 
     The points are the corners of the lower facet of the convex hull that lies under the centre.
     """

@@ -30,7 +30,7 @@ class SplineSurface:
 
 
 def find_minima(heights, spacing):
-    """Return the positions (n, 2) of the local minima of a splined map, by Newton's method from 16 points per cell."""
+    """Return the local minima (n, 2) of a splined map, found by Newton's method from 16 starting points per cell."""
     return _find_minima(heights.tobytes(), heights.shape, tuple(spacing))
 
 
@@ -61,7 +61,7 @@ def _find_minima(values, shape, spacing):
                 / determinant
             ).T  # fmt: skip
         position = position - newton_step
-        # Drop iterations that moved far away, because other starting points are nearer to the minima.
+        # Drop points that moved far away, because other starting points are nearer to their minima.
         is_near = (
             (np.abs(position - start) < 1.5 * step).all(axis=1)
             & (position > 0).all(axis=1)
@@ -169,7 +169,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
         slope = lower_spline.gradient([x], [y])[:, 0]
         q = np.sqrt(1 + slope @ slope)
         normal = np.array([-slope[0], -slope[1], 1]) / q
-        # The principal directions of the gap in the tangent plane, whose metric is I + slope slopeᵀ.
+        # Principal directions of the gap in the tangent plane, whose metric is I + slope slopeᵀ.
         metric = np.eye(2) + np.outer(slope, slope)
         root = np.linalg.inv(np.linalg.cholesky(metric))
         curvature, vectors = np.linalg.eigh(root @ (gap_spline.hessian([x], [y])[..., 0] / q) @ root.T)
@@ -193,7 +193,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, co
 
 
 def sum_contacts(contact_list, angle, sliding="opposing"):
-    """Return sums over contacts for a motion of the upper body; `angle` is in degrees from +x towards +y."""
+    """Return sums over contacts for a motion of the upper body. `angle` is in degrees from +x towards +y."""
     s = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle)), 0])
     across = np.array([-s[1], s[0], 0])
     total = dict.fromkeys(

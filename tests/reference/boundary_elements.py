@@ -1,4 +1,4 @@
-"""Solve the contact of a periodic rough profile and a flat by three methods.
+"""Solve the contact of a periodic rough profile with a flat by three methods.
 
 The methods are the elastic half-space by boundary elements (tamaas), the asperity model, and the asperity model with
 elastic interaction of the asperities.
@@ -9,18 +9,18 @@ from stiction import HertzCylinder, Profile, contacts
 
 EFFECTIVE_MODULUS = 10.0  # GPa
 MIN_WAVES_PER_PERIOD = 4
-PERIOD = 4.0  # µm; the longest wavelength is a quarter of the period
+PERIOD = 4.0  # period (µm); the longest wavelength is a quarter of it
 RMS_SLOPE = 0.1
 SOLVER_TOLERANCE = 1e-10  # largest complementarity error of the solver
 
 EXCESS_POINTS_PER_CONTACT = 0.38
-"""Mean number of grid points by which a contact on the grid is longer than the exact contact.
+"""Mean number of grid points by which a contact on a grid exceeds the length of the exact contact.
 
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-RELATIVE_LOAD_STEP = 0.02  # half step of the central difference that gives the stiffness, relative to the load
-NUM_WRAPPED_POINTS = 48  # number of points added on each side, to remove effects of the ends of the spline
+RELATIVE_LOAD_STEP = 0.02  # half width of the central difference that gives the stiffness, as a fraction of the load
+NUM_WRAPPED_POINTS = 48  # number of points that are added on each side, so that the ends of the spline have no effect
 
 
 def band_limited_profile(random, hurst_exponent, bandwidth, points_per_wave):
@@ -44,7 +44,7 @@ class PeriodicHalfSpace:
     def __init__(self, heights, period, *, tolerance=SOLVER_TOLERANCE):
         import tamaas
 
-        tamaas.initialize(1)  # One thread is enough, because the transforms are short.
+        tamaas.initialize(1)  # Use one thread, because the transforms are short.
         tamaas.set_log_level(tamaas.LogLevel.error)
         self.heights, self.tolerance = heights, tolerance
         self.model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [period], [heights.size])
@@ -118,8 +118,8 @@ class PeriodicAsperities:
         distance = self.period / np.pi * np.abs(np.sin(np.pi * (x[:, None] - x) / self.period))
 
         def interaction_matrix(half_width, min_distance_factor):
-            # Keep the distance of two contacts above a multiple of their half-widths, to avoid the singularity of
-            # merged contacts and of the effect of a contact on itself.
+            # Limit the distance of two contacts to a multiple of their half-widths, because the effect of merged
+            # contacts on each other, and of a contact on itself, is singular.
             min_distance = 0.5 * min_distance_factor * (half_width[:, None] + half_width)
             return -2 / modulus * np.log(2 * np.pi / self.period * np.maximum(distance, min_distance))
 
@@ -142,7 +142,8 @@ class PeriodicAsperities:
             violation = np.where(is_active, 0, approach - height_below_summit - matrix @ force)
             has_converged = np.allclose(force, previous_force, rtol=1e-7, atol=1e-9 * load)
             if has_converged and violation.max() <= 1e-9 * self.height:
-                # A small increment of approach adds the pressure of a flat punch, whose mean of ln|s| is ln(a/2).
+                # A small increase of the approach adds the pressure of a flat punch, over which the mean of ln|s| is
+                # ln(a/2).
                 tangent_matrix = interaction_matrix(half_width, 0.5)[np.ix_(active_indices, active_indices)]
                 # The matrix is not positive definite if too many contacts have merged.
                 is_stable = np.linalg.eigvalsh(tangent_matrix)[0] > 0

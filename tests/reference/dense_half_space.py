@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 
 def influence_table(shape, spacing, modulus, *, periodic):
-    """Return the displacements (µm) of a grid under a pressure of 1 GPa on the cell at the origin.
+    """Return the displacements (µm) of all grid points due to a pressure of 1 GPa on the cell at the origin.
 
     Periodic grids use the sum of 2/(E*|k|) cos k(x - x') over wavenumbers. Free grids integrate -2 ln r/(π E*)
     (profiles) or 1/(π E* r) (maps) over the cell.
@@ -43,7 +43,7 @@ def influence_table(shape, spacing, modulus, *, periodic):
 
 
 def influence_matrix(shape, spacing, modulus, *, periodic, points=None):
-    """Return the matrix of displacements at points due to 1 GPa at each point; `points` are indices (default: all)."""
+    """Return the matrix of displacements at points due to 1 GPa at each point. By default, it contains all points."""
     table = influence_table(shape, spacing, modulus, periodic=periodic)
     points = np.argwhere(np.ones(shape)) if points is None else points
     offsets = points[:, None, :] - points[None, :, :]
@@ -52,7 +52,7 @@ def influence_matrix(shape, spacing, modulus, *, periodic, points=None):
 
 
 def compute_displacement(pressure, spacing, modulus, *, periodic):
-    """Return the displacements (µm) under given pressures, by Fourier transforms.
+    """Return the displacements (µm) due to given pressures, by Fourier transforms.
 
     Free grids use the closed form of Love on a grid of twice the size.
     """
@@ -111,7 +111,7 @@ def find_violations(pressure, gap, spacing, modulus, load, *, periodic, toleranc
 
 
 def solve_pressure(matrix, gap, approach, *, total=None, bound=np.inf):
-    """Return the pressures (GPa) at an approach, between 0 and `bound`; bodies overlap only where p = bound.
+    """Return the pressures (GPa), from 0 to `bound`, at an approach. Bodies may overlap only where p = bound.
 
     If `total` is given, the displacement may have an arbitrary constant.
     """

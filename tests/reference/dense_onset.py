@@ -10,7 +10,7 @@ SLIP_ROUND_OFF = 1e-13
 
 
 def solve_traction(compliance, bound, total):
-    """Return the bounded traction whose sum is `total`, and the displacement of the points that stick."""
+    """Return the bounded traction with the sum `total`, and the displacement of the points that stick."""
     is_zero, is_slipping = np.zeros(bound.size, bool), np.zeros(bound.size, bool)
     visited_states = set()
     for _ in range(10 * bound.size):

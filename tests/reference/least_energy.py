@@ -5,7 +5,7 @@ from scipy.fft import fft2, fftfreq, ifft2
 from scipy.optimize import minimize
 
 MAX_GAP_OPENING = 60.0
-"""Upper bound of the change of the gap, in adhesion ranges; the bodies are then separated."""
+"""Upper bound of the change of the gap, in adhesion ranges. At this bound, the bodies are separated."""
 
 
 def minimize_energy(heights, spacing, load, gap, *, effective_modulus, work_of_adhesion, adhesion_range):

@@ -9,9 +9,9 @@ DISTRIBUTION_NAMES = ("normal", "half zeros", "bounded", "lognormal 0.5", "logno
 
 
 def simulate_correlated_positions(distribution, num_trials, positions, correlation, random):
-    """Return simulated values of shape (trials, positions) in which neighbouring positions are correlated."""
+    """Return simulated values as an array (trials, positions), in which neighbouring positions are correlated."""
     if distribution == "half zeros":
-        # Values form a Markov chain of two states, no contact (0) and contact (about 0.35), which are equally frequent.
+        # Markov chain of two equally frequent states: no contact (0), and contact (about 0.35).
         is_unchanged = random.random((num_trials, positions)) < (1 + correlation) / 2
         is_unchanged[:, 0] = random.random(num_trials) < 0.5
         in_contact = (~is_unchanged).cumsum(axis=1) % 2 == 1
@@ -43,7 +43,7 @@ def estimate_true_mean(distribution, positions, correlation, random, num_trials=
 
 
 def coverage_and_width(interval, values, truth, best_width):
-    """Return the coverage of intervals, their median width relative to `best_width`, and the fraction that is defined.
+    """Return the coverage of intervals, their median width divided by `best_width`, and the fraction with an interval.
 
     `values` has the shape (trials, positions).
     """

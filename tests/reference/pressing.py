@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 
 def fit_spheres(heights, spacing, *, upper):
-    """Return slope, curvature, normal (n, 2) and radius of curvature at each point of a splined profile."""
+    """Return slope, curvature, normal (n, 2) and radius of curvature of a splined profile at each of its points."""
     spline = CubicSpline(np.arange(heights.size), heights, bc_type="natural")
     knots = np.arange(heights.size)
     slope = spline(knots, 1) / spacing
@@ -24,7 +24,7 @@ def fit_spheres(heights, spacing, *, upper):
 
 
 def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, signed=False):
-    """Return the contacts at an approach as rows of index, n_x, n_z, overlap, effective radius, force and area."""
+    """Return the contacts at an approach as rows: index, n_x, n_z, overlap, effective radius, force, area."""
     gap = upper - lower
     gap = gap - gap.min()
     flat_upper, flat_lower = np.ptp(upper) == 0, np.ptp(lower) == 0

@@ -7,7 +7,7 @@ import numpy as np
 
 
 def height_parameters(z, spacing):
-    """Return height and slope parameters by name without the letter R or P: "a" stands for Ra or Pa."""
+    """Return height and slope parameters by name. The name "a" stands for Ra or Pa, "q" for Rq or Pq, and so on."""
     n = len(z)
     q = math.sqrt(math.fsum(v * v for v in z) / n)
     slopes = [
@@ -106,7 +106,7 @@ def material_and_void_volumes(z):
 
 
 def neighbour_points(point, shape):
-    """Return the up to eight neighbours of a grid point."""
+    """Return the neighbours of a grid point, of which there are up to eight."""
     j, i = point
     return [
         (j + b, i + a)
@@ -117,7 +117,7 @@ def neighbour_points(point, shape):
 
 
 def wolf_pruned_peaks(heights, threshold):
-    """Return the peaks that remain after Wolf pruning: hills below the threshold merge over their highest saddle."""
+    """Return the peaks after Wolf pruning, which merges hills below the threshold over their highest saddle."""
     points = [(j, i) for j in range(heights.shape[0]) for i in range(heights.shape[1])]
     peak_of = {}
 

@@ -30,7 +30,7 @@ EFFECTIVE_MODULUS = 10.0
 
 
 def random_heights(random, shape):
-    """Return random heights with rms slope 1 and a grid spacing of 1 µm, and a description."""
+    """Return random heights with an rms slope of 1 on a grid spacing of 1 µm, and a text that describes them."""
     kind = random.choice(["self-affine", "self-affine", "self-affine", "grid", "spike", "flat", "arc"])
     if kind == "flat":
         return np.zeros(shape), kind
@@ -58,7 +58,7 @@ def random_heights(random, shape):
 
 
 def random_problem(random):
-    """Return two bodies, a load, other arguments of `half_space`, and a description."""
+    """Return two bodies, a load, further arguments of `half_space`, and a text that describes the problem."""
     if random.random() < 0.5:
         shape = (int(np.exp(random.uniform(np.log(16), np.log(150_000)))),)
     else:
@@ -77,7 +77,7 @@ def random_problem(random):
 
 
 def random_problem_with_hardness(random):
-    """Return a problem like `random_problem`, with a hardness that limits the pressure."""
+    """Return a random problem with a hardness that limits the pressure."""
     axes = 1 if random.random() < 0.4 else 2
     shape = tuple(int(np.exp(random.uniform(np.log(32), np.log(513)))) for _ in range(axes))
     z, description = random_heights(random, shape)
@@ -98,7 +98,7 @@ def assemble_problem(z, pressure, hardness, periodic, description):
 
 
 def find_solution_violations(lower, load, arguments, curve):
-    """Return the contact conditions that a solution violates, as texts; they are computed from its pressure alone."""
+    """Return the contact conditions that the pressure of a solution violates, as texts."""
     hardness = arguments["hardness"] or np.inf
     faults = dense_half_space.find_violations(
         curve.contact(0).pressure,
@@ -124,7 +124,7 @@ def main(num_problems=NUM_PROBLEMS, seed=SEED, num_hard_problems=NUM_HARD_PROBLE
 
 
 def solve_problems(create_problem, num_problems, seed):
-    """Return the number of rejected problems and the number of wrong solutions."""
+    """Solve random problems, and return the number of rejected problems and the number of wrong solutions."""
     random = np.random.default_rng(seed)
     num_rejected = num_wrong = 0
     iterations, times = [], []

@@ -27,8 +27,8 @@ from stiction.solve import member_solution, store
 from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
-KILLS_PER_DIRECTORY = 20  # small, so that many kills happen while a directory is new
-MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions of a directory that are computed again for comparison
+KILLS_PER_DIRECTORY = 20  # number of kills per directory; small, so that many kills happen while a directory is new
+MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions per directory that are computed again for comparison
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
 
@@ -45,7 +45,7 @@ STUDY = Study().with_changes(
     }
 )
 
-# Each process records the repetitions that it computes, writes small blocks, and sleeps around file operations.
+# Make each process record the repetitions that it computes, write small blocks, and sleep around file operations.
 SITECUSTOMIZE_CODE = """
 import os, sys
 if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
@@ -72,7 +72,7 @@ if "storm" in os.environ and "stiction" in " ".join(sys.orig_argv):
 
 
 class WriterKillTest:
-    """Result directory with the processes that write it, and a record of finished repetitions and kills."""
+    """Result directory, the processes that write it, and a record of finished repetitions and kills."""
 
     def __init__(self, directory: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.directory, self.random, self.executors = directory, random_generator, executors
@@ -112,7 +112,7 @@ class WriterKillTest:
         return process
 
     def wait_for_write(self, *processes: subprocess.Popen[bytes]) -> None:
-        """Wait a random time that ends before the next write, or up to half a second after it."""
+        """Wait for a random time, which ends before the next write or at most half a second after it."""
         blocks_before, start_time = self.count_blocks(), time.monotonic()
         is_early = self.random.random() < 0.3
         end_time = start_time + (
@@ -160,7 +160,7 @@ class WriterKillTest:
                 if self.random.random() < 0.5:
                     self.kill("a worker of Dask", self.dask_processes.pop())
                     self.add_worker()
-                    time.sleep(self.random.uniform(0, 3))  # another worker may start during this pause
+                    time.sleep(self.random.uniform(0, 3))  # pause, during which another worker may start
                 self.kill("--scheduler", process)
             case "parts":
                 part_processes = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}
@@ -199,7 +199,7 @@ class WriterKillTest:
             return []
 
     def check_blocks(self) -> None:
-        """Check that blocks are complete and unchanged, and that no command computed a finished repetition again."""
+        """Check that blocks are complete and unchanged, and that commands computed no finished repetition again."""
         if not (self.result_directory / store.BLOCKS_DIRECTORY).exists():
             assert not self.checksums
             return
@@ -221,7 +221,7 @@ class WriterKillTest:
         assert self.checksums.keys() <= set(self.read_finished_repetitions())
         lines = self.log_file.read_text().splitlines() if self.log_file.exists() else []
         for number, process_id in map(str.split, lines[self.num_computed :]):
-            # A Dask worker may continue tasks of killed commands, so only processes of commands are checked.
+            # Check only processes of commands, because a Dask worker may continue the tasks of killed commands.
             if int(process_id) in self.finished_at_start:
                 assert int(number) not in self.finished_at_start[int(process_id)], f"{number} was computed again"
         self.num_computed = len(lines)

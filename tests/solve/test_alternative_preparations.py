@@ -44,7 +44,7 @@ PAIR_OPTIONS = {
 
 
 def open_without_alternatives(result):
-    """Return a stored result whose interval does not include alternative preparations of the scans."""
+    """Return a stored result whose interval leaves out alternative preparations of the scans."""
     directory = result.path.with_name(f"{result.path.name}-without-alternatives")
     if not directory.exists():
         shutil.copytree(result.path, directory, ignore=shutil.ignore_patterns(ALTERNATIVES_DIRECTORY))
@@ -52,7 +52,7 @@ def open_without_alternatives(result):
 
 
 def scan_with_tip(surface, radius=TIP_RADIUS):
-    """Return the scan of a surface that a spherical tip of a given radius records."""
+    """Return the scan of a surface as a spherical tip with a given radius records it."""
     half_width = int(np.sqrt(2 * radius * np.ptp(surface.heights)) / SPACING) + 1
     offsets = SPACING * np.arange(-half_width, half_width + 1)
     tip_shape = np.sqrt(radius**2 - offsets[:, None] ** 2 - offsets**2) - radius
@@ -63,7 +63,7 @@ def scan_with_tip(surface, radius=TIP_RADIUS):
 
 
 def add_spikes(surface, seed=2):
-    """Return a scan with a few points that are 10 rms heights too high or too low."""
+    """Return a scan in which a few points are 10 rms heights too high or too low."""
     generator = np.random.default_rng(seed)
     heights = surface.heights.copy()
     points = generator.choice(heights.size, NUM_SPIKES, replace=False)
@@ -129,7 +129,7 @@ def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(
         *files, unit="um", spacing=SPACING, outliers="mask", cutoff="none", **PAIR_OPTIONS | {"load": "20 MPa"}
     )
     alternative = spiked_result.alternatives["spikes"]
-    # Both results have the same load in mN, because masked points do not belong to the nominal area.
+    # Both results have the same load (mN), because the nominal area does not include masked points.
     assert alternative.value == pytest.approx(masked_result.value, rel=1e-2)
     assert covers(spiked_result.interval, alternative.interval)
     result_without_estimate = open_without_alternatives(spiked_result)
@@ -361,7 +361,8 @@ def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves(
     x = np.arange(81) * SPACING
     missing = np.zeros(x.size, bool)
     missing[7] = True
-    smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=missing)  # radius of peaks: 41 µm
+    # A profile with peaks whose radius is 41 µm.
+    smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=missing)
     sharp_profile = sharpened(smooth_profile, 1.0, 3.0)
     np.testing.assert_array_equal(sharp_profile.missing, missing)
     assert np.abs(sharp_profile.heights - smooth_profile.heights).max() < 0.05 * 0.01

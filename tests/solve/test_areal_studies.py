@@ -83,7 +83,7 @@ def result(request):
 
 
 def compute_curves(study, upper, lower):
-    """Compute the load curve for each sliding rule by calling `press` or `half_space` directly."""
+    """Compute the load curve under each sliding rule by direct calls of `press` or `half_space`."""
     contact = study.contact
     for rule in contact.sliding_rules():
         if contact.mechanics == "asperities":

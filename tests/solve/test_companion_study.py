@@ -21,7 +21,7 @@ PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "sh
 
 @pytest.fixture(scope="module")
 def studies():
-    """Return a study of two maps, and the same study with doubled heights."""
+    """Return a study of two maps, and a copy of it with doubled heights."""
     study = pair(*rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6), **PAIR_OPTIONS).study
     return study, scale_study_heights(study, 2.0, "both")
 

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def run_script(script):
-    """Run a script with the process number `pid` and `evaluate_in_copy`, and return its output without errors."""
+    """Run a script with `evaluate_in_copy` and the process id `pid`, and return its output. Errors fail the test."""
     start = "import os, signal, sys, threading, time\nfrom stiction.solve.executors import evaluate_in_copy\n"
     code = f"{start}pid = os.getpid()\n{textwrap.dedent(script)}"
     completed = subprocess.run(

@@ -170,7 +170,7 @@ def test_changed_scan_file_is_rejected_when_a_study_loads_its_bodies(tmp_path):
 
 
 def create_half_space_study(directory, monkeypatch, num_points, **contact):
-    """Return a study of maps that estimates of run time take for maps with the given number of points."""
+    """Return a study of maps that functions for run time estimates regard as maps with the given number of points."""
     monkeypatch.setattr(member_solution, "count_grid_points", lambda study: num_points)
     changes = {f"contact.{name}": value for name, value in contact.items()}
     return create_study_from_files(directory, spacing=write_maps(directory)).with_changes(

@@ -30,7 +30,7 @@ FREE_TILT = 'tilt = "free"\nboundary = "free"'
 
 @pytest.fixture
 def study(request, tmp_path, monkeypatch):
-    """Study of one position whose contact keys are the parameter of the fixture; each load is stored immediately."""
+    """Study of one position whose contact keys come from the test. Each load is stored immediately."""
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     monkeypatch.setattr(half_space, "MAX_POINTS_PER_STEP", 1)
     contact, is_areal = request.param
@@ -45,7 +45,7 @@ def estimate_iterations():
 
 
 class InterruptedMethod:
-    """Method of a class that raises `KeyboardInterrupt` after a number of calls."""
+    """Method of a class that raises `KeyboardInterrupt` after a given number of calls."""
 
     def __init__(self, monkeypatch, owner, name):
         self.num_calls, self.max_calls = 0, None
@@ -214,7 +214,7 @@ def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study,
 
     def solve_slowly(*arguments, **options):
         solution = solve(*arguments, **options)
-        time.sleep(0.2)  # many times longer than the interval between two lines of progress
+        time.sleep(0.2)  # pause for many intervals between two lines of progress
         return solution
 
     monkeypatch.setattr(ContactSolver, "contacts_at", solve_slowly)

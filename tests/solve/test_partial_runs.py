@@ -48,7 +48,7 @@ def test_computation_of_missing_pairs_rejects_an_invalid_part_of_a_run(tmp_path,
 
 
 class RemoteExecutor(Executor):
-    """Executor that runs tasks like a worker on another machine, which may lack access to the shared directory."""
+    """Executor that runs tasks as on another machine, which may have no access to the shared directory."""
 
     def __init__(self, has_directory):
         self.has_directory = has_directory
@@ -58,7 +58,7 @@ class RemoteExecutor(Executor):
             args = [
                 replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultDirectory) else arg for arg in args
             ]
-            # The function is the method SharedResultDirectory.is_accessible.
+            # This task is the method SharedResultDirectory.is_accessible.
             if isinstance(getattr(function, "__self__", None), SharedResultDirectory):
                 function = SharedResultDirectory(Path("/nowhere"), "").is_accessible
         return InlineExecutor().submit(function, *args)

@@ -191,7 +191,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
         try:
             run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
-            interrupt_error = error  # The stored error also keeps the frames of the run alive.
+            interrupt_error = error  # The stored error keeps the frames of the run alive.
             interrupted.set()
     assert interrupt_error is not None
     assert len(computed_repetitions) < 800
@@ -231,7 +231,7 @@ def test_progress_of_a_run_is_printed_as_text_in_a_notebook(capfd, monkeypatch):
         pytest.skip("ipywidgets is installed")
 
     class ZMQInteractiveShell:
-        """Stand-in for the shell of a notebook, which rich recognises by its class name."""
+        """Stand-in for the shell of a notebook, which rich recognizes by the name of its class."""
 
     monkeypatch.setattr(builtins, "get_ipython", ZMQInteractiveShell, raising=False)
     run(with_repetitions(2), progress=True)
@@ -253,9 +253,11 @@ def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block()
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
         runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 300.0) == ""
-    )  # the estimate after the first block is close to the estimate before it
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""  # little time remains
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""  # no repetitions remain
+    )  # the estimate after the first block is close to the first estimate
+    # Not printed, because little time remains.
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""
+    # Not printed, because no repetitions remain.
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""
 
 
 def test_run_computes_with_fewer_threads_if_not_all_can_start(monkeypatch):
@@ -288,7 +290,7 @@ def test_run_stops_with_every_error_other_than_a_load_without_solution(tmp_path,
 
 
 class PartialFileAgeingExecutor(Executor):
-    """Executor that is not local; before a task, it makes all partial files old and waits until they are recent."""
+    """Executor that makes all partial files old before each task, and waits until the files are refreshed."""
 
     def __init__(self, directory, wait_until_recent):
         self.directory, self.wait_until_recent, self.ages = directory, wait_until_recent, []
@@ -318,8 +320,8 @@ def test_run_refreshes_its_claim_of_a_directory_while_it_computes(tmp_path, monk
 
     executor = PartialFileAgeingExecutor(tmp_path, wait_until_recent)
     run(with_repetitions(2), store=tmp_path / "result", executor=executor)
-    # The first task only tests whether the directory can be accessed. All tasks find the claims of the directory and of
-    # its blocks.
+    # The first task only tests whether the directory is accessible. Each task finds two claims, one on the directory
+    # and one on its blocks.
     assert len(executor.ages) > 1
     assert all(is_recent == [True, True] for is_recent in executor.ages)
     assert list(tmp_path.rglob("*.partial")) == []

@@ -58,7 +58,7 @@ def find_block_file(path, first):
 
 
 def replace_block_content(file, content):
-    """Replace the file of a block by other content, and name the new file by the checksum of the content."""
+    """Replace the content of a block file, and rename the file by the checksum of the new content."""
     first, last, _ = file.stem.split("-")
     file.unlink()
     path = file.with_name(BlockFile(int(first), int(last), zlib.crc32(content)).name)
@@ -357,7 +357,7 @@ def test_edited_study_file_without_blocks_is_used_but_never_replaced(tmp_path, k
     assert (tmp_path / STUDY_FILE).is_symlink() == (kind == "link")
     with pytest.raises(
         StoreError, match="written or edited by hand"
-    ):  # the studies differ only in the friction parameters
+    ):  # these studies differ only in their friction parameters
         run(edited_study.with_changes({"friction.mu0": [0.3]}), store=tmp_path)
     assert (tmp_path / STUDY_FILE).read_text() == text
 
@@ -441,7 +441,7 @@ def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, ki
 
 
 def make_variable_rewriter(name, change_values):
-    """Return a function that replaces the values of one variable of a block file."""
+    """Return a function that changes the values of one variable in a block file."""
 
     return lambda file: rewrite_variable(file, name, change_values)
 
@@ -604,11 +604,11 @@ def test_partial_files_of_ended_processes_are_removed_by_the_next_run(directory_
     machine, _, process_token = _files.PARTIAL_FILE_NAME_PATTERN.fullmatch(_files.new_partial_file_name()).groups()
     is_kept = {
         f".stiction-{machine}-{ended_process.pid}-00000000-00000000.partial": False,
-        # This file belongs to an earlier process that had the same process id.
+        # The file of an earlier process that had the same process id.
         f".stiction-{machine}-{os.getpid()}-00000000-00000000.partial": False,
         f".stiction-{machine}-{os.getpid()}-{process_token}-00000000.partial": True,
         f".stiction-{machine}-{os.getppid()}-00000000-00000000.partial": True,
-        # Another machine wrote this file, which is not old enough to be removed.
+        # The file of another machine, which is not old enough to be removed.
         ".stiction-00000000-1-00000000-00000000.partial": True,
         ".stiction-00000000-1-00000000-00000001.partial": False,
         "mine.partial": True,
@@ -718,7 +718,7 @@ OTHER_STUDIES = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, 
 
 
 class WaitingExecutor(InlineExecutor):
-    """Executor whose first task waits until `proceed` is set."""
+    """Executor whose first task waits for the event `proceed`."""
 
     def __init__(self):
         super().__init__()
@@ -838,14 +838,14 @@ def test_encoding_a_block_rejects_arrays_of_another_shape(uninterrupted_dataset)
 
 
 def find_dimensions_by_scale(file, name):
-    """Return the names of the dimension scales of a variable of an open netCDF file."""
+    """Return the names of a variable's dimensions in an open netCDF file, found by the dimension scales."""
     if file[name].is_scale:
         return [name]
     return [axis[0].name.removeprefix("/") for axis in file[name].dims]
 
 
 def find_dimensions_by_number(file, name):
-    """Return the names of the dimensions of a variable of an open netCDF file, found by the numbers in attributes."""
+    """Return the names of a variable's dimensions in an open netCDF file, found by the numbers in attributes."""
     names = {int(scale.attrs["_Netcdf4Dimid"]): key for key, scale in file.items() if scale.is_scale}
     if file[name].is_scale:
         return [names[int(file[name].attrs["_Netcdf4Dimid"])]]
@@ -929,7 +929,8 @@ def test_interrupt_stops_the_run_and_preserves_finished_blocks(tmp_path):
     ):
         cleanup.callback(process.kill)  # `kill` has no effect if the process has ended
         assert process.stdout.readline() == b"started\n"
-        pending_lines = {b"ready\n", b"waiting\n"}  # Different threads print these lines, in any order.
+        # The lines may have any order, because different threads print them.
+        pending_lines = {b"ready\n", b"waiting\n"}
         while pending_lines and (line := process.stdout.readline()):
             pending_lines.discard(line)
         process.send_signal(signal.SIGINT)

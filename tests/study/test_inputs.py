@@ -195,7 +195,7 @@ def test_pair_rejects_an_impossible_yield_exponent(options, reason):
 
 @pytest.fixture(scope="module")
 def study_file(tmp_path_factory):
-    """Study file of a pair whose inputs are all uncertain."""
+    """Study file of a pair in which all inputs are uncertain."""
     options = {"hardness": "1 GPa ± 10 %", "mu0": "0.2 ± 0.01", "tau0": "50 MPa ± 20 %", "load": "50 MPa"}
     directory = tmp_path_factory.mktemp("pair")
     study = compute_pair(directory / "result", upper="steel", lower="brass", junction_growth="0..20", **options).study
@@ -221,7 +221,8 @@ def study_file(tmp_path_factory):
 def test_study_entry_set_on_the_command_line_appears_in_output_and_budget(
     study_file, tmp_path, monkeypatch, key, entry, text, label
 ):
-    monkeypatch.setattr("stiction.cli.result_output.print_result", lambda *_, **__: None)  # `info` prints the result
+    # Print nothing, because `info` would print the result.
+    monkeypatch.setattr("stiction.cli.result_output.print_result", lambda *_, **__: None)
     arguments = ["--set", f"{key}={entry}", "--output", "changed"]
     check_stiction("run", study_file, *arguments, cwd=tmp_path, without_report=True)
     document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)

@@ -41,7 +41,7 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 INTERFACE_KINDS = ("measured", "lumped", "bound")
 
 MAX_SAMPLING_ERROR = 0.04
-"""Largest error of an interval end due to 4000 random samples, as a fraction of the interval width."""
+"""Largest error of an interval limit due to 4000 random samples, as a fraction of the interval width."""
 
 # Coefficients with combined intervals, and with intervals of the mean.
 INTERVAL_NAMES = ("friction_combined", "mean_friction")
@@ -57,7 +57,7 @@ def rough_surfaces():
 
 @pytest.fixture(scope="module")
 def film_file(tmp_path_factory):
-    """Return the path of an interface file with correlated mu0 and tau0, calibrated by tests on a ball."""
+    """Return the path of an interface file with correlated mu0 and tau0, which tests on a ball determined."""
     path = tmp_path_factory.mktemp("film") / "film"
     ball = Ball("5 mm", "3 GPa")
     tests = [
@@ -71,7 +71,7 @@ def film_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def opposing_film_file(film_file):
-    """Return the path of the same interface, as if it had been fitted with friction at opposing contacts only."""
+    """Return the path of the same interface, marked as fitted with friction at opposing contacts only."""
     film = interface(film_file)
     path = film_file.with_name("opposing_film")
     write_interface(replace(film, fits=(replace(film.fits[0], sliding="opposing"),)), path)
@@ -125,7 +125,8 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     )
     (mu0,), (tau0,) = result.study.friction.mu0, result.study.friction.tau0
     uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
-    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)  # mu0 and tau0 are no longer correlated
+    # Mu0 and tau0 are sampled without correlation.
+    assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)
     assert "interface film (measured)" in result.sentence
 
 

@@ -16,7 +16,7 @@ FILM = "MoS2 on bearing steel, dry air"
 
 
 def parse_old(known="", contact="", friction="mu0 = [0.2]"):
-    """Parse an old study in which some lines of `[known]`, `[contact]` and `[friction]` are replaced."""
+    """Parse a study in the old format after replacing lines in `[known]`, `[contact]` and `[friction]`."""
     text = f"""{OLD_TEXT[: OLD_TEXT.index("[contact]")]}
 [contact]
 mechanics = "half-space"
@@ -61,7 +61,7 @@ def test_study_file_of_the_old_format_with_material_names_has_their_ranges():
     ('hardness = "1.269 GPa"', 'hardness = "120 HV ± 10 %"', "120 HV ± 10 %"),
     ('hardness = "2 GPa"', 'hardness = "2 GPa"', "2 GPa"), ('hardness = "2 GPa"', "", "2 GPa"),
     ('hardness = "1.1 GPa"', 'hardness = "1 GPa ± 10 %"', "1.1 GPa (1 GPa ± 10 %)"),
-    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # a value that the user has specified
+    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # an entry that the user has specified
 ])  # fmt: skip
 def test_hardness_in_a_study_file_of_the_old_format_has_its_original_range(contact, known, text):
     assert parse_old(known, contact).contact.hardness.text == text

@@ -19,7 +19,7 @@ from support.studies_of_files import create_study_from_files, write_maps, write_
 
 @pytest.fixture(scope="module")
 def result_directories(tmp_path_factory):
-    """Return the directories of a result of maps, of a result of profiles and of a result of generated profiles."""
+    """Return the directories of three results: of maps, of profiles and of generated profiles."""
     directory = tmp_path_factory.mktemp("results")
     contact = 'load = ["1 mN", "2 mN"]\ndirection = [0, 90]'
     spacing = write_maps(directory, shape=(24, 24))
@@ -36,7 +36,7 @@ def read_first_block(directory):
 
 
 def change_file(content, name, change):
-    """Return the bytes of a file in which a variable or, after "@", an attribute has been changed."""
+    """Return the bytes of a file after a change of a variable or, if the name follows "@", of an attribute."""
     stream = io.BytesIO(content)
     with h5py.File(stream, "r+") as file:
         if name.startswith("@"):
@@ -111,7 +111,7 @@ RANDOM_CHANGES = [
 
 
 def change_at_random(content, random):
-    """Return the bytes of a file in which a random variable or attribute was changed, and the name of the variable."""
+    """Return the bytes of a file after a random change of a random variable, and the name of the variable."""
     with h5py.File(io.BytesIO(content)) as file:
         names = [name for name in file if file[name].dtype.kind == "f" and file[name].size]
     name = str(random.choice(names))

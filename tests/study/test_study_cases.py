@@ -13,7 +13,7 @@ from stiction.study.values import StudyError
 STORED_STUDIES = {
     path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "stored_studies").glob("*.toml")
 }
-"""Texts of studies that version 0.1.0.dev0 stored, by the kind of their section `[contact]`."""
+"""Texts of studies that version 0.1.0.dev0 stored, by the kind of their contact model."""
 
 
 @pytest.mark.parametrize("case_name", STORED_STUDIES)

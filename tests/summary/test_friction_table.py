@@ -63,7 +63,7 @@ def test_friction_table_equals_means_over_directly_solved_pairs(dataset, table):
 
 
 def test_fitted_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
-    # If one approach is negated, the approach no longer increases with the load.
+    # With one negated approach, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
     result = friction_table(changed_dataset)
@@ -177,7 +177,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     laws = list(csv.DictReader((tmp_path / "table" / "laws.csv").read_text().splitlines()))
     assert float(laws[0]["c of k/A0 = b p^c"]) == pytest.approx(float(expected["stiffness_exponent"][0, 0, 0]))
     assert [row["assessment"] for row in rows[:3]] == expected["assessment"].isel(pressure=0).values[0].ravel().tolist()
-    # The same command with another mu0 replaces the table, also one of an earlier version, without assessments.
+    # The command with another mu0 replaces the table, even the table of an earlier version, which lacks assessments.
     export(expected.drop_vars("assessment"), tmp_path / "table" / "table.nc", replace=True)
     (tmp_path / "table" / "table.csv").write_text(friction_table_csv(expected.drop_vars("assessment")))
     completed = check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.1", cwd=tmp_path)
@@ -239,7 +239,8 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
 
 
 def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, monkeypatch):
-    monkeypatch.setattr("stiction.summary.joint_table.MAX_LOAD_RATIO", 2.0)  # fewer rows between the computed loads
+    # Fewer rows between computed loads, which saves time.
+    monkeypatch.setattr("stiction.summary.joint_table.MAX_LOAD_RATIO", 2.0)
     write_profiles(tmp_path)
     options = ["--unit", "um", "--spacing", "0.02 um", "--upper", "steel", "--lower", "brass", "--hardness", "2 GPa"]
     arguments = ["--mu0", "0.2,0.3", "--tau0", "50 MPa", "--load", "5 MPa,50 MPa"]
@@ -303,7 +304,7 @@ def test_table_command_prints_the_number_of_values_that_must_not_be_quoted(tmp_p
     options = ["--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--points", "64"]
     options += ["--wavelengths", "1.25 um,2.5 um", "--mu0", "0.3"]
     few_contacts = check_stiction("table", *options, "--load", "10 kPa,100 MPa", cwd=tmp_path).stdout
-    # At the higher pressure, friction at all contacts equals the given mu0, because tau0 is 0.
+    # Friction at all contacts equals the given mu0 at the higher pressure, because tau0 is 0.
     counts = "Do not quote (2), Quote with care (1), Quote it (1)"
     assert f"Assessment of 4 coefficients (column assessment): {counts}." in " ".join(few_contacts.split())
     assert "What helps: use larger surfaces or a higher load" in " ".join(few_contacts.split())

@@ -21,7 +21,7 @@ def test_sliders_of_a_report_include_mu0_and_tau0_of_the_study():
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
     assert {0.0, 0.37, 1.0} <= set(mu0.values)
-    # A report of generated surfaces has no tau0 above the maximum for generated surfaces.
+    # The report of generated surfaces contains no tau0 above its maximum.
     assert tau0.values.tolist() == [0.0, 0.003, 0.005, 0.01, 0.015, 0.02, 0.021]
     assert not any(axis.has_range.any() for axis in (mu0, tau0))
 
@@ -54,7 +54,7 @@ def test_mu0_slider_has_an_uncertainty_range_only_at_the_value_of_the_study(tmp_
     mu0, tau0 = build_parameter_axes(study.with_changes(changes))
     (study_value,) = study.with_changes(changes).friction.mu0
     assert mu0.values[mu0.has_range].tolist() == [study_value]
-    # A mu0 within 1e-3 of the value of the study has the range of the study, so no other mu0 may be so close.
+    # No other mu0 may be within 1e-3 of that of the study, because it would get the range of the study.
     assert np.sort(np.abs(mu0.values - study_value))[1] > 1e-3 * study_value
     assert not tau0.has_range.any()
 

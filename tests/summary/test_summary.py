@@ -36,7 +36,7 @@ def run_command(monkeypatch, *arguments):
 
 @pytest.fixture(scope="module")
 def call_counts(surface_directory):
-    """Return how often one `stiction pair` calls functions that read the whole result or its files."""
+    """Return how often one `stiction pair` calls each function that reads the whole result or its files."""
     counts = Counter()
     with pytest.MonkeyPatch.context() as monkeypatch:
 
@@ -78,7 +78,7 @@ def test_result_computes_its_summary_onset_and_resolution_only_once(surface_dire
 
 
 def change_in_place(dataset):
-    """Set all arrays of a dataset to 0 unless they are read-only, and remove its variables and attributes."""
+    """Set all arrays of a dataset to 0 unless they are read-only, and remove all its variables and attributes."""
     for variable in dataset.variables.values():
         with contextlib.suppress(ValueError):  # the array is read-only
             variable.values[...] = variable.dtype.type(0)
@@ -89,7 +89,7 @@ def change_in_place(dataset):
 
 @pytest.fixture(scope="module")
 def evaluated_result(surface_directory, call_counts):
-    """Return a result with its summary in its cache, and the text of this summary."""
+    """Return a result whose summary is cached, with the text of this summary."""
     result = open_result(surface_directory / "pair")
     return result, repr(result)
 
@@ -167,7 +167,7 @@ def test_summary_of_a_result_without_contact_raises_the_same_error_on_every_call
         errors.append(error_info.value)
         traceback_lengths.add(len(traceback.extract_tb(error_info.tb)))
     assert errors[0] is errors[1] is errors[2]
-    assert len(traceback_lengths) == 1  # the traceback of the error contains no frames of earlier calls
+    assert len(traceback_lengths) == 1  # the traceback of an error must not contain frames of earlier calls
 
 
 def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_directory, call_counts):

@@ -24,7 +24,7 @@ IS_READY_SCRIPT = "return document.readyState === 'complete' && document.getElem
 
 @contextmanager
 def start_browser(profile):
-    """Return a Selenium driver that stores user data in the directory `profile` and logs requests and messages."""
+    """Return a Selenium driver that keeps user data in the directory `profile`, and logs requests and messages."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -42,7 +42,7 @@ def start_browser(profile):
 
 
 def open_page(driver, path, width=1280, height=900):
-    """Open a report and wait until it is drawn."""
+    """Open a report in the browser, and wait until the report is drawn."""
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     driver.get("about:blank")
@@ -90,7 +90,7 @@ RUN_AXE_SCRIPT = "axe.run({rules: {'label-content-name-mismatch': {enabled: true
 
 
 def find_accessibility_violations(driver, script):
-    """Return the accessibility violations of a page and its frames, each as rule and element."""
+    """Return the accessibility violations of a page and its frames, as pairs of rule and element."""
     driver.execute_script(script)
     report = driver.execute_async_script(RUN_AXE_SCRIPT)
     return [
@@ -108,7 +108,7 @@ def wait_for_drawing(driver):
 
 
 def find_axes_frame(driver, plot):
-    """Return the frame of the axes of a plot in the window: left, top, width and height in pixels."""
+    """Return the frame of a plot's axes in the window, in pixels: left, top, width, and height."""
     return driver.execute_script(
         "const place = document.getElementById(arguments[0]); place.scrollIntoView({block: 'center'});"
         "const {left, top} = place.getBoundingClientRect(); const {x, y, width, height} = place.axes.frame;"
@@ -123,7 +123,7 @@ def press_keys(driver, name, keys):
 
 
 def find_foreign_requests(driver, path):
-    """Return the addresses of all requests since a page was opened, except the address of the page itself."""
+    """Return the addresses of all requests since a page was opened, without the address of the page itself."""
     messages = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
     requested_addresses = [
         message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"

@@ -13,14 +13,14 @@ import typer
 from stiction import cli
 from stiction.views.files import REPORT_FILE_SIGNATURE, replace_text_file
 
-# If xarray was imported while Dask was available, it needs Dask even if main() would prevent the import.
+# xarray needs Dask if Dask was available when xarray was imported, even if main() prevents the import.
 with contextlib.suppress(ImportError):
     import dask.base  # noqa: F401
 
 
 @contextlib.contextmanager
 def disable_drawing():
-    """Return a context manager in which Matplotlib neither draws nor lays out figures, to save time."""
+    """Return a context manager in which Matplotlib neither draws figures nor computes their layout, to save time."""
     with (
         mock.patch("matplotlib.figure.Figure.draw", return_value=None),
         mock.patch("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", return_value=None),
@@ -30,7 +30,7 @@ def disable_drawing():
 
 @contextlib.contextmanager
 def disable_companion_files():
-    """Return a context manager in which pairs compute no contact picture, cutoff study or onset, which saves time."""
+    """Return a context manager in which pairs compute no contact picture, cutoff study or onset, to save time."""
     with (
         mock.patch("stiction.pipeline.contact_picture", return_value=None),
         mock.patch("stiction.pipeline.compute_companion_files", return_value=None),
@@ -39,14 +39,14 @@ def disable_companion_files():
 
 
 def empty_figures():
-    """Return a context manager in which commands write empty figures with the names of the figures of a result."""
+    """Return a context manager in which commands write empty figures under the names of the result's figures."""
     from matplotlib.figure import Figure
     from stiction.views.figures import standard
 
     select_figures = standard.select_figures
 
     def select_empty_figures(*arguments):
-        # Empty figures are small, because most of the time of writing them is spent on the compression of pixels.
+        # Use small empty figures, because most of the time for writing a figure is spent on compressing pixels.
         return ((name, functools.partial(Figure, figsize=(1, 1))) for name, _ in select_figures(*arguments))
 
     return mock.patch.object(standard, "select_figures", select_empty_figures)
@@ -67,7 +67,7 @@ def disable_reports():
 
 
 get_command_once = functools.cache(typer.main.get_command)
-"""Cached function that builds a command from the parameters of its function, which takes longer than short commands."""
+"""Cached function that builds a command from the signature of a function, which takes longer than a short command."""
 
 
 def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_report=False):
@@ -85,7 +85,7 @@ def call_stiction(*arguments, cwd, columns=200, without_figures=False, without_r
         contextlib.chdir(cwd),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
-        warnings.catch_warnings(),  # restore the warning function that main() replaces
+        warnings.catch_warnings(),  # restores the warning function that main() replaces
         mock.patch.object(sys, "argv", ["stiction", *map(str, arguments)]),
         mock.patch.dict(os.environ, {"COLUMNS": str(columns), "CI": "1"}),
     ):
@@ -106,7 +106,7 @@ def check_stiction(*arguments, **options):
 
 
 def assert_rejected(completed, *words):
-    """Assert that a command failed with exit status 2 and a short message that contains given words."""
+    """Assert that a command failed with exit status 2, and with a short message that contains given words."""
     assert completed.returncode == 2, completed
     assert "Traceback" not in completed.stderr
     assert len(completed.stderr.splitlines()) <= 8, completed.stderr

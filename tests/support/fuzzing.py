@@ -40,7 +40,7 @@ _SMALL_STUDY_CHANGES = {
 
 
 def random_study_text(random):
-    """Return the text of a valid study after random changes of lines, numbers or bytes."""
+    """Return the text of a valid study in which lines, numbers or bytes were changed at random."""
     lines = (
         Study()
         .with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
@@ -78,7 +78,7 @@ def _parse_value(text):
 
 
 def fuzz_study_file(random, directory):
-    """Run `stiction run` on a random study file. Return the exit status, or None if the study is too large to run."""
+    """Run `stiction run` on a random study file, and return the exit status, or None if the study is too large."""
     path = directory / "study.toml"
     text = random_study_text(random)
     path.write_bytes(text)
@@ -89,7 +89,7 @@ def fuzz_study_file(random, directory):
     if study is not None and (
         study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6 or study.ensemble.repetitions > 100
     ):
-        return None  # skip a study that would take too long
+        return None  # do not run a study that would take too long
     output = directory / "output"
     completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=directory)
     assert completed.returncode in (0, 2), (text, completed)
@@ -107,7 +107,7 @@ def fuzz_study_file(random, directory):
 
 
 def small_fuzz_study():
-    """Return a study that takes a few milliseconds to run."""
+    """Return a study that runs in a few milliseconds."""
     return Study().with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
 
 
@@ -131,7 +131,7 @@ def fuzz_stored_result(random, original, directory):
 
 
 def damage_file(random, path):
-    """Damage a file at random: remove, truncate, overwrite or extend it, or change some of its bytes."""
+    """Damage a file at random: remove, truncate, overwrite or extend the file, or change some of its bytes."""
     if not path.exists():
         return
     data = bytearray(path.read_bytes())
@@ -181,7 +181,7 @@ _INSERTED_NUMBERS = [
 
 
 def fuzz_measurement_file(random, name, original, directory):
-    """Read a damaged file as a profile and as a surface. Return "read" if a reader accepts it, or else "refused"."""
+    """Read a damaged file as a profile and as a surface. Return "read" if either succeeds, or else "refused"."""
     data = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
         data = _damage_zip_archive(random, original)
@@ -210,7 +210,7 @@ def fuzz_measurement_file(random, name, original, directory):
 
 
 def scramble_bytes(random, data):
-    """Insert, remove and replace bytes of `data` at random."""
+    """Return `data` with bytes that are inserted, removed and replaced at random."""
     for _ in range(random.integers(1, 5)):
         position = int(random.integers(len(data) + 1))
         match random.integers(7):
@@ -269,12 +269,12 @@ _FUZZED_OPTION_VALUES = [
 
 
 def random_number(random, valid_number):
-    """Return a valid number or, sometimes, an extreme number or an object that is not a number."""
+    """Return a valid number or, sometimes, an extreme number or something that is not a number."""
     return valid_number if random.random() < 0.9 else _FUZZED_NUMBERS[int(random.integers(len(_FUZZED_NUMBERS)))]
 
 
 def random_choice(random, valid_choice):
-    """Return a valid choice or, sometimes, an object that is not a valid choice."""
+    """Return a valid choice or, sometimes, something that is not a valid choice."""
     return (
         valid_choice
         if random.random() < 0.95
@@ -310,7 +310,7 @@ def random_array(random, size):
 
 
 def fuzz_numeric_function(random):
-    """Call a numeric function with random arguments. Return the ValueError that it raises, or None."""
+    """Call a numeric function with random arguments, and return the ValueError that it raises, or None."""
     size = int(random.integers(0, 120))
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):

@@ -37,7 +37,7 @@ TINY_STUDY = Study().with_changes(
 
 
 def empty_dataset(study):
-    """Return a dataset like the result of a study, with its units, names and attributes, but with all numbers zero."""
+    """Return a dataset with the units, names and attributes of a study's result, in which all numbers are zero."""
     numbers = np.arange(study.ensemble.repetitions)
     arrays = {
         name: np.zeros(variable.shape, variable.dtype) for name, variable in variable_specs(study, numbers).items()
@@ -48,12 +48,12 @@ def empty_dataset(study):
 
 
 def with_repetitions(number, study=TINY_STUDY):
-    """Return a copy of a study with a given number of repetitions."""
+    """Return a copy of a study that has the given number of repetitions."""
     return study.with_changes({"ensemble.repetitions": number})
 
 
 class InlineExecutor(ThreadPoolExecutor):
-    """Executor that runs each task in the calling thread, in the order of submission."""
+    """Executor that runs each task in the calling thread, in the order in which tasks are submitted."""
 
     def submit(self, function, /, *args, **kwargs):
         future = Future()

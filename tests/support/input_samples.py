@@ -1,4 +1,4 @@
-"""Number of samples of uncertain inputs, and of calibrations, in tests."""
+"""Number of samples of uncertain inputs, and of nuisance points in calibrations, that tests draw."""
 
 import contextlib
 
@@ -12,7 +12,7 @@ from stiction.study import input_distributions, inputs, interfaces
 
 @contextlib.contextmanager
 def use_input_samples(count):
-    """Return a context manager in which uncertain inputs have a given number of samples (a power of two)."""
+    """Return a context manager in which uncertain inputs have the given number of samples (a power of 2)."""
     with pytest.MonkeyPatch.context() as patch:
         for module in (input_distributions, combined_intervals, shear_intervals):
             patch.setattr(module, "NUM_INPUT_SAMPLES", count)
@@ -23,7 +23,7 @@ def use_input_samples(count):
 
 @contextlib.contextmanager
 def use_nuisance_points(fraction):
-    """Return a context manager in which calibrations draw only a fraction of the usual nuisance samples."""
+    """Return a context manager in which calibrations draw only a fraction of the usual nuisance points."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(fit, "FINAL_NUISANCE_POINT_COUNTS", tuple(int(fraction * n) for n in NUISANCE_POINT_COUNTS))
         patch.setattr(fit, "MIN_EFFECTIVE_SAMPLES", fraction * MIN_EFFECTIVE_SAMPLES)
@@ -31,7 +31,7 @@ def use_nuisance_points(fraction):
 
 
 def _clear_caches():
-    """Remove cached results that were computed from another number of samples."""
+    """Remove cached results that depend on the number of samples."""
     combined_intervals._compute_test_scores.cache_clear()
     for module in (inputs, interfaces):
         for value in vars(module).values():

@@ -33,7 +33,7 @@ def coordinate_across_grooves(rng, dimensions):
 
 
 def turned_surface(rng, dimensions, *, feed=(14, 60), rough=0.05, depth_variation=0.15):
-    """Return a turned surface: rounded cusps of random depth with added noise."""
+    """Return a turned surface, which has rounded cusps of random depth and added noise."""
     position = coordinate_across_grooves(rng, dimensions) / rng.uniform(*feed) + rng.random()
     cusp = np.floor(position).astype(int)
     cusp -= cusp.min()
@@ -43,13 +43,13 @@ def turned_surface(rng, dimensions, *, feed=(14, 60), rough=0.05, depth_variatio
 
 
 def milled_surface(rng, dimensions):
-    """Return a milled surface: sharp triangular cusps, whose spectrum has no even harmonics."""
+    """Return a milled surface with sharp triangular cusps, whose spectrum has no even harmonics."""
     position = coordinate_across_grooves(rng, dimensions) / rng.uniform(14, 60) + rng.random()
     return scale_to_unit_rms(np.abs(position % 1 - 0.5)) + 0.05 * filtered_noise(rng, GRID_SHAPES[dimensions], 0.7)
 
 
 def ground_surface(rng, dimensions, *, stretch=30.0):
-    """Return a ground surface whose grooves are `stretch` times as long as wide; infinity gives straight grooves."""
+    """Return a ground surface, whose grooves are `stretch` times as long as wide. Infinity gives straight grooves."""
     hurst, longest = rng.uniform(0.5, 0.9), rng.uniform(30, 120)
     if dimensions == 1:
         return filtered_noise(rng, GRID_SHAPES[1], hurst, longest=longest)
@@ -59,7 +59,7 @@ def ground_surface(rng, dimensions, *, stretch=30.0):
 
 
 def honed_surface(rng, dimensions):
-    """Return a honed surface: plateaus with fine roughness between deep valleys."""
+    """Return a honed surface, which has plateaus with fine roughness between deep valleys."""
     shape = GRID_SHAPES[dimensions]
     coarse_heights = filtered_noise(rng, shape, rng.uniform(0.6, 0.95), longest=rng.uniform(40, 100))
     return np.minimum(coarse_heights, np.quantile(coarse_heights, 0.6)) + 0.03 * filtered_noise(rng, shape, 0.8)

@@ -1,4 +1,4 @@
-"""Numbers of an interactive report without a browser: its script `numbers.js` runs in the engine V8."""
+"""Numbers of an interactive report, computed without a browser by its script `numbers.js` in the engine V8."""
 
 import base64
 import json
@@ -10,7 +10,7 @@ import numpy as np
 
 
 class ReportEvaluator:
-    """Data of one report, evaluated by the functions of `numbers.js`."""
+    """Data of one report, and the functions of `numbers.js` that evaluate the data."""
 
     def __init__(self, page):
         from py_mini_racer import MiniRacer
@@ -28,9 +28,9 @@ class ReportEvaluator:
         )
 
     def __call__(self, function, *arguments):
-        """Call a JavaScript function, and return its result with exact numbers, including NaN and infinities."""
+        """Call a JavaScript function, and return its result with exact numbers, also NaN and infinities."""
         values = ", ".join(json.dumps(argument) for argument in arguments)
-        # JSON cannot represent NaN and infinities, so these numbers are passed as text.
+        # Pass NaN and infinities as text, because JSON cannot represent them.
         replacer = "(_, value) => typeof value === 'number' && !Number.isFinite(value) ? `number ${value}` : value"
         text = self._engine.eval(f"JSON.stringify(({function})({values}), {replacer})")
         return json.loads(re.sub(r'"number (-?)(\w+)"', r"\1\2", text))
@@ -53,7 +53,7 @@ class ReportEvaluator:
         return values
 
     def evaluate_quantity(self, name, mu0, tau0, **place):
-        """Return a quantity at mu0 and tau0 (GPa) as a dict of number, limits, decimals, text and status."""
+        """Return a quantity at mu0 and tau0 (GPa) as a dict: number, limits, decimals, text, and status."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0);"
             " const point = pointAt(numbers, name, index, place);"
@@ -74,7 +74,7 @@ class ReportEvaluator:
         )  # fmt: skip
 
     def format_validity(self, name, mu0, tau0, **place):
-        """Return the text of a validity indicator, and whether the indicator is beyond its limit."""
+        """Return the text of a validity indicator, and whether the indicator exceeds its limit."""
         return self(
             "(name, index, mu0, tau0) => { const place = placeAt(facts.axes, mu0, tau0); return ["
             "printed(numberAt(numbers, `mean_${name}`, index, place)),"

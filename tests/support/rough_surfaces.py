@@ -16,7 +16,7 @@ def sinusoid(points_per_wavelength, waves=8):
 
 
 def rough_profile(seed=3, **changes):
-    """Return a self-affine profile of 1000 points. `changes` replace arguments of `self_affine`."""
+    """Return a self-affine profile of 1000 points. `changes` replaces arguments of `self_affine`."""
     return self_affine(seed, **({"hurst_exponent": 0.8, "rms": 0.1, "points": 1000, "spacing": 0.01} | changes))
 
 

@@ -10,12 +10,15 @@ SIDES = ("upper", "lower")
 
 
 def pair_study(upper, lower, **options):
-    """Return the study of two bodies, with options named like the fields of `PairOptions`."""
+    """Return the study of two bodies. Options have the names of the fields of `PairOptions`."""
     return build_study_from_options(validate_option_values({"upper": upper, "lower": lower, **options}))
 
 
 def write_heights(directory, generate_surface, suffix="", seed=3, **options):
-    """Generate two surfaces, and write their heights to upper.npy and lower.npy (with `suffix` before the dot)."""
+    """Generate two surfaces, and write their heights to upper.npy and lower.npy.
+
+    `suffix` is inserted before the dot.
+    """
     for side in SIDES:
         np.save(
             directory / f"{side}{suffix}.npy", generate_surface(seed, hurst_exponent=0.8, side=side, **options).heights
@@ -37,7 +40,7 @@ def write_profiles(directory, points=1200):
 def create_study_from_files(
     directory, press="areas", mechanics="half-space", *, spacing, members=6, load="2 mN", more="", contact="", kind=""
 ):
-    """Return a study of the files upper.npy and lower.npy in a directory; `kind` is a suffix of their names."""
+    """Return a study of the files upper.npy and lower.npy in a directory. `kind` is a suffix of the file names."""
     files = "\n".join(
         f'{side} = {{ file = "{directory}/{side}{kind}.npy", unit = "um", spacing = "{spacing}" }}' for side in SIDES
     )
@@ -70,7 +73,7 @@ RESULT_STUDY_CHANGES = {"contact.effective_modulus": "10 GPa", "friction.mu0": [
 
 
 def run_pair_of_maps(directory, cut_off='["0 um"]'):
-    """Return the result of two maps at four shifts, in four directions and at three loads, two of them requested."""
+    """Return the result of two maps at four shifts, in four directions, and at three loads, two of them requested."""
     write_heights(
         directory, self_affine_surface, "-maps", 4, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.8
     )

@@ -1,4 +1,4 @@
-"""Datasets like those of `at_load`, with numbers that a test chooses."""
+"""Datasets with the structure of `at_load` datasets, and numbers that a test chooses."""
 
 import numpy as np
 import xarray
@@ -17,7 +17,7 @@ def value_and_ends(mean, half_width_ratio=0.05):
 def measured_study(
     *, mechanics="half-space", press="areas", hardness=None, law="hertz-sphere", mu0=(0.2,), adhesion="0 mJ/m^2"
 ):
-    """Return a study of two measured files that do not exist."""
+    """Return a study of two scan files that do not exist."""
     contact = {"mechanics": mechanics, "effective_modulus": "100 GPa"}
     if mechanics == "asperities":
         law_with_strength = {"name": law, "yield_strength": "1 GPa", "poisson_ratio": 0.3}
@@ -42,14 +42,14 @@ QUANTITIES_AT_LOAD = {
     "normal_stiffness": 800.0, "approach": 0.05, "share_on_largest": 0.1, "share_at_edge": 0.05,
     "fraction_on_small": 0.05, "share_opposing": 0.5, "load_share_at_hardness": 0.0, "error": 1e-7,
 }  # fmt: skip
-"""Quantities at a load with numbers that cause no caveat."""
+"""Values of quantities at a load that cause no caveat."""
 
 
 def measured_result(
     *, loads=(10.0,), mu0=(0.2,), tau0=(0.05,), directions=(0.0, 90.0, 180.0, 270.0), cut_offs=(0.0,),
     half_width_ratio=0.05, all_contacts=0.21, opposing=0.11, by_axis=None, status="ok", members=16, ok=16, **changes,
 ):  # fmt: skip
-    """Return a result of measured surfaces with equal numbers at every load, mu0 and tau0.
+    """Return a result of measured surfaces with the same numbers at every load, mu0 and tau0.
 
     `changes` replace numbers.
     """
@@ -109,7 +109,7 @@ def measured_result(
 def generated_result(
     *, loads=(0.001, 0.01), dimensions=(1.1, 1.4), friction=0.25, status="ok", half_width_ratio=0.05, **changes
 ):
-    """Return a result of generated profiles in one direction, with the sliding rule of the paper."""
+    """Return a result of generated profiles for one direction and the sliding rule of the paper."""
     sizes = {"fractal_dimension": len(dimensions), "amplitude": 1, "load": len(loads), "mu0": 1, "tau0": 2}
     cell_dimensions = ("fractal_dimension", "amplitude", "load", "mu0", "tau0")
 

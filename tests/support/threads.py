@@ -1,14 +1,14 @@
-"""Check that a call releases the interpreter lock, so that other threads can run."""
+"""Check whether a call releases the interpreter lock, so that other threads can run during the call."""
 
 import sys
 import threading
 import time
 
-MAX_WAITING_TIME = 30.0  # time in seconds that is long enough for another thread to start on a busy machine
+MAX_WAITING_TIME = 30.0  # time (s) within which another thread starts, even on a busy machine
 
 
 def releases_interpreter_lock(call):
-    """Return whether another thread runs during calls, although the interpreter does not switch threads by itself."""
+    """Return whether another thread runs during calls, while the interpreter itself does not switch threads."""
     started, released, has_run = threading.Event(), threading.Event(), threading.Event()
 
     def wait_for_release():
@@ -20,7 +20,7 @@ def releases_interpreter_lock(call):
     thread = threading.Thread(target=wait_for_release)
     thread.start()
     started.wait()
-    # A long interval disables switching between threads, except when a lock is released.
+    # Set a long switch interval, so that threads switch only when a lock is released.
     sys.setswitchinterval(10 * MAX_WAITING_TIME)
     end = time.monotonic() + MAX_WAITING_TIME
     try:

@@ -22,7 +22,7 @@ def total_height(body):
 class TestGaussianFilter:
     @pytest.mark.parametrize("cutoff", [0.15, 0.6, 2.0])
     def test_s_filter_equals_weighted_least_squares_at_each_point(self, cutoff):
-        profile = rough_profile(points=200)  # a profile that is 2 µm long
+        profile = rough_profile(points=200)  # the profile is 2 µm long
         expected = mean_line(profile.heights, profile.spacing, cutoff)
         result = filtered(profile, cutoff=cutoff).heights
         assert np.abs(result - expected).max() < SAMPLING_TOLERANCE * total_height(profile)

@@ -50,7 +50,7 @@ def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
     noise = noise_heights(spherical_heights.shape)
     result = levelled(Surface(spherical_heights + noise, spacing=0.5), "sphere")
     assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
-    # Levelling slightly reduces the noise, because a sphere with four parameters is fitted to 4800 points.
+    # Levelling reduces the noise slightly, because a sphere with four parameters is fitted to 4800 points.
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
 

@@ -22,7 +22,7 @@ def hurst_of_dimension(dimension, convention):
 
 class TestRandomPhases:
     def test_random_phases_equal_recorded_values_in_every_version_of_numpy(self):
-        # The expected phases are recorded numbers. All versions of NumPy generate the same raw PCG64 words.
+        # The expected phases are recorded numbers, because all versions of NumPy generate the same raw PCG64 words.
         phases = random_phases(2016, repetition=7, side="upper", directions=2, frequencies=2)
         assert phases.tolist() == RECORDED_PHASES
 
@@ -57,7 +57,7 @@ class TestFractalProfile:
     def test_fractal_profile_of_150000_points_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
-        # Compared points: both ends, the points next to each restart of a recurrence, and some points between restarts.
+        # Points to compare: both ends, the points next to each restart of a recurrence, and some points in between.
         restart_indices = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
         indices = np.unique(np.concatenate([np.arange(5), *restart_indices, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(

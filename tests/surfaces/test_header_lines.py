@@ -15,7 +15,7 @@ MAP_TEXT = "".join("\t".join(f"{z:.4f}" for z in row) + "\n" for row in MAP)
 
 @pytest.fixture
 def read_text(tmp_path):
-    """Return a function that reads a text."""
+    """Return a function that reads a profile or surface from a text."""
 
     def read(text, **options):
         (tmp_path / "a.txt").write_text(text, encoding="utf-8")

@@ -12,7 +12,7 @@ STEP_TOLERANCE = 1e-3
 
 
 def round_to_levels(heights, num_levels):
-    """Return heights rounded to a number of levels within their range, and the step between the levels."""
+    """Return heights that are rounded to a number of levels within their range, and the step between levels."""
     step = np.ptp(heights) / (num_levels - 1)
     return step * np.round((heights - heights.min()) / step), step
 

@@ -20,7 +20,7 @@ from support.rough_surfaces import rough_profile, self_affine_map, sinusoid
 
 BAND_ARGUMENTS = {"longest_wavelength": 4.0, "shortest_wavelength": 0.08}
 CASE_OUTSIDE_STRESS_SUITE = (False, BAND_ARGUMENTS, False)
-"""Case that also runs outside the stress suite: (is the profile periodic?, band, is the band specified?)."""
+"""Case that also runs outside the stress suite: whether the profile is periodic, the band, whether it is specified."""
 
 
 class TestProfileHurstExponent:
@@ -99,7 +99,7 @@ class TestProfileHurstExponent:
             assert changed_estimate.longest_wavelength / spacing == pytest.approx(
                 original_estimate.longest_wavelength / 0.01
             )
-        # Reversal of the profile moves the window by one point.
+        # Reversing the profile moves the window by one point.
         reversed_estimate = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_estimate.value == pytest.approx(
             original_estimate.value, abs=0.2 * (original_estimate.upper - original_estimate.lower)

@@ -19,7 +19,7 @@ def complete_surface():
 
 
 def scans_of_instruments(complete_surface, noise=1e-5):
-    """Return scans of a coarse instrument, with pixel averages and noise, and scans of pieces by finer instruments."""
+    """Return scans of a coarse instrument with pixel averages and noise, and scans of pieces by finer instruments."""
     random = np.random.default_rng(1)
     means = complete_surface.heights.reshape(NUM_POINTS // 8, 8, NUM_POINTS // 8, 8).mean((1, 3))
     coarse_scan = Surface(means + noise * random.normal(size=means.shape), spacing=8 * SPACING)

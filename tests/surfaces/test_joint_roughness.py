@@ -9,7 +9,7 @@ from stiction.surfaces.joint_roughness import measure_joint_roughness
 
 
 def create_sawtooth(rise, fall, points=2000, spacing=127.0):
-    """Return a profile with long teeth that rise with one slope and fall with another."""
+    """Return a profile with long teeth, which rise with one slope and fall with another."""
     period = 200
     top = round(period * fall / (rise + fall))
     x = np.arange(points) % period

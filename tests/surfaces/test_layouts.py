@@ -284,7 +284,7 @@ ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252",
 
 
 def read_scan_or_none(path, **options):
-    """Return the scan in a file, or None if the file is rejected. Caveats are ignored."""
+    """Return the scan in a file, or None if the file is rejected. Warnings about caveats are ignored."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FormatWarning)
         try:
@@ -638,7 +638,7 @@ def test_damaged_instrument_files_give_finite_heights_or_a_format_error(tmp_path
         for _ in range(2):
             fuzzing.scramble_bytes(source, data)
         path.write_bytes(data)
-        # The test fails if the reader raises any error other than FormatError.
+        # Only FormatError is caught: the test fails if the reader raises any other error.
         body = read_scan_or_none(path, **(options if index % 2 else {}))
         assert body is None or np.isfinite(body.heights).all()
 
@@ -668,7 +668,7 @@ def test_positions_are_accepted_as_uniform_if_deviations_are_within_rounding(tmp
 
 
 def lines_in_table_shape(shape, heights):
-    """Return the lines of a map, or of its first profile, in one of the shapes of tables. Positions are 0.5 apart."""
+    """Return the text lines of a map, or of its first profile, in a shape of table. Positions are 0.5 apart."""
     count, width = heights.shape
     if shape == "column":
         return [f"{value:.4f}" for value in heights.ravel()]
@@ -832,7 +832,7 @@ def test_column_of_undefined_flags_is_rejected(tmp_path):
 
 
 def table_with_words(separator=",", words=("OK", "NG"), word_column=2, names=True):
-    """Return a profile of LINE_HEIGHTS with a column of two words; the second word marks points 4, 5 and 33."""
+    """Return a profile with the heights LINE_HEIGHTS and a column of two words, the second at points 4, 5 and 33."""
     lines = [["x(um)", "z(um)"]] * names + [[f"{0.5 * index:.1f}", f"{z}"] for index, z in enumerate(LINE_HEIGHTS)]
     flags = ["judgment"] * names + [words[index in (4, 5, 33)] for index in range(LINE_HEIGHTS.size)]
     return "\n".join(

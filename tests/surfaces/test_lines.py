@@ -19,7 +19,7 @@ ROUND_OFF = 1e-12
 
 
 def surface_of_stacked_rows(hurst, lines=40, points=600, **changes):
-    """Return a surface of independent self-affine rows that are tilted along both axes."""
+    """Return a surface that consists of independent self-affine rows, tilted along both axes."""
     rows = [
         self_affine(9, hurst_exponent=hurst, rms=0.1, points=points, spacing=0.02, repetition=row, **changes).heights
         for row in range(lines)
@@ -132,7 +132,7 @@ def test_line_roughness_rejects_invalid_arguments(surface, options, message):
 
 
 def two_scale_surface(seed=1, points=160):
-    """Return a surface with a power law (H = 0.8) up to 16 µm along rows and up to 160 µm along columns."""
+    """Return a surface whose power law (H = 0.8) extends to 16 µm along rows and to 160 µm along columns."""
     white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
     stretched_wave_numbers = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
@@ -145,7 +145,7 @@ def test_hurst_exponents_of_lines_along_both_axes_are_fitted_in_a_common_band(mo
     surface = two_scale_surface()
     roughness_x, roughness_y = lines_along_both(surface)
     assert roughness_x.band == roughness_y.band
-    # Each single line is fitted in the specified band.
+    # The band is specified, so each single line is fitted in it.
     single_axis_result = line_roughness(surface, "y", band=roughness_y.band)
     assert np.array_equal(single_axis_result.hurst_exponents, roughness_y.hurst_exponents)
     assert (single_axis_result.with_band, single_axis_result.misfit) == (roughness_y.with_band, roughness_y.misfit)

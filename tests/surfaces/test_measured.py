@@ -37,7 +37,7 @@ HEIGHTS = [0.5, -0.25, 1.0, 0.125, 2.0]
 
 @pytest.fixture
 def write_file(tmp_path):
-    """Return a function that writes content to a named file and returns its path."""
+    """Return a function that writes content to a file with a given name, and returns the path of the file."""
 
     def write(content, name="scan.csv", encoding="utf-8"):
         path = tmp_path / name
@@ -48,7 +48,7 @@ def write_file(tmp_path):
 
 
 def error_message(path, read=read_profile, **options):
-    """Return the error message of a file. It is one sentence that begins with the name of the file."""
+    """Return the error message about a file, which must be one sentence that begins with the name of the file."""
     with pytest.raises(FormatError) as caught:
         read(path, **options)
     message = str(caught.value)
@@ -62,7 +62,7 @@ def error_message(path, read=read_profile, **options):
 
 @functools.cache
 def long_map():
-    """Return the cells and the heights of a map that is long enough to be converted in several parts."""
+    """Return the cells and the heights of a map so long that it is converted in several parts."""
     random = np.random.default_rng(4)
     values = (random.normal(size=(200, 300)) * 10.0 ** random.integers(-3, 3, size=(200, 300))).tolist()
     cells = [[f"{value:.{1 + column % 16}g}" for column, value in enumerate(row)] for row in values]
@@ -445,7 +445,7 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     surface = read_surface(write_file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
-    # A first column without row numbers contains data.
+    # A first column that does not contain row numbers contains data.
     assert "has 3 columns" in error_message(
         write_file(columns_text(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
     )
@@ -497,7 +497,8 @@ def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
     )
     heights = np.random.default_rng(3).normal(size=(6, 9))
     area = read_surface(write_file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
-    assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)  # openpyxl writes only 16 digits
+    # The tolerance is that of 16 digits, which openpyxl writes.
+    assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)
     gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_ROWS)]
     assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in error_message(
         write_file(workbook_bytes(("one", gaps)), "d.xlsx")
@@ -707,14 +708,14 @@ def test_scan_files_with_content_that_is_not_a_scan_are_rejected(write_file, con
 def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path):
     assert "No such file" in error_message(tmp_path / "none.csv")
     assert "is a directory" in error_message(tmp_path)
-    os.mkfifo(tmp_path / "pipe.csv")  # a reader of a pipe would block
+    os.mkfifo(tmp_path / "pipe.csv")  # a program that reads this pipe would block
     assert "is not a file" in error_message(tmp_path / "pipe.csv")
 
 
 def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_FILE_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
-            file.truncate(size)  # The file occupies no disk space.
+            file.truncate(size)  # The file has a hole, so it occupies no disk space.
         assert f"has {size} bytes" in error_message(tmp_path / name)
     monkeypatch.setattr(npy_files, "MAX_POINTS", 8)
     (tmp_path / "b.npy").write_bytes(npy_bytes(np.zeros(9)))
@@ -796,7 +797,7 @@ def x3p_bytes(
     as_list=False,
     replacements=(),
 ):
-    """Return an X3P file with heights in metres, as the standard defines it."""
+    """Return the bytes of an X3P file as the standard defines it. Heights are in metres."""
     heights = np.atleast_2d(heights)
     rows, columns = heights.shape
     form = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}[data_type]
@@ -860,7 +861,7 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
     assert "stores Z as integers, but has no Increment" in error_message(
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
-    # Remove the namespace of all elements.
+    # Remove the namespaces of all elements.
     namespace_removal = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
     for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
         path = write_file(
@@ -1087,7 +1088,7 @@ def test_text_file_with_very_long_lines_is_read_quickly(write_file):
     path = write_file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     start_time = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)
-    assert time.process_time() - start_time < 4  # The test took 0.4 s in a trial.
+    assert time.process_time() - start_time < 4  # This took 0.4 s in a trial.
 
 
 def test_size_of_x3p_metadata_is_limited(write_file):

@@ -56,7 +56,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
-    # a surface that marks missing points by the height 1
+    # a surface in which the height 1 marks missing points
     marked_surface = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
     for transform in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(transform(scan).missing, np.abs(transform(marked_surface).heights) == 1)
@@ -131,10 +131,10 @@ def test_outlier_detection_finds_spikes_but_not_steps_or_scratches(hurst, tmp_pa
         heights, mean_difference = body.heights.copy(), float(np.abs(np.diff(body.heights)).mean())
         flat_heights = heights.reshape(-1)
         spike_indices = np.arange(210, flat_heights.size - 210, 613)
-        # A point at an edge has too few neighbours.
+        # The point at the edge has too few neighbours.
         spike_indices = spike_indices[(spike_indices % 128 > 0) & (spike_indices % 128 < 127)]
         flat_heights[spike_indices] += 20 * mean_difference * (-1.0) ** np.arange(spike_indices.size)
-        # a feature with more points than a group of outliers may have
+        # a feature with more points than a group of outliers can have
         flat_heights[2000:2006] += 20 * mean_difference
         result = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(result), spike_indices)
@@ -301,7 +301,7 @@ def test_nominal_area_excludes_missing_points_and_interpolated_points_add_a_cave
     ):
         options = READ_OPTIONS | PAIR_OPTIONS | rejected_options
         options.pop("onset")
-        with pytest.raises(ValueError, match=message):  # the error is raised before any computation
+        with pytest.raises(ValueError, match=message):  # raised before anything is computed
             MeasuredPair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
 
 

@@ -28,13 +28,13 @@ def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
 
 @functools.cache
 def interpolate_fine_map():
-    """Return a spline through a map with twice the resolution, of another order than the registration."""
+    """Return a spline through a map of twice the resolution, with another order than that of the registration."""
     fine = self_affine_surface(7, shape=(300, 300), **(ROUGH | {"spacing": 25.0}))
     return RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
 
 
 def cut_moved_pair(angle, shift, noise=0.0, points=100):
-    """Return two faces of a fine map, the upper rotated by `angle` (degrees) and shifted along y and x (points)."""
+    """Return two faces of a fine map. The upper is rotated by `angle` (degrees), and shifted along y and x (points)."""
     spline = interpolate_fine_map()
     rng, radians, distance = np.random.default_rng(1), np.radians(angle), np.arange(points) - (points - 1) / 2
     y, x = np.meshgrid(distance, distance, indexing="ij")

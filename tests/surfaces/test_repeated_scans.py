@@ -30,7 +30,7 @@ def coloured_noise(colour, shape, spacing, rng):
 
 
 def fine_surface(dimensions, points, spacing):
-    """Return a surface on half the spacing, so that scans can be shifted by half a point."""
+    """Return a surface on half the grid spacing, so that scans of it can be shifted by half a point."""
     options = {"hurst_exponent": 0.7, "rms": 0.003, "spacing": spacing / 2, "shortest_wavelength": 8 * spacing}
     if dimensions == 1:
         return self_affine(7, points=2 * points + 100, **options).heights
@@ -65,7 +65,7 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     clean_body = body_class(true_heights[tuple(slice(0, 2 * points, 2) for _ in shape)], spacing=spacing)
     true_common = np.sqrt(np.bincount(octave_index, mean_square_height_spectrum(clean_body)[1]))
     has_noise = (true_noise > 0.01 * rms) & (np.bincount(octave_index) > 60)
-    has_noise[0] = False  # The noise is accurate at wavelengths above four points only.
+    has_noise[0] = False  # Noise is accurate only at wavelengths above four points.
     assert has_noise.sum() >= (1 if colour == "band" else 3)
     np.testing.assert_allclose(result.noise[has_noise], true_noise[has_noise], rtol=NOISE_TOLERANCE)
     has_common = (true_common > 3 * true_noise) & (np.bincount(octave_index) > 15)

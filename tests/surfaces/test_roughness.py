@@ -38,7 +38,7 @@ class TestRoughnessParameters:
     ):
         exact_slope = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
-            # The sinusoid is long, so that the six points without a seven-point slope have little weight.
+            # Use a long sinusoid, because six of its points have no seven-point slope.
             relative_error = (
                 1 - roughness_parameters(sinusoid(n, waves=40_000), derivative=derivative).Pdq / exact_slope
             )
@@ -81,7 +81,7 @@ class TestRoughnessParameters:
             roughness_parameters(rough_profile(), derivative="spline")
 
 
-# SurfaceTopography issues warnings about its own names and imports.
+# Ignore warnings of SurfaceTopography about its own names and imports.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 class TestAgainstSurfaceTopographyPackage:
     TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms
@@ -106,7 +106,7 @@ class TestAgainstSurfaceTopographyPackage:
         parameters = roughness_parameters(profile, derivative="neighbours")
         assert parameters.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
         assert parameters.Pdq == pytest.approx(other_profile.rms_slope_from_profile(), rel=self.TRANSFORM_TOLERANCE)
-        # For periodic profiles SurfaceTopography includes the step from the last point to the first point.
+        # SurfaceTopography includes the step from the last to the first point of a periodic profile.
         periodic_scan = line_scan_class(profile.heights, profile.extent, unit="um", periodic=True)
         end_slope = (profile.heights[0] - profile.heights[-1]) / profile.spacing
         points = len(profile)
@@ -130,14 +130,14 @@ class TestAgainstSurfaceTopographyPackage:
 
 
 def gaussian_surface(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
-    """Return periodic Gaussian heights with a Gaussian autocorrelation."""
+    """Return periodic heights with a Gaussian distribution and a Gaussian autocorrelation."""
     white = np.random.default_rng(seed).normal(size=shape)
     q = np.hypot(2 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(shape[1]))
     return Surface(np.fft.ifft2(np.fft.fft2(white) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
 
 
 def parameters_by_definition(surface):
-    """Return heights, slopes and area as defined in the standard, computed point by point."""
+    """Return parameters of heights, slopes and area as the standard defines them, computed point by point."""
     z, (dy, dx) = surface.heights - surface.heights.mean(), surface.spacing
     rows, columns = z.shape
     n = z.size
@@ -148,7 +148,7 @@ def parameters_by_definition(surface):
     for j in range(rows - 1):
         for i in range(columns - 1):
             corners = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
-            # Each mesh of four points is divided into triangles in both possible ways.
+            # Divide each mesh of four points into triangles in both possible ways.
             for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):
                 area += np.linalg.norm(np.cross(corners[b] - corners[a], corners[c] - corners[a])) / 4
     return {
@@ -164,7 +164,7 @@ def test_surface_parameters_equal_their_definitions(factor):
     surface = Surface(3.0 + factor * gaussian_surface().heights, spacing=(0.5, 0.25))
     result, expected = surface_parameters(surface, derivative="neighbours"), parameters_by_definition(surface)
     for name, value in expected.items():
-        # The difference of the slow area and the projected area loses digits.
+        # The tolerance allows for digits lost in the difference between the area and the projected area.
         tolerance = 1e-9 if name != "Sdr" else 1e-9 + 1e-15 / value
         assert getattr(result, name) == pytest.approx(value, rel=tolerance), name
 
@@ -203,7 +203,7 @@ def test_autocorrelation_lengths_of_gaussian_surfaces_equal_closed_forms():
 
 
 def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
-    """Return a sinusoid that varies along a direction in degrees. Its grooves run across this direction."""
+    """Return a sinusoid along a direction (degrees). The grooves are perpendicular to this direction."""
     y, x = spacing * np.arange(shape[0])[:, np.newaxis], spacing * np.arange(shape[1])
     x_across = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     return Surface(np.cos(2 * np.pi * x_across / wavelength), spacing=spacing)
@@ -212,7 +212,7 @@ def grooved_surface(angle, shape=(200, 240), spacing=0.1, wavelength=2.0):
 @pytest.mark.parametrize("angle", [0, 31, 90, 135])
 def test_texture_direction_equals_the_direction_of_grooves(angle):
     result = surface_parameters(grooved_surface(angle))
-    # The cosine falls to 0.2 at arccos(0.2)/2π of the wavelength, except for partial periods in the overlap.
+    # The autocorrelation, a cosine except for partial periods, falls to 0.2 at arccos(0.2)/2π of the wavelength.
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
     assert math.isnan(result.Str)  # Along the grooves the autocorrelation never falls to 0.2.
     angle_error = abs((result.Std - angle + 90) % 180 - 90)
@@ -220,7 +220,7 @@ def test_texture_direction_equals_the_direction_of_grooves(angle):
 
 
 def test_core_roughness_of_known_distributions_equals_closed_forms():
-    # The heights are equally spread, so the bearing curve is straight, without peaks or valleys.
+    # Uniformly distributed heights have a straight bearing curve, without peaks or valleys.
     uniform_surface = Surface(
         np.random.default_rng(1).permutation(np.linspace(0, 2, 10_000)).reshape(100, 100), spacing=1.0
     )

@@ -324,13 +324,13 @@ def test_straight_grooves_have_only_one_independent_line_spectrum(degrees):
 
 
 def noise_slope_fraction(noise, heights):
-    """Return the fraction of the mean square slope of heights that their noise contributes, from windowed samples."""
+    """Return the fraction of the mean square slope of heights that is due to their noise, from windowed samples."""
     slope, total = (scale_dependent_roughness(Surface(z, spacing=0.1)).gradient[-1] for z in (noise, heights))
     return (slope / total) ** 2
 
 
 class TestNoiseOfAnisotropicMap:
-    """Grooves along y; noise limits the spectrum at longer wavelengths along the grooves than across them."""
+    """Grooves along y, along which noise limits the spectrum at longer wavelengths than across them."""
 
     @pytest.fixture(params=[1, 2, 3])
     def grooved_heights_and_rng(self, request):

@@ -116,7 +116,7 @@ def add_spikes(heights, num_spikes, seed=1):
 
 
 def find_cutoff(defects):
-    """Return the cutoff (µm) that a pair chooses for a scan, or 0 without a filter."""
+    """Return the cutoff (µm) that a pair chooses for a scan, or 0 if the scan is not filtered."""
     limit = defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
     return 0.0 if limit is None else limit.cut_off
 
@@ -198,7 +198,7 @@ def build_scratched_profile(rng, num_points=2000):
 
 
 def build_honed_profile(rng, num_points=2000):
-    """Return heights that are clipped at their median, with a smooth plateau."""
+    """Return heights that are cut off at their median, with a smooth plateau."""
     heights, plateau = (
         scale_to_unit_rms(filtered_noise(rng, (num_points,), 0.8, longest=longest)) for longest in (60, 500)
     )

@@ -14,7 +14,7 @@ ROUND_OFF = 1e-10  # relative error of parameters
 
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):
-    """Return whole periods of a sinusoid with any phase. Heights and lengths are in µm."""
+    """Return a sinusoid over whole periods with any phase. Heights and lengths are in µm."""
     x = np.arange(waves * points) / points
     return Profile(amplitude * np.sin(2 * np.pi * x + phase), spacing=wavelength / points)
 
@@ -70,7 +70,7 @@ def profile():
 
 @pytest.fixture(scope="module")
 def reference_heights(profile):
-    """Return the roughness in the evaluation length, and the waviness, by slow filters with λs 4 µm and λc 80 µm."""
+    """Return roughness in the evaluation length, and waviness, by slow filters with λs = 4 µm and λc = 80 µm."""
     primary = mean_line(profile.heights, 0.5, 4.0)
     waviness = mean_line(primary, 0.5, 80.0)
     return (primary - waviness)[50:850].tolist(), waviness.tolist()

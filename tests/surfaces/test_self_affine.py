@@ -84,7 +84,7 @@ def create_surface(seed=3, **changes):
 
 
 def mean_powers(heights, extents):
-    """Return the mean square of each Fourier coefficient in half of the plane, and its wavenumber."""
+    """Return the mean square of each Fourier coefficient in one half of the plane, and its wavenumber."""
     transform = np.fft.fft2(heights) / heights.size
     y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
     return np.abs(transform) ** 2, 2 * np.pi * np.hypot(y[:, None], x)
@@ -156,7 +156,7 @@ def test_self_affine_surface_is_reproducible_and_depends_on_seed():
     assert create_surface().heights.tobytes() == original_surface.heights.tobytes()
     for other in (create_surface(seed=4), create_surface(repetition=1), create_surface(side="upper")):
         correlation = (other.heights * original_surface.heights).mean() / 0.01
-        # A few long wavelengths dominate the height, so two surfaces may be correlated by chance.
+        # Long wavelengths dominate the heights, so two surfaces may be correlated by chance.
         assert abs(correlation) < 0.8
     ensemble = [
         create_surface(repetition=r).heights * create_surface(repetition=r, side="upper").heights for r in range(40)

@@ -24,7 +24,7 @@ ROUND_OFF = 1e-12
 
 
 def bumpy_surface(shape=(60, 80), spacing=(0.2, 0.1)):
-    """Return smooth heights and the function that defines them."""
+    """Return a surface with smooth heights, and the function that defines the heights."""
 
     def height(y, x):
         return np.sin(1.1 * x + 0.3) * np.cos(0.7 * y) + 0.2 * x
@@ -116,7 +116,7 @@ def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
             one, other = on_common_grid(*pair, align="middle")
             assert one.spacing == other.spacing == (0.1, 0.1)
             assert one.heights.shape == other.heights.shape == (41, 61)
-            assert np.abs(one.heights - other.heights).max() < 3e-4  # error of the splines
+            assert np.abs(one.heights - other.heights).max() < 3e-4  # tolerance for the error of the splines
     assert other.history == () or "about its middle" in "".join((*one.history, *other.history))
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]

@@ -24,10 +24,10 @@ ROUND_OFF = 1e-12
 FIT_ROUND_OFF = 1e-9
 
 RING_TOLERANCE = 0.1
-"""Relative error of a density in rings of a quarter octave. Within a ring the known density falls by up to a half."""
+"""Relative error of a spectral density in rings of a quarter octave, within which it falls by up to a half."""
 
 STATISTICAL_TOLERANCE = 0.1
-"""Relative scatter of the rms gradient of one line, and of the area and the friction of a few pairs of pieces."""
+"""Relative scatter of the rms gradient of one line, and of area and friction of a few pairs of pieces."""
 
 
 class TestSurrogate:
@@ -125,7 +125,7 @@ def test_spectrum_of_an_isotropic_surface_is_recovered_from_its_section(hurst):
     np.testing.assert_allclose(power_spectrum(profile, periodic=True).density, mean[1:], rtol=FIT_ROUND_OFF)
     result = isotropic_spectrum(profile, periodic=True)
     expected = np.maximum(result.wave_number, 20 * q[1]) ** (-2 - 2 * hurst)
-    # Interpolated rings are excluded, and so are rings next to the corner of the roll-off, which is rounded.
+    # Exclude interpolated rings, and rings next to the corner of the roll-off, which is rounded.
     is_reliable = (result.count >= 4) & (np.abs(np.log(result.wave_number / (20 * q[1]))) > 0.35)
     np.testing.assert_allclose(result.density[is_reliable], expected[is_reliable], rtol=RING_TOLERANCE)
 

@@ -61,7 +61,7 @@ def test_summary_of_measured_surfaces_lists_the_coefficient_for_all_contacts_fir
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert summarize_single_point(measured_result(all_contacts=0.1, half_width_ratio=1.2), measured_study()).lower == 0
     dataset = measured_result()
-    dataset["friction_coefficient"] *= 9  # values in single directions do not change the mean over directions
+    dataset["friction_coefficient"] *= 9  # values in single directions do not enter the mean over directions
     assert summarize_single_point(dataset, measured_study()).value == 0.21
 
 
@@ -216,7 +216,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         (
             {"contact_count": 9.0, "contact_area_fraction": 0.4},
             {},
-        ),  # merged contacts are counted as one contact, so a small count causes no caveat
+        ),  # merged contacts count as one contact, so a small number causes no caveat
         ({"mean_pressure": 20.0}, {"hardness": 2.0}),
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
@@ -353,7 +353,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
         dataset[name][{"cut_off": 1}] *= 0.84
     combined = dataset["mean_friction"].isel(
         cut_off=[0, 1]
-    )  # The uncertainty budget has the hardness as its only input.
+    )  # The hardness is the only input in the uncertainty budget.
     dataset["friction_at_cutoff"] = combined
     dataset["remaining_interval"] = combined.expand_dims(input=["hardness"])
     dataset["remaining_width"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02

@@ -119,7 +119,7 @@ def test_tip_radius_adds_a_line_of_text_but_no_second_cutoff(profile):
         assert expected_words in texts["tip"]
         assert "cutoff" not in texts["tip"]
         assert texts["instrument"] == texts_without_tip["instrument"]
-        # caveats and the line "instrument" suggest the same cutoff
+        # the caveats and the row "instrument" suggest the same cutoff
         suggested_cutoffs = {
             match
             for text in (texts["instrument"], *(caveat.remedy for caveat in with_tip.caveats))
@@ -315,7 +315,7 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
         friction_text,
     )
     assert "small-slope estimates for two such surfaces" in friction_text
-    # For a height map, the text gives an estimate along each axis.
+    # The text on a height map contains an estimate along each axis.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)

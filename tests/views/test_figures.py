@@ -212,7 +212,7 @@ def test_hatching_of_invalid_cells_leaves_most_of_their_colours_visible(generate
     for artist in hatched_artists:
         artist.set_visible(False)
     changed_fraction = (np.abs(render_panel() - with_hatching).max(axis=-1) > 10).mean()
-    assert 0 < changed_fraction < 0.1  # dense hatching changes 0.18 of the pixels of this panel
+    assert 0 < changed_fraction < 0.1  # thin hatching changes few pixels; dense hatching would change 0.18 of them
 
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
@@ -221,7 +221,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # at least 3 of 4 fractal dimensions
+    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # at least 3 of the 4 fractal dimensions
     dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for line_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
         np.testing.assert_array_equal(line_values, friction["friction_coefficient"].isel(tau0=tau0).values)
@@ -368,7 +368,7 @@ def test_contacts_figure_of_a_map_longer_than_a_millimetre_is_labelled_in_millim
     axes = figure.axes[0]
     assert "(mm)" in axes.get_xlabel()
     assert "(mm)" in axes.get_ylabel()
-    assert any(text.get_text().endswith(" mm") for text in axes.texts)  # the scale bar
+    assert any(text.get_text().endswith(" mm") for text in axes.texts)  # the text of the scale bar
     longest_tick_in_micrometres = axes.get_xticks()[-1]
     assert float(axes.get_xticklabels()[-1].get_text()) == pytest.approx(longest_tick_in_micrometres / 1000)
 

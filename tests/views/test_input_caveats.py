@@ -40,7 +40,7 @@ pytestmark = pytest.mark.usefixtures("no_contact_pictures")
 
 @pytest.fixture(autouse=True)
 def ignore_caveats_of_files(monkeypatch):
-    """Ignore caveats of files, because the files of `measured_study` do not exist."""
+    """Ignore caveats of scan files, because the files of `measured_study` do not exist."""
     monkeypatch.setattr(MeasuredBodySettings, "caveats", ())
 
 
@@ -178,7 +178,7 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
             expected_words in other_caveat.text
             for other_caveat in find_input_caveats(profile, profile, study_without_filter)
         )
-    # The noise floor is so weak that it contributes little to the slope.
+    # This noise floor contributes little to the slope.
     profile_with_faint_noise = Profile(
         clean_profile.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01
     )
@@ -216,12 +216,13 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     assert "does not resolve: the surface is steeper" in caveat.text
     assert "interval does not include" in caveat.interval_note
     assert instrument_limit(scan, tip_radius=20.0).slope_fraction > 0.1
-    assert caveat.severity == "fault"  # An elastic result does not converge at short wavelengths.
+    # The caveat is a fault, because elastic results do not converge at short wavelengths.
+    assert caveat.severity == "fault"
     plastic_study = study.with_changes({"contact.mechanics": "half-space", "contact.hardness": "2 GPa"})
     (plastic_caveat,) = find_input_caveats(scan, scan, plastic_study)
     assert plastic_caveat.severity == "caution"
     assert plastic_caveat.interval_note == ""  # the range for finer scans already allows for steeper surfaces
-    # A noise floor is also filtered if a tip radius is given.
+    # A noise floor causes a cutoff even if a tip radius is given.
     noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)
     assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [instrument_limit(noisy_scan).cut_off, 0.0]
@@ -293,13 +294,13 @@ def test_tip_has_no_caveat_and_estimate_if_the_filter_removes_the_wavelengths_it
 
 
 class TestNoiseHiddenByRoughness:
-    """White noise of maps whose spectra have no flat end."""
+    """White noise in maps whose spectra have no flat end."""
 
     options: ClassVar[dict[str, str]] = {"load": "10 MPa", "mu0": "0.2", "effective_modulus": "80 GPa"}
 
     @staticmethod
     def create_maps_with_noise(noise, shortest=None):
-        """Return two maps with white noise, given relative to their rms roughness."""
+        """Return two maps with white noise, whose rms is given relative to the rms roughness."""
         maps = rough_maps(
             1,
             hurst_exponent=0.7,
@@ -372,7 +373,7 @@ def test_caveats_of_a_single_gap_do_not_mention_two_scans(tmp_path):
 
 
 def short_wave_map(seed, points=256):
-    """Return heights with rms 1 whose longest wavelength is a twelfth of the map."""
+    """Return heights with an rms of 1, whose longest wavelength is a twelfth of the side of the map."""
     return self_affine_map(seed, 0.8, (points, points), longest=points / 12, spacing=(1.0, 1.0)).heights
 
 

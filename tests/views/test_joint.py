@@ -21,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 ROOT = Path(__file__).parents[2]
 SCANS = ROOT / "examples/scans"
-# Micrometres and gigapascals per unit of length and stress.
+# Units of length (in µm) and stress (in GPa) of each unit system.
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}
 NUM_POSITIONS = 8
 NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
@@ -29,7 +29,7 @@ NUMBER_PATTERN = r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?"
 
 @pytest.fixture(scope="module", autouse=True)
 def evaluate_once():
-    """Evaluate each result only once at the same loads, because files in all units and formats show equal values.
+    """Evaluate each result only once at the same loads, because files in all units and formats show the same values.
 
     For the same reason, the joint table of a result in one system of units is computed only once.
     """
@@ -169,7 +169,7 @@ def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
 
 
 def read_card_numbers(card):
-    """Return all numbers of a card as text, except those in words, and in the description above the table."""
+    """Return all numbers of a card as texts, except those within words and in the description above the table."""
     lines = [re.sub(r"^(\*\*|!|#) ", "", line) for line in card.splitlines()]
     text = " ".join(lines)
     valid_range = re.search(r"Valid from .*?\. Below", text)[0]
@@ -199,7 +199,7 @@ def test_csv_file_of_a_joint_contains_every_number_of_the_joint_table(result, di
         card = export_text(result, directory / f"card{ending}", units=units)
         numbers = read_card_numbers(card)
         assert len(numbers) > 5 * len(frame)
-        # Other numbers in a card: the origin of the curve, and counts of materials, constants, points and atom types.
+        # Numbers in a card that are no results: the origin of the curve, and counts of materials, constants and points.
         assert set(numbers) - rounded <= {"0", "1", "2", str(len(frame))}, ending
         assert card.isascii()
         assert max(map(len, card.splitlines())) < 256

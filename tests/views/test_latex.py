@@ -23,7 +23,7 @@ SUMMARIES = {
 
 
 def table_cells(table):
-    """Return the cells of the header and of each row of a table."""
+    """Return the cells of the header and of all rows of a LaTeX table."""
     lines = re.findall(r"^(.*) \\\\$", table, re.MULTILINE)
     return [line.split(" & ") for line in lines]
 

@@ -15,7 +15,7 @@ PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
 }  # fmt: skip
-MIN_COVERED_FRACTION = 0.95  # At least this fraction of the brackets must contain the true value.
+MIN_COVERED_FRACTION = 0.95  # minimum fraction of brackets that contain the true value
 NUM_PAIRS = 75  # number of pairs for each kind of noise
 
 
@@ -34,7 +34,7 @@ def create_noise(noise_kind, random):
 
 @cache
 def create_pair(seed):
-    """Return two surfaces, their friction without noise, and the rms noise to add as a fraction of Sq."""
+    """Return two surfaces, their friction without noise, and the rms noise to add, as a fraction of Sq."""
     random = np.random.default_rng(1000 + seed)
     roughness_options = {
         "hurst_exponent": random.uniform(0.4, 0.9), "rms": 0.002, "shape": (NUM_POINTS, NUM_POINTS), "spacing": SPACING,
@@ -49,7 +49,7 @@ def create_pair(seed):
 
 
 def true_and_noisy_results(seed, noise_kind):
-    """Return the friction of a pair without noise, and the first point of its summary with noise."""
+    """Return the friction of a pair without noise, and the first result point of its summary with noise."""
     (surfaces, true_value, noise_fraction), random = create_pair(seed), np.random.default_rng(2000 + seed)
     noisy_surfaces = [
         Surface(
@@ -75,7 +75,7 @@ def test_range_for_finer_scans_of_noisy_scans_contains_the_result_without_noise(
 
 
 def scan_with_tip(surface, radius):
-    """Return the heights that a spherical tip of a given radius records."""
+    """Return the heights that a spherical tip with a given radius records on a surface."""
     offsets = SPACING * np.arange(-int(radius / SPACING), int(radius / SPACING) + 1)
     squared_distance = offsets[:, None] ** 2 + offsets**2
     tip_shape = np.sqrt(np.maximum(radius**2 - squared_distance, 0)) - radius

@@ -29,7 +29,7 @@ MAX_PACKING_ERROR = 1e-6  # relative error
 
 
 def create_arbitrary_sums(tangential_factor):
-    """Return a dataset of arbitrary sums, some of which no surface could have.
+    """Return a dataset of arbitrary contact sums, including sums that no surface could have.
 
     Loads rise and fall with the approach and may be negative, and some repetitions carry no load.
     """
@@ -62,7 +62,7 @@ def create_arbitrary_sums(tangential_factor):
 
 @functools.cache
 def evaluate_arbitrary_sums(tangential_factor):
-    """Return the dataset of `create_arbitrary_sums` and the numbers of its report."""
+    """Return the dataset of `create_arbitrary_sums`, with an evaluator for the numbers of its report."""
     dataset = create_arbitrary_sums(tangential_factor)
     return dataset, ReportEvaluator(report_page(dataset))
 
@@ -150,7 +150,7 @@ HALF_PLANE_STUDY_OVERRIDES = {
 
 
 def find_relative_error(values, expected):
-    """Return the largest relative error of finite numbers. All other numbers must be equal."""
+    """Return the largest relative error of finite numbers, and require all other numbers to be equal."""
     is_finite = np.isfinite(expected)
     np.testing.assert_array_equal(values[~is_finite], expected[~is_finite])
     difference = np.abs(values - expected)[is_finite]
@@ -158,7 +158,7 @@ def find_relative_error(values, expected):
 
 
 def compare_friction(dataset, report_evaluator, settings):
-    """Compare the friction of a report with `friction_map`; return statuses and relative errors."""
+    """Compare the friction of a report with `friction_map`, and return statuses and relative errors."""
     facts = report_evaluator.facts
     statuses, errors = [], []
     for cell_index, rule_index, way_index, load_index, mu0, tau0 in settings:
@@ -314,7 +314,7 @@ def test_validity_indicators_in_reports_of_profiles_equal_those_in_tables(genera
 
 @pytest.fixture(scope="module", params=["maps_dataset", "profiles_dataset"])
 def dataset_and_evaluator(request):
-    """Dataset of measured surfaces, and the numbers of its report."""
+    """Dataset of measured surfaces, with an evaluator for the numbers of its report."""
     dataset = request.getfixturevalue(request.param)
     return dataset, ReportEvaluator(report_page(dataset))
 
@@ -379,7 +379,7 @@ def test_contact_values_in_reports_of_measured_surfaces_equal_library_values(dat
 
 @pytest.fixture(scope="module")
 def drawing_functions(report_evaluator):
-    """Functions of `plots.js` that need no document."""
+    """Functions of `plots.js` that do not need an HTML document."""
     text = (resources.files("stiction.views.report") / "plots.js").read_text("utf-8")
     report_evaluator._engine.eval(
         text.split("// ---- Axes ---")[0].split("// ---- Ticks and cells")[1].partition("\n")[2] + "; null"

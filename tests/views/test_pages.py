@@ -94,7 +94,7 @@ def find_element(driver, name):
 
 
 def move_slider(driver, name, position):
-    """Move the slider of mu0 or tau0 to a position, and return the value that it selects."""
+    """Move the slider of mu0 or tau0 to a position, and return the value that the page shows beside it."""
     driver.execute_script(
         "const slider = document.getElementById(arguments[0]); slider.value = arguments[1];"
         "slider.dispatchEvent(new Event('input'))", name, position
@@ -114,7 +114,7 @@ def create_pointer_actions(driver, x, y):
 
 
 def read_readout(driver):
-    """Return the status of the displayed value, and the value with the ends of its interval."""
+    """Return the status of the displayed value, the value, and the limits of its interval."""
     generated_dataset = driver.execute_script("return {...document.getElementById('readout').dataset}")
     return generated_dataset["status"], [float(generated_dataset[name]) for name in ("value", "lower", "upper")]
 
@@ -124,7 +124,7 @@ def read_selection(driver):
 
 
 def double_click(driver, x, y):
-    """Double-click at a position; a pause between the clicks simulates a page that handles them slowly."""
+    """Double-click at a position, with a pause between the clicks as on a page that handles clicks slowly."""
     for count in (1, 2):
         for kind in ("mousePressed", "mouseReleased"):
             driver.execute_cdp_cmd(
@@ -134,14 +134,14 @@ def double_click(driver, x, y):
 
 
 def axis_limits(driver, name="map"):
-    """Return the limits of the axes of a plot in its present view."""
+    """Return the current limits of the axes of a plot."""
     return driver.execute_script(
         "const {x, y} = document.getElementById(arguments[0]).axes; return [x.low, x.high, y.low, y.high]", name
     )
 
 
 def scaled_axis_limits(driver, plot):
-    """Return the limits of both axes of a plot in its present view; those of a logarithmic axis are logarithms."""
+    """Return the current limits of both axes of a plot, as logarithms for a logarithmic axis."""
     return np.reshape(
         driver.execute_script(
             "const {x, y} = document.getElementById(arguments[0]).axes;"
@@ -161,7 +161,7 @@ def send_touch_event(driver, kind, *points):
 
 
 def zoom_by_wheel(driver, plot):
-    """Turn the mouse wheel with Ctrl at a quarter of the width and height from the lower left corner."""
+    """Turn the mouse wheel with Ctrl at a quarter of a plot's width and height from its lower left corner."""
     left, top, width, height = browser.find_axes_frame(driver, plot)
     send_mouse_event(
         driver, "mouseWheel", left + width / 4, top + 3 * height / 4, modifiers=CONTROL_KEY_BIT, deltaX=0, deltaY=-200
@@ -209,7 +209,7 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
     assert np.diff(scaled_axis_limits(driver, plot)).ravel() == pytest.approx(span / 1.5)
     browser.press_keys(driver, plot, "-")
     assert scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
-    # Two fingers on a touch screen move apart.
+    # Move two fingers apart on a touch screen.
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
     left, top, width, height = browser.find_axes_frame(driver, plot)
     for event_type, distance_factor in (("touchStart", 1), ("touchMove", 1.5), ("touchMove", 2)):
@@ -382,7 +382,7 @@ def test_figures_and_tables_are_saved_as_svg_or_png_or_csv_files(driver, pages, 
             button.click()
             browser.wait_for(
                 driver, lambda _, file=file: file.exists()
-            )  # Browsers block many downloads at the same time.
+            )  # Wait between downloads, because browsers block many simultaneous downloads.
     text = (tmp_path / "study_friction.svg").read_text("utf-8")
     assert "var(" not in text
     svg_text = " ".join(xml.etree.ElementTree.fromstring(text).itertext())

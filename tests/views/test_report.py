@@ -73,7 +73,7 @@ def test_report_of_a_dataset_without_a_study_is_rejected(generated_dataset):
 
 
 def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path, monkeypatch):
-    # The data are evaluated only once, because this test checks which files are written.
+    # Evaluate the data only once, because this test is only about the written files.
     data = collect_report_data(Result.of(generated_dataset))
     monkeypatch.setattr("stiction.views.report.result.collect_report_data", lambda *_: data)
     path = tmp_path / "report.html"
@@ -81,7 +81,7 @@ def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset
     save_report(generated_dataset, path)
     assert len(path.read_bytes()) > 100_000
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(ReportError, match="pipe"):  # The command must not wait for a program that reads the pipe.
+    with pytest.raises(ReportError, match="pipe"):  # The command does not wait for a program that reads the pipe.
         save_report(generated_dataset, tmp_path / "pipe")
     foreign_file = tmp_path / "thesis.html"
     foreign_file.write_text("years of work")

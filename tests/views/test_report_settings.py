@@ -9,8 +9,8 @@ from support import browser
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-NUM_FRICTION_PARAMETER_PAIRS = 10  # number of (mu0, tau0) for each kind of result
-NUM_SETTINGS = 50  # number of settings of all controls for each kind of result
+NUM_FRICTION_PARAMETER_PAIRS = 10  # number of pairs (mu0, tau0) for each kind of result
+NUM_SETTINGS = 50  # number of random settings of all controls for each kind of result
 MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
 HALF_PLANE_STUDY_OVERRIDES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
@@ -43,7 +43,7 @@ def compute_pair_with_junction_growth(directory):
 
 @pytest.fixture(scope="module", params=["profiles", "half-planes", "surfaces", "maps", "lines", "growing contacts"])
 def result_and_driver(request, driver, tmp_path_factory):
-    """Return a result, with its report opened in a browser."""
+    """Return a result, and a browser in which the report of the result is open."""
     directory = tmp_path_factory.mktemp("settings")
     result_factories = {
         "profiles": lambda: Result(request.getfixturevalue("generated_dataset")),
@@ -60,7 +60,7 @@ def result_and_driver(request, driver, tmp_path_factory):
 
 
 def expected_point(table, facts, rule, cell, load, way):
-    """Return the status, value and interval ends that the library computes at a setting."""
+    """Return the status, the value and the interval limits that the library computes at a setting of the controls."""
     indices_by_dim = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
     indices_by_dim |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
     direction_choice = facts["ways"][way]

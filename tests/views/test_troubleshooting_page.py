@@ -16,7 +16,7 @@ PAGE = Path(__file__).parents[2] / "docs/howto/troubleshooting.md"
 
 
 def list_first_cells(title):
-    """Return the first cell of each row of the tables whose first column has the given title."""
+    """Return the first cells of all rows in tables whose first column has the given title."""
     tables = re.findall(rf"^\| {title} \|.*\n\|[-|]+\|\n((?:\|.*\n)+)", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     return [line.split(" | ")[0].removeprefix("| ") for table in tables for line in table.splitlines()]
 
@@ -68,7 +68,7 @@ def list_scan_caveats():
 
 
 def list_mirror_caveats():
-    """Return the caveat about two faces that fit if the upper face is mirrored."""
+    """Return the caveat about two faces that would fit if the upper face were mirrored."""
     lower = Surface(self_affine_map(5, 0.8, (96, 96), longest=8.0, spacing=(1.0, 1.0)).heights, spacing=1.0)
     upper = Surface(flipped(lower).heights[::-1, ::-1], spacing=1.0)
     study = measured_study().with_changes({"surfaces.positions": [["0 um", "0 um"]]})

@@ -1,4 +1,4 @@
-"""While a file exists, block the commands of a tested server at the ensemble member whose number the file contains.
+"""Block the commands of a tested server at an ensemble member, as long as a file with the member's number exists.
 
 Python imports this module at its start in every process whose PYTHONPATH contains this directory.
 """
@@ -16,17 +16,17 @@ if BLOCKED_MEMBER_FILE.exists():
     def is_blocked(member):
         try:
             return member >= int(BLOCKED_MEMBER_FILE.read_text(encoding="utf-8") or 0)
-        except FileNotFoundError:  # The file may be removed at any moment.
+        except FileNotFoundError:  # the file may be removed at any moment
             return False
 
     def compute_member_arrays(study, member, *record):
-        """Return the sums of a member after the file no longer blocks it."""
+        """Wait until the file no longer blocks the member, and return its arrays."""
         while is_blocked(member):
             time.sleep(0.02)
         return compute_sums(study, member, *record)
 
     def compute_preview_sums(study):
-        """Return the preview, which is never blocked."""
+        """Return the sums of a preview, which is never blocked."""
         runner.compute_member_arrays = compute_sums
         try:
             return compute_preview(study)
