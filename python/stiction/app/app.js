@@ -1,20 +1,20 @@
 "use strict";
 
-// Page of the app: form, uploads, jobs and results. The server sends numbers as text.
+// Script of the app's page: form, uploads, jobs and results. The server sends numbers as text.
 
 const byId = (id) => document.getElementById(id);
-const UPDATE_DELAY = 400; // time in milliseconds between the last change and the update of the values
-const POLL_INTERVAL = 500; // time in milliseconds between two requests for the progress of jobs
+const UPDATE_DELAY = 400; // time (ms) between the last change of a control and the update of the displayed values
+const POLL_INTERVAL = 500; // time (ms) between two requests for the progress of jobs
 const sides = ["upper", "lower"];
 const scans = {upper: null, lower: null};
-const interfaceFiles = []; // uploaded interface files, which the list of interfaces contains in addition
-const arriving = {upper: 0, lower: 0}; // number of files of each side that are currently being uploaded or read
-// Number of the latest upload or preview request of each side; responses to earlier requests are ignored.
+const interfaceFiles = []; // uploaded interface files, which are added to the list of interfaces
+const arriving = {upper: 0, lower: 0}; // number of files that are being uploaded or read, for each side
+// Number of the latest upload or preview request for each side. Responses to earlier requests are ignored.
 const latestRequests = {upper: 0, lower: 0};
 const form = byId("pair");
 let jobs = [];
-let current = null; // number of the job that is displayed
-let reportAddress = ""; // address of the job's report, which is displayed in the frame
+let current = null; // number of the displayed job
+let reportAddress = ""; // address of the report that the frame displays
 let selection = null; // values selected in the report, or null if they equal the inputs
 
 const createNode = (tag, properties = {}, ...children) => {
@@ -88,7 +88,7 @@ function connectDrop(side) {
   input.id = `${side}-file`;
   input.addEventListener("change", () => {
     const [file] = input.files;
-    input.value = ""; // without this line, the browser would ignore a second choice of the same file
+    input.value = ""; // or else the browser would ignore a second choice of the same file
     if (file) uploadScan(side, file);
   });
   for (const name of ["dragenter", "dragover", "dragleave", "drop"])
@@ -219,7 +219,7 @@ function pairOptions() {
     const hasUnit = /\p{L}{2}|[A-Z]/u.test(value); // true for "150 HV", false for "1e-3"
     (options[name] ??= []).push(value && !hasUnit ? value + (UNITS[name] ?? "") : value);
   }
-  for (const name of SHARED) options[name] = options[name].slice(0, 1); // both scans have the same value
+  for (const name of SHARED) options[name] = options[name].slice(0, 1); // the same value applies to both scans
   if (options.young) {
     for (const side of sides) delete options[side];
     for (const name of ["young", "poisson"]) options[name] = [options[name].join(",")];
@@ -274,7 +274,7 @@ async function submitJob(errorId, body) {
     byId("page").hidden = true;
     saveState();
     await poll();
-    byId("job").scrollIntoView({block: "nearest"}); // on a phone, the result is displayed below the form
+    byId("job").scrollIntoView({block: "nearest"}); // on a phone, the result is below the form
   } catch (error) {
     showError(byId(errorId), error.message);
   }
@@ -323,7 +323,7 @@ function render() {
   for (const link of byId("share").querySelectorAll("a")) link.href = withKey(`/jobs/${job.number}/${link.dataset.file}?save`);
   const page = withKey(`/jobs/${job.number}/page.html?${job.versions}`);
   const frame = byId("page");
-  frame.hidden = !job.versions; // without files, there is no report for the displayed values
+  frame.hidden = !job.versions; // without files, the displayed values have no report
   if (!job.versions || page === reportAddress) return;
   const hash = reportAddress && frame.contentWindow.location.hash;
   reportAddress = page;
@@ -396,7 +396,7 @@ function connectReport() {
 async function updateValues(typed = {}) {
   const job = jobs.find(({number}) => number === current);
   const {load, mu0, tau0, dimension: d} = {...reportDocument()?.getElementById("readout")?.dataset, ...typed};
-  if (!job?.answer || job.by || load === undefined) return; // until the computation ends, only the report shows other values
+  if (!job?.answer || job.by || load === undefined) return; // only the report shows other values while the computation continues
   const isNear = (value, reference) => Math.abs(value - reference) <= 1e-9 * Math.abs(reference);
   const {at} = job.answer;
   const wanted = {load, mu0, tau0: Number((1000 * tau0).toPrecision(12)), d: job.command.startsWith("stiction pair") ? "" : d, isStudyLoad: isNear(load, at.load)};
@@ -513,7 +513,7 @@ form.addEventListener("input", ({target}) => { if (target.ariaInvalid) clearFiel
 for (const name of ["mu0", "tau0"]) form[name].addEventListener("input", transferToReport);
 byId("interface-file").addEventListener("change", ({target}) => {
   const [file] = target.files;
-  target.value = ""; // otherwise, the browser would ignore a second choice of the same file
+  target.value = ""; // or else the browser would ignore a second choice of the same file
   if (file) uploadInterface(file);
 });
 byId("run").addEventListener("input", updateProfiles);

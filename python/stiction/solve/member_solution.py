@@ -306,7 +306,7 @@ class PressedPair:
     upper: Any
     lower: Any
     curve: HalfSpaceCurve | LoadCurve  # load curve with a single load, for motion along +x
-    model: ContactModel | None = None  # model of single asperities; None for the half-space model
+    model: ContactModel | None = None  # contact model of single asperities; None in the half-space model
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:

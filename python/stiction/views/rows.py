@@ -59,7 +59,7 @@ _COEFFICIENT_COLUMNS = {
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Coefficients in rows of a CSV file, each with its coordinate, or a fixed text, for the column of the motion."""
+"""Variables that contain coefficients, each with the text or the coordinate in the CSV column for the motion."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 

@@ -444,5 +444,5 @@ def rate_and_state_text(point: PointSummary) -> str:
 
 
 def no_values_text(summary: Summary) -> str:
-    """Return the reason why a result contains no coefficient as text."""
+    """Return a text that states why a result contains no coefficient."""
     return f"μ_s  none: {summary.no_points_reason}"

@@ -65,7 +65,7 @@ COLOUR_RANGE_QUANTILES = (0.01, 0.95)
 COLOUR_BAR_TICKS = (
     0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
 )  # fmt: skip
-"""Round friction coefficients from which the ticks of a colour bar are chosen."""
+"""Friction coefficients, all of them round numbers, from which the ticks of a colour bar are chosen."""
 SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point starts to slip
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}

@@ -4,14 +4,14 @@ const facts = JSON.parse(document.getElementById("facts").textContent);
 const byId = (id) => document.getElementById(id);
 const PERCENT = facts.percent;
 
-// Create an element that shows a shortened number and stores the full number as its value.
+// Create an element that shows a shortened number, and keeps the full number as its value.
 const data = (value, text) => element("data", {value: String(value)}, text);
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-const REDRAW_DELAY = 150; // time in milliseconds without changes after which hidden or slow plots are drawn
+const REDRAW_DELAY = 150; // time (ms) without changes after which hidden or slow plots are drawn
 const pending = new Set();
-let drawings = {}; // drawing function for each element id
+let drawings = {}; // drawing functions by element id
 let slow = () => false; // function that returns true if plots are drawn only after `REDRAW_DELAY`
 let atRest = () => {};
 let frame = 0;

@@ -1,6 +1,6 @@
 "use strict";
 
-// Numbers that the library computed for all values of mu0 and tau0 on the page: unpack them, and print them.
+// Unpack and print the numbers that the library computed for all mu0 and tau0 on the page.
 // These functions do not access the document.
 
 /** Decode doubles from their leading bytes. All first bytes are stored first, then all second bytes, and so on. */
@@ -21,8 +21,8 @@ function placeAt({mu0, tau0}, valueOfMu0, valueOfTau0) {
   return {size: mu0.values.length * columns, node: mu0.values.indexOf(valueOfMu0) * columns + tau0.values.indexOf(valueOfTau0)};
 }
 
-const NO_INTERVAL = -128; // code of an interval that is not printed
-const EXPONENT = -127; // code of an upper end that is printed with one digit and an exponent, as in 5e+09
+const NO_INTERVAL = -128; // code for an interval that is not printed
+const EXPONENT = -127; // code for an upper limit that is printed with one digit and an exponent, as in 5e+09
 
 /** Return a value and its interval at a place, and their format if the quantity has a unit. */
 function pointAt({offsets, formats, floats, small}, name, index, {size, node}) {

@@ -1,6 +1,6 @@
-// SVG plots. The arguments of each function are an element and the data.
-// The functions do not use the state of the page.
-// Colours are variables of the style sheet, so that dark mode and print need no redrawing.
+// SVG plots. Each function draws given data in a given element.
+// No function uses the state of the page.
+// Colours are variables of the style sheet, so that plots need not be redrawn for dark mode or print.
 
 // ---- Elements -------------------------------------------------------------------------------------------------------
 
@@ -63,7 +63,7 @@ function superscript(exponent) {
 function ticksOf(low, high, isLog, most) {
   if (!(high > low)) return [{value: low, text: tickText(low)}];
   if (isLog && high / low > 4) {
-    const first = Math.ceil(Math.log10(low) - 1e-9); // the ticks also cover the decade below the first power of ten
+    const first = Math.ceil(Math.log10(low) - 1e-9); // ticks are also needed in the decade below the first power of ten
     const decades = Array.from({length: Math.ceil(Math.log10(high)) - first + 2}, (_, i) => first - 1 + i);
     const named = high / low > 200 ? [1] : high / low > 20 ? [1, 3] : [1, 2, 3, 5];
     const every = Math.max(1, Math.ceil((Math.log10(high / low) * named.length) / most));
@@ -166,7 +166,7 @@ function axes(place, wholeX, wholeY, top = 0) {
 
 // ---- Zoom -----------------------------------------------------------------------------------------------------------
 
-const CLOSEST = 1e-3; // smallest fraction of an axis that a zoomed view may show
+const CLOSEST = 1e-3; // smallest fraction of an axis to which the view can be zoomed
 
 /** Return the ends of an axis view after zooming about a position (0 to 1) or moving by a fraction of the view. */
 function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, move = 0) {
@@ -182,12 +182,12 @@ function zoomedEnds({low, high, isLog}, {low: from, high: to}, times, about, mov
 function zoom(place, redrawn, {times = 1, x = 0.5, y = 0.5, moveX = 0, moveY = 0}) {
   if (!place.axes?.X) return;
   const {wholeX, wholeY} = place.axes;
-  const {view} = place; // this view may be newer than the drawn view, because several events can precede a frame
+  const {view} = place; // this view may be newer than the drawn view, because several events may occur before a frame is drawn
   place.view = {x: zoomedEnds(wholeX, viewed(wholeX, view?.x), times, x, moveX), y: zoomedEnds(wholeY, viewed(wholeY, view?.y), times, y, moveY)};
   redrawn();
 }
 
-const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch pad is sent as a wheel event with Ctrl
+const isNear = (event) => event.ctrlKey || event.metaKey; // browsers send a pinch on a touch pad as a wheel event with Ctrl
 
 /** Connect the pointer, wheel and key events of a plot. One call per plot is enough, even if its axes change later.
  * The function `pick` returns a function that undoes the choice of a point.
@@ -195,7 +195,7 @@ const isNear = (event) => event.ctrlKey || event.metaKey; // a pinch on a touch 
 function interactive(place, {point, leave, pick, redrawn}) {
   let from = null;
   let rectangle = null;
-  let pressed = null; // position at which the pointer was pressed and released without moving
+  let pressed = null; // position of a press of the pointer that was not followed by a move
   let undo = null;
   const fingers = new Map();
   const at = (event) => positionIn(place, event);
@@ -399,7 +399,7 @@ function drawMap(place, {facts, map, loads, colours, ticks, picked, title}) {
       "stroke-width": 0.4}));
   });
   for (const [name, cells] of Object.entries(others)) {
-    if (name === "ok") continue; // friction is known, but there is no interval whose width could be drawn
+    if (name === "ok") continue; // friction without an interval has no width that could be drawn
     const id = `${place.id}-${name}`;
     inside.append(hatch(name, id), shape("path", {d: cells.join(""), fill: `url(#${id})`}));
     legend.push([swatch(() => hatch(name, `${id}-legend`), (each) => shape("rect", {...each, fill: `url(#${id}-legend)`})),
@@ -446,9 +446,9 @@ function colourBar(id, frame, low, high, ticks, title, unit) {
 
 // ---- Curves ---------------------------------------------------------------------------------------------------------
 
-const MAX_BAND = 2.5; // maximum upper end of a band on a linear scale, relative to the highest value
-const MAX_LOG_BAND = 100; // maximum ratio of a band end to the highest or lowest value on a logarithmic scale
-const MIN_LOG_RANGE = 10; // minimum ratio of the ends of a logarithmic scale
+const MAX_BAND = 2.5; // maximum ratio of the upper limit of a band to the highest value on a linear scale
+const MAX_LOG_BAND = 100; // maximum ratio of a limit of a band to the highest or lowest value on a logarithmic scale
+const MIN_LOG_RANGE = 10; // minimum ratio of the limits of a logarithmic scale
 
 /** Return the axis range for values with intervals. Wide bands are cut off, so that the curves remain visible. */
 function rangeOf(points, isLog) {
@@ -547,7 +547,7 @@ function smooth(points) {
 function drawCompass(place, directions, series, picked, describe) {
   const unit = rem();
   const [width, height] = [Math.max(place.clientWidth, 12 * unit), Math.max(place.clientHeight, 12 * unit)];
-  // In a narrow plot, the names of the curves are above the circle, because they would cover its label "+y".
+  // Names of curves are above the circle in a narrow plot, where they would otherwise cover the label "+y".
   const top = width < 28 * unit ? 1.3 * unit * series.length : 0;
   const [x, y, radius] = [width / 2, (height + top) / 2, Math.min(width, height - top) / 2 - 2.2 * unit];
   const [, most] = rangeOf(series.flatMap(({points}) => points), false);

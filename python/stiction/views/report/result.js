@@ -1,4 +1,4 @@
-// Page of a result: state, controls and texts.
+// Script of the page of a result: state, controls and texts.
 
 // ---- State ----------------------------------------------------------------------------------------------------------
 
@@ -14,7 +14,7 @@ const state = {
   dimension: facts.start.cell,
   load: facts.start.load,
   quantity: "friction",
-  pointed: null, // (dimension, load) indices of the cell under the pointer
+  pointed: null, // indices (dimension, load) of the chart cell under the pointer
 };
 const numbers = {offsets: facts.tables, formats: facts.formats, floats: null, small: null};
 let mapped = null;
@@ -139,7 +139,7 @@ function contributionBar({contributions, ends: [low, high], value, texts}) {
     from += part;
   });
   if (low !== null) {
-    const to = high ?? most; // an unbounded interval is drawn up to the end of the bar
+    const to = high ?? most; // an interval without upper limit is drawn up to the end of the bar
     bar.append(shape("line", {x1: percent(low), x2: percent(to), y1: 14, y2: 14, stroke: "var(--ink)", "stroke-width": 2}));
     for (const end of high === null ? [low] : [low, high]) bar.append(shape("line", {x1: percent(end), x2: percent(end), y1: 8, y2: 20, stroke: "var(--ink)", "stroke-width": 2}));
   }
@@ -198,7 +198,7 @@ function judgement(points, d, l) {
     `${near.loadText} it is: ${near.assessment}. `, back)] : []);
 }
 
-const MAX_OPEN_CAVEATS = 3; // number of caveats above the closed list; faults are never in this list
+const MAX_OPEN_CAVEATS = 3; // number of caveats above the closed list of further caveats; faults are always above this list
 
 function assessmentElements(assessment, caveats) {
   const kind = ASSESSMENT_CLASSES[assessment];
@@ -259,7 +259,7 @@ function mapAt() {
     trusted: grid(({status, trusted}) => (status === "ok" ? trusted : null)), points};
 }
 
-const UNIT_COLOURS = [{value: 0.1, text: "0.1"}, {value: 1, text: "1"}]; // scale of a quantity without positive values
+const UNIT_COLOURS = [{value: 0.1, text: "0.1"}, {value: 1, text: "1"}]; // colour scale of a quantity without positive values
 
 function coloursOf() {
   const index = (state.amplitude * facts.rules.length + state.rule) * facts.ways.length + state.way;
@@ -380,7 +380,7 @@ function showStrengthNotice() {
 /** Pick a dimension and a load. Return a function that undoes this choice. */
 function pick(d, l) {
   const before = [state.dimension, state.load];
-  // The pointer is reset here, because touch screens send no leave event.
+  // Reset the cell under the pointer here, because touch screens send no leave event.
   Object.assign(state, {dimension: d, load: l, pointed: null});
   sliders.dimension.set(d);
   sliders.load.set(l);
