@@ -16,7 +16,7 @@ COMMAND_OPTIONS = [
 NUM_COLUMNS = 80  # number of characters in a line of the terminal
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
 IMAGE_MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
-FONT_SIZE = 9.3  # points; at this size, a character of DejaVu Sans Mono is CHARACTER_WIDTH wide
+FONT_SIZE = 9.3  # font size (points) at which a character of DejaVu Sans Mono is CHARACTER_WIDTH wide
 LIGHT_COLOURS = {"paper": "#f6f7f9", "text": "0.12", "label": "#35618e", "number": "white", "band": "#e3ebf4"}
 DARK_COLOURS = {"paper": "#171b21", "text": "0.9", "label": "#8db8e8", "number": "#171b21", "band": "#232d3a"}
 

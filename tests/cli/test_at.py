@@ -109,7 +109,7 @@ def test_stiction_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_s
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_stiction_at_rejects_a_list_of_loads_of_which_none_is_within_the_computed_loads(
+def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_range(
     results_directory, name, options, json_options
 ):
     completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)

@@ -36,7 +36,7 @@ def study(directory):
     )
 
 
-def test_resolution_study_has_fewer_pairs_and_loads_than_the_original_study(study):
+def test_cutoff_study_has_fewer_pairs_and_loads_than_the_original_study(study):
     cutoff_study = build_cutoff_study(study)
     assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0, 0.2, 0.4], rel=1e-3)
     assert cutoff_study.ensemble.repetitions == 4
@@ -45,19 +45,19 @@ def test_resolution_study_has_fewer_pairs_and_loads_than_the_original_study(stud
     assert cutoff_study.surfaces.upper == study.surfaces.upper
 
 
-def test_resolution_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter(study):
+def test_cutoff_study_of_a_filtered_study_starts_at_the_cutoff_of_the_filter(study):
     cutoff_study = build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0.2 um"]}))
     assert cutoff_study.surfaces.cell_coordinates()["cut_off"] == pytest.approx([0.2, 0.4], rel=1e-3)
 
 
-def test_resolution_study_uses_surrogates_only_if_all_pairs_are_surrogates(study):
+def test_cutoff_study_uses_surrogates_only_if_all_pairs_are_surrogates(study):
     mixed_study = build_cutoff_study(study.with_changes({"surfaces.surrogates": 3}))
     assert (mixed_study.ensemble.repetitions, mixed_study.surfaces.surrogates) == (2, 0)
     surrogate_study = build_cutoff_study(study.with_changes({"surfaces.surrogates": 5}))
     assert (surrogate_study.ensemble.repetitions, surrogate_study.surfaces.surrogates) == (4, 4)
 
 
-def test_resolution_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_path):
+def test_cutoff_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_path):
     assert build_cutoff_study(Study.named("quick")) is None
     assert build_cutoff_study(study.with_changes({"surfaces.cut_off": ["0 um", "0.3 um"]})) is None
     assert (
@@ -70,7 +70,7 @@ def test_resolution_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_
     assert build_cutoff_study(small_study) is None
 
 
-def test_resolution_result_stored_for_another_hardness_is_ignored(study, tmp_path):
+def test_cutoff_study_stored_for_another_hardness_is_ignored(study, tmp_path):
     small_study = study.with_changes({"contact.load": ["2 mN"], "ensemble.repetitions": 2})
     compute_missing_blocks(small_study, tmp_path)
     assert evaluate_at_cutoffs(open_stored_result(tmp_path)) is None

@@ -280,7 +280,7 @@ class _MemberForces:
     normal: Floats
     tangential: Floats
     is_reached: NDArray[np.bool_]
-    is_below: NDArray[np.bool_]  # True for each load below the first step
+    is_below: NDArray[np.bool_]  # True for each load below the first loading step
 
     @classmethod
     def at_elastic_loads(

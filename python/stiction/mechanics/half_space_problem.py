@@ -330,9 +330,9 @@ def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> Pat
 
 
 def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArray[Any]]:
-    """Return load, approach and the other fields of `HalfSpaceCurve` that do not depend on friction, for k solutions.
+    """Return load, approach and the other fields of `HalfSpaceCurve` that do not depend on friction, from solved loads.
 
-    The solutions are for one pair, and may differ in its tilt.
+    The solutions are for one pair at several loads, and may differ in its tilt.
     """
     problem = solutions[0].problem
     uniform_displacement = problem.uniform_pressure_displacement

@@ -25,7 +25,7 @@ STEEP_POINT_FRACTION = 0.1
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""
 
-# a contact with at most this number of grid cells counts as small: its area depends on the grid
+# A contact with at most this number of grid cells counts as small. Its area depends on the grid.
 MAX_CELLS_OF_SMALL_CONTACT = 4
 
 
@@ -33,8 +33,8 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 class PairSlopes:
     """Slopes of two bodies at their grid points: steep points of each body, and mean square slopes of the gap."""
 
-    steep_masks: dict[str, NDArray[np.bool_]]  # for each body: mask of its steep points
-    steepness_limits: dict[str, float]  # for each body: smallest slope of its steep points
+    steep_masks: dict[str, NDArray[np.bool_]]  # mask of the steep points of each body
+    steepness_limits: dict[str, float]  # smallest slope of the steep points of each body
     # Mean square slopes of the gap: along y and x for maps, along x for profiles.
     gap_mean_squares: list[float]
     gap_mean_product: float  # mean of (slope along y) · (slope along x) of the gap, or 0 for profiles

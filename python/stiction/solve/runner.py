@@ -313,7 +313,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# If the estimated time (s) of a run on all threads exceeds this limit, the run prints advice on a shorter run.
+# Estimated time (s) of a run on all threads above which the run prints advice on how to shorten it.
 LONG_RUN_TIME = 600.0
 
 

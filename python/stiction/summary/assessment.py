@@ -196,7 +196,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning of, and remedy for, each status of a result point without a coefficient or without an upper limit."""
 
-WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check whether the interval of the mean is too wide
+WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check that the interval of the mean is not too wide
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -637,7 +637,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction has no upper limit for some samples of the inputs, or nearly none."""
+    """Yield a caveat if some samples of friction have no upper limit, or if τ0 is nearly as high as bulk strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")

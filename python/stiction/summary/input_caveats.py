@@ -70,7 +70,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # largest ratio of the spectra of two scans of one surface without a caveat
+MAX_SPECTRA_RATIO = 2.0  # largest ratio without a caveat of the spectra of two scans of one surface
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
 
