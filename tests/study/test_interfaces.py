@@ -27,7 +27,7 @@ from stiction import (
 )  # fmt: skip
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
-from stiction.evaluate.point import list_sliding_rules_reported_first
+from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.solve.member_sums import MemberSums
 from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
@@ -175,7 +175,7 @@ def test_interface_entry_without_a_sliding_rule_has_the_rule_of_its_file(opposin
     assert text.count(', sliding = "opposing"') == 1
     old_study = parse_study(text.replace(', sliding = "opposing"', ""), "an older study")
     assert find_interface(old_study) is find_interface(opposing_result.study) is not None
-    assert list_sliding_rules_reported_first(old_study) == ["opposing", "all"]
+    assert list_rules_with_reported_first(old_study) == ["opposing", "all"]
 
 
 def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:

@@ -20,7 +20,7 @@ from stiction.evaluate.point import (
     find_contact_status,
     get_study_hardness,
     iterate_points,
-    list_sliding_rules_reported_first,
+    list_rules_with_reported_first,
     mean_contact_pressure,
     mean_over_directions,
 )
@@ -295,7 +295,7 @@ def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dat
 def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
     values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
     values["mean_pressure"] = mean_contact_pressure(point)
-    for rule in list_sliding_rules_reported_first(study):
+    for rule in list_rules_with_reported_first(study):
         values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "mean_friction")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
     surfaces: Any = study.surfaces

@@ -30,7 +30,7 @@ from stiction.evaluate.combined_intervals import (
 from stiction.evaluate.contact_area import build_area_functions, compute_load_exponents
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import interpolate_member_sums, member_values
-from stiction.evaluate.point import list_sliding_rules_reported_first
+from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
@@ -215,7 +215,7 @@ def _evaluate_uncertainty(
     percentiles = np.full((*shape, FRICTION_PERCENTILES.size), np.nan)
     dwell_intervals, unlimited_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
     quantities = _CombinedQuantities(at, dims)
-    reported_rule = list_sliding_rules_reported_first(study)[0]
+    reported_rule = list_rules_with_reported_first(study)[0]
     for position, samples in _iterate_intervals(result, at, dims, inputs_by_strength, scan_means, drifts):
         quantities.add(position, samples)
         if not samples.names:

@@ -440,7 +440,7 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """One interval without upper limit in a list if friction has none at the central inputs, or an empty list."""
+        """List with an interval without upper limit if friction is unlimited at the central inputs, otherwise empty."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
@@ -489,7 +489,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return areas before shear and yield pressures from the cache, or None for both if samples are joint samples.
+        """Return areas before shear and yield pressures from the cache, or None for both with samples of an interface.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
         depends on the depth of the contacts. Neither is cached for joint samples, which may include the hardness.

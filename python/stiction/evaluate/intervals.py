@@ -102,14 +102,14 @@ class LoadCrossings:
         return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return what a curve gives at the loading step below and at the loading step above each requested load."""
+        """Return the values of a curve at the loading steps below and above each requested load."""
         before, after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
         return before, after
 
     def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
-        """Interpolate a quantity at the requested loads. It is NaN at loads that the curve does not reach.
+        """Interpolate a quantity at the requested loads. The quantity is NaN at loads that the curve does not reach.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
@@ -136,7 +136,7 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads (mN). They are known only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads (mN), which are known only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 

@@ -287,7 +287,7 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace coefficients that are round-off by 0, which occur for mu0 = tau0 = 0 in means over opposite directions.
+    """Replace coefficients that are round-off by 0, as for mu0 = tau0 = 0 in means over opposite directions.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.

@@ -190,7 +190,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
     return mean_over_directions(point, "mean_pressure")
 
 
-def list_sliding_rules_reported_first(study: Study) -> list[str]:
+def list_rules_with_reported_first(study: Study) -> list[str]:
     """Return the sliding rules of a study. The reported rule is the first.
 
     With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, it is
@@ -203,7 +203,7 @@ def list_sliding_rules_reported_first(study: Study) -> list[str]:
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
     """Return the table of measured bodies with the reported sliding rule first. Other tables are returned unchanged."""
-    rules = list_sliding_rules_reported_first(study)
+    rules = list_rules_with_reported_first(study)
     is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
 

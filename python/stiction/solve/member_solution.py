@@ -616,7 +616,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that each thread allocates once for all its tasks, because allocation is slow.
+    """Return an uninitialised array, which each thread reuses in all its tasks because allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """

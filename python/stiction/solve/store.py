@@ -139,7 +139,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Block files of the result, each with the first member to read from it and the member after the last.
+        """Block files of the result, each with the index of its first member to read and of the member after the last.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -771,7 +771,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _encode_block_of_zeros(study: Study, count: int) -> bytes:
-    """Return the bytes of a block file for `count` members in which all numbers are 0, as a template for block files.
+    """Return the bytes of a template block file with `count` members, in which all numbers are 0.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """

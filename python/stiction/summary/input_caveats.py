@@ -231,7 +231,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat or, if it recommends a cutoff above `longest` (µm), another remedy."""
+    """Return the remedy of a caveat. If it recommends a cutoff above `longest` (µm), return another remedy."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -254,7 +254,7 @@ def _get_caveat_kind(caveat: Caveat) -> str:
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Where numbers differ, the merged text contains both."""
+    """Merge the texts of two caveats of the same kind. Where numbers differ, the merged text contains both numbers."""
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:

@@ -16,7 +16,7 @@ from stiction._number_format import format_with_unit
 from stiction._units import quantity
 from stiction.evaluate.combined_intervals import FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
-from stiction.evaluate.point import list_sliding_rules_reported_first, read_estimate, select_sliding_rule
+from stiction.evaluate.point import list_rules_with_reported_first, read_estimate, select_sliding_rule
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT
 from stiction.mechanics.onset import DEFAULT_POISSON_RATIO, parse_poisson_ratios
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR
@@ -178,7 +178,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
         If no load has a closure.
     """
     parsed_units = JointUnits.parse(units)
-    at = select_sliding_rule(at, list_sliding_rules_reported_first(study)[0]).isel(mu0=0, tau0=0)
+    at = select_sliding_rule(at, list_rules_with_reported_first(study)[0]).isel(mu0=0, tau0=0)
     at = at.isel(cut_off=0) if "cut_off" in at.dims else at
     steps, area = study.contact.loading_steps(), float(at["nominal_area"])
     rows, omitted_loads = [], []

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from stiction._checks import Floats
-from stiction.evaluate.point import list_sliding_rules_reported_first
+from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.study.study_description import StudyDescription, describe_study
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.figure_values import (
@@ -192,7 +192,7 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
     return MeasuredReportData(
         bodies={side: _read_body_history(getattr(study.surfaces, side), head.attrs.get(side)) for side in SIDES},
         **_collect_common_data(result),
-        rules=list_sliding_rules_reported_first(study),
+        rules=list_rules_with_reported_first(study),
         num_solved=result.members.size,
         cut_offs=head["cut_off"].values.tolist(),
         nominal_area=float(head["nominal_area"]),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction.evaluate.point import NEGLIGIBLE_LOAD_RATIO, list_sliding_rules_reported_first
+from stiction.evaluate.point import NEGLIGIBLE_LOAD_RATIO, list_rules_with_reported_first
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, quantity_names_shown_in
 from stiction.summary.assessment import (
@@ -257,7 +257,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     means = {name: values for name, values in means.items() if is_shown_in_report(name, values)}
     statuses = np.broadcast_to(_order_dimensions(table["status"]), shape)
     checked_numbers = _compute_checked_numbers(table, estimates, study, num_members)
-    rule_index = study.contact.sliding_rules().index(list_sliding_rules_reported_first(study)[0])
+    rule_index = study.contact.sliding_rules().index(list_rules_with_reported_first(study)[0])
     checked_numbers = {name: values[:, :, rule_index] for name, values in checked_numbers.items()}
     is_beyond_limit = {name: values > get_validity_limit(name) for name, values in means.items()}
     hatched_masks = [mask for name, mask in is_beyond_limit.items() if "hatch" in QUANTITIES[name].shown]

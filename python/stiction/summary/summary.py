@@ -31,7 +31,7 @@ from stiction.evaluate.point import (
     is_stronger_than_body,
     is_unloaded,
     iterate_points,
-    list_sliding_rules_reported_first,
+    list_rules_with_reported_first,
     mean_contact_pressure,
     mean_over_directions,
     nominal_pressure_at,
@@ -504,7 +504,7 @@ def summarize_point(
 
     `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
-    values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_sliding_rules_reported_first(study)}
+    values_by_rule = {rule: select_sliding_rule(point, rule) for rule in list_rules_with_reported_first(study)}
     rules = tuple(_build_rule_coefficient(values, rule) for rule, values in values_by_rule.items())
     quoted_values = values_by_rule[rules[0].rule]
     status = _find_reported_status(rules[0])
@@ -601,7 +601,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, or else the first other status in alphabetical order."""
+    """Return "ok" if all directions have this status, otherwise the alphabetically first of the other statuses."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -698,9 +698,9 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat means that the bounds for finer scans do not hold.
+    """Return whether a caveat invalidates the bounds of friction for finer scans.
 
-    Each fault does, except too few contacts per member.
+    Every fault invalidates the bounds, except too few contacts per member.
     """
     return caveat.severity == "fault" and caveat.name not in FEW_CONTACTS_CHECK_NAMES
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._number_format import format_with_unit
 from stiction.companions.onset import OnsetValues
-from stiction.evaluate.point import list_sliding_rules_reported_first
+from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
 
@@ -74,7 +74,7 @@ def onset_note(onset: OnsetValues, study: Study) -> str:
 def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Paragraph:
     """Return the sentence on the onset of sliding and, if `verbose`, the note and the table."""
     if not verbose:
-        is_reported_rule = list_sliding_rules_reported_first(study)[0] == "all"
+        is_reported_rule = list_rules_with_reported_first(study)[0] == "all"
         return [onset_text(onset) + ("" if is_reported_rule else " These values assume friction at all contacts.")]
     return [f"{onset_text(onset)} {onset_note(onset, study)}", Table(onset_rows(onset))]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from stiction._estimate import Estimate, estimate_column_titles, to_file_unit
 from stiction._number_format import format_time
-from stiction.evaluate.point import CELL_DIMENSIONS, list_sliding_rules_reported_first
+from stiction.evaluate.point import CELL_DIMENSIONS, list_rules_with_reported_first
 from stiction.mechanics.friction import STATUS_OK
 from stiction.mechanics.quantities import (
     QUANTITIES,
@@ -174,7 +174,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             motion=motion_column,
             sliding=selected_rows["sliding"]
             if "sliding" in selected_rows
-            else list_sliding_rules_reported_first(study)[0],
+            else list_rules_with_reported_first(study)[0],
         )
         frames.append(selected_rows[[*coordinate_names, "sliding", "motion", "status", "value", "lower", "upper"]])
     table = pandas.concat(frames, ignore_index=True)

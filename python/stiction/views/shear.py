@@ -181,7 +181,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a caveat in a list if the faces fit poorly, or if the gap is larger than noise can explain."""
+    """Return a list with one caveat if the faces fit poorly, or if the gap is larger than noise can explain."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:
