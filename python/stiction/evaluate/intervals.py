@@ -21,7 +21,8 @@ from stiction._checks import Floats
 CONFIDENCE_LEVEL = 0.95
 # labels along the dimension `statistic` of datasets: a mean and the limits of its interval
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-NUM_SLOPE_FIT_STEPS = 4  # number of loading steps on each side of a load to which the slope of a curve is fitted
+# The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
+NUM_SLOPE_FIT_STEPS = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
 NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are not faster

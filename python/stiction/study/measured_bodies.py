@@ -393,7 +393,7 @@ class MeasuredBodySettings(SettingsSection):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # a device or a pipe may have no end
+            check_is_file(path)  # reading from a device or a pipe might never end
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except UnreadableFileError as error:

@@ -30,7 +30,7 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
-# Minimum fraction of the mean square slope from unreliable wavelengths for which they are mentioned.
+# Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_RATIO = 3.0  # minimum spectral density at a reported peak, relative to the density at longer wavelengths
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
