@@ -35,6 +35,7 @@ from stiction.views.style import (
 _MIN_FORCE_ZOOM_HALF_WIDTH = 40
 _MAX_NANOMETRE_RANGE = 0.5  # height range (µm) below which an axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of an arrow that represents a force
+_MIN_VISIBLE_FORCE_RATIO = 0.05  # minimum length of a visible arrow, divided by that of the longest one
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
 # Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
@@ -84,7 +85,8 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
             [], [], color=FORCE_COLOUR, marker=r"$\uparrow$", label="elastic force on the upper body", **marker_style
         )
     ]
-    if (forces["contact_friction"].values[is_in_zoom] > 0).any():
+    largest_friction = forces["contact_friction"].values[is_in_zoom].max(initial=0.0)
+    if largest_friction > _MIN_VISIBLE_FORCE_RATIO * contact_force[is_in_zoom].max(initial=0.0):
         handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **marker_style))
     figure.legend(
         handles=handles,
@@ -105,16 +107,20 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     return figure
 
 
+def _count_text(num_contacts: int) -> str:
+    return f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
+
+
 def _contact_forces_heading(forces: xarray.Dataset, title: str) -> str:
     """Return the heading of a figure of contact forces: title, number of contacts, approach, load, and shift."""
-    attributes, num_contacts = forces.attrs, forces.sizes["contact"]
-    contact_count = f"{num_contacts} {'contact' if num_contacts == 1 else 'contacts'}"
+    attributes = forces.attrs
     load_captions = []
     if "load_mN" in attributes:
         load_captions.append(f"$F_N$ = {format_with_unit(float(attributes['load_mN']), 'mN')}")
     if "x" in attributes:
         load_captions.append(f"upper profile moved by {float(attributes['x']):.4g} µm")
-    approach_caption = f"{contact_count} at an approach of {1000 * float(attributes['approach_um']):.4g} nm"
+    approach_text = f"{1000 * float(attributes['approach_um']):.4g} nm"
+    approach_caption = f"{_count_text(forces.sizes['contact'])} at an approach of {approach_text}"
     return "\n".join(filter(None, (title, approach_caption, ", ".join(load_captions))))
 
 
@@ -230,7 +236,7 @@ def contacts_and_pressure_figure(
         if np.isnan(displacement).any()
         else f"upper body moved by {displacement_texts[0]} and {displacement_texts[1]}"
     )
-    caption = f"{force.size} contacts at {format_with_unit(float(picture.attrs['load_mN']), 'mN')}"
+    caption = f"{_count_text(force.size)} at {format_with_unit(float(picture.attrs['load_mN']), 'mN')}"
     axes.set_title("\n".join(filter(None, (title, caption, displacement_caption))), loc="left", fontsize=6, pad=3)
     add_scale_bar(axes, map_extent(picture, "height"), fontsize=6)
     if has_pressure:

@@ -69,7 +69,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
                     linewidth=0.8,
                     label=estimate_label,
                 )
-    _draw_polar_circles(axes, highest_coefficient)
+    _draw_polar_circles(axes, highest_coefficient, degrees)
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
@@ -96,8 +96,8 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
     return np.asarray(np.maximum(spline((new_degrees - degrees[0]) % 360 + degrees[0]), 0))
 
 
-def _draw_polar_circles(axes: Any, highest: float) -> None:
-    """Draw circles at round values in a polar plot, with labels between two spokes."""
+def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
+    """Draw circles at round values in a polar plot, with labels in front of the curves, between the directions."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
@@ -108,10 +108,21 @@ def _draw_polar_circles(axes: Any, highest: float) -> None:
     ticks = ring_spacing * np.arange(1, int(np.ceil((highest or 1.0) / ring_spacing - 1e-9)) + 1)
     axes.set_ylim(0, ticks[-1])
     axes.grid(linewidth=0.3, color="0.8")
-    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.set_rlabel_position(67.5)
-    for text in axes.get_yticklabels():
-        text.set(fontsize=6, bbox={"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.9})
+    axes.set_yticks(ticks, [])
+    label_direction = np.radians(_find_direction_of_labels(degrees))
+    for tick in ticks:
+        axes.text(
+            label_direction, tick, f"{tick:g}", fontsize=6, ha="center", va="center", zorder=5,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.9},
+        )  # fmt: skip
+
+
+def _find_direction_of_labels(degrees: Floats) -> float:
+    """Return the direction (degrees) in the first quadrant that is farthest from all points and from the spokes."""
+    candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])  # the first of equally distant ones is used
+    occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
+    distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)
+    return float(candidates[distances.argmax()])
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:

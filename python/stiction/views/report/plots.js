@@ -580,9 +580,14 @@ function drawCompass(place, directions, series, picked, describe) {
     });
     picture.append(shape("text", {x: 0.5 * unit, y: (1.2 + 1.3 * s) * unit, style: `fill: ${colour}; font-weight: 600`}, name));
   });
+  // Labels of circles are in the direction that is farthest from points and axes.
+  const distance = (angle, other) => Math.abs(((((angle - other + 180) % 360) + 360) % 360) - 180);
+  const space = (angle) => Math.min(...[...directions, 0, 90].map((other) => distance(angle, other)));
+  const clear = [67.5, 75, 60, 52.5, 45, 22.5, 15, 30].reduce((best, angle) => (space(angle) > space(best) ? angle : best));
   for (const {value, text} of ticks) {
-    const [tx, ty] = at(67.5, value);
-    picture.append(shape("text", {x: tx, y: ty, style: "paint-order: stroke; stroke: var(--paper); stroke-width: 3px"}, text));
+    const [tx, ty] = at(clear, value);
+    picture.append(shape("text", {x: tx, y: ty + 0.3 * unit, "text-anchor": "middle",
+      style: "paint-order: stroke; stroke: var(--paper); stroke-width: 5px"}, text));
   }
   place.replaceChildren(picture);
   if (place.tip) place.append(place.tip);
