@@ -19,6 +19,7 @@ from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 from sphinx.search.en import SearchEnglish
 from sphinx.transforms.post_transforms import SphinxPostTransform
+from sphinx.util.images import get_image_size
 from sphinx.writers.html5 import HTML5Translator
 
 ROOT = Path(__file__).parents[1]
@@ -177,27 +178,56 @@ def check_for_stray_comments(app: Sphinx, page: str, source: list[str]) -> None:
 
 
 LINK_TARGETS = reference.find_link_targets(ROOT / "docs")
+AMBIGUOUS_NAMES = LINK_TARGETS.keys() & reference.list_command_and_key_names()
+"""Public names that are also a command, or a key or section of study files, such as `pair` and `cut_off`."""
 
 
 class PublicNameLinkTransform(SphinxPostTransform):
-    """Sphinx transform that links public names in code font to their entries in the reference."""
+    """Sphinx transform that links public names in code font to their entries in the reference.
+
+    Outside the Python reference, ambiguous names are linked only with parentheses, as in `pair()`. The page about
+    commands names no functions.
+    """
 
     default_priority = 5
 
     def run(self, **_: Any) -> None:
         """Wrap each public name in a cross-reference."""
+        page = self.env.current_document.docname
+        if page == "reference/commands":
+            return
+        is_python_reference = page.startswith("reference/api")
         for literal in list(self.document.findall(nodes.literal)):
             name = literal.astext().removesuffix("()")
-            if name not in LINK_TARGETS or isinstance(
-                literal.parent, (nodes.reference, addnodes.pending_xref, nodes.title)
+            is_ambiguous = literal.astext() in AMBIGUOUS_NAMES and not is_python_reference
+            if (
+                name not in LINK_TARGETS
+                or is_ambiguous
+                or isinstance(literal.parent, (nodes.reference, addnodes.pending_xref, nodes.title))
             ):
                 continue
             link = addnodes.pending_xref(
                 "", refdomain="py", reftype="obj", reftarget=LINK_TARGETS[name], refexplicit=True, refwarn=True,
-                refdoc=self.env.current_document.docname,
+                refdoc=page,
             )  # fmt: skip
             literal.replace_self(link)
             link += literal
+
+
+MIN_WIDE_ASPECT_RATIO = 1.7
+"""Ratio of width to height above which an image scrolls on a narrow screen instead of shrinking."""
+
+
+class WideImageTransform(SphinxPostTransform):
+    """Sphinx transform that adds the class `wide` to wide images."""
+
+    default_priority = 5
+
+    def run(self, **_: Any) -> None:
+        for image in self.document.findall(nodes.image):
+            size = get_image_size(Path(self.env.srcdir) / image["uri"])
+            if size is not None and size[0] > MIN_WIDE_ASPECT_RATIO * size[1]:
+                image["classes"].append("wide")
 
 
 class CommandPromptTransform(SphinxPostTransform):
@@ -276,8 +306,11 @@ def to_mathml(node: nodes.math | nodes.math_block) -> str:
 
 
 def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_block) -> NoReturn:
-    is_block = isinstance(node, nodes.math_block)
-    translator.body.append(f'<div class="formula">{to_mathml(node)}</div>\n' if is_block else to_mathml(node))
+    if not isinstance(node, nodes.math_block):
+        translator.body.append(to_mathml(node))
+        raise nodes.SkipNode
+    number = f'<span class="eqno">({node["number"]})</span>' if node.get("number") else ""
+    translator.body.append(f'<div class="formula">{to_mathml(node)}{number}</div>\n')
     raise nodes.SkipNode
 
 
@@ -301,6 +334,7 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     app.add_post_transform(PublicNameLinkTransform)
     app.add_post_transform(CommandPromptTransform)
+    app.add_post_transform(WideImageTransform)
     app.connect("builder-inited", write_reference_pages)
     app.connect("builder-inited", write_formula_font)
     app.connect("html-page-context", add_description)

@@ -12,9 +12,9 @@ from typing import Any
 import stiction
 import typer
 from stiction.cli.application import COMMANDS_BY_GROUP, app
-from stiction.study.study import read_study_description, study_names
+from stiction.study.study import Study, read_study_description, study_names
 from stiction.surfaces.parameters import PROFILE_PARAMETERS, SURFACE_PARAMETERS
-from stiction.views.study_keys import markdown_row
+from stiction.views.study_keys import markdown_row, study_keys_markdown
 
 API_ENTRY_PATTERN = re.compile(r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", re.MULTILINE)
 """Pattern of the directive that documents a name on a reference page."""
@@ -93,6 +93,12 @@ def find_link_targets(docs: Path) -> dict[str, str]:
         for name in API_ENTRY_PATTERN.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
     return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
+
+
+def list_command_and_key_names() -> set[str]:
+    """Return the names of all commands, and of all keys and sections of study files."""
+    keys = {key.split(".")[-1] for key in re.findall(r"^\| `([\w.]+)` \|", study_keys_markdown(), re.MULTILINE)}
+    return {name for group in COMMANDS_BY_GROUP.values() for name in group} | keys | {*Study.model_fields}
 
 
 def _docstring_summary(name: str) -> str:
