@@ -410,14 +410,25 @@ def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script
 
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
-def test_page_about_friction_tests_shows_the_output_of_its_first_command(tmp_path, monkeypatch):
-    blocks = code_blocks(ROOT / "docs/howto/calibration.md")
-    first_blocks = {kind: next(block for block in blocks if block.kind == kind) for kind in ("python", "sh", "text")}
+def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, monkeypatch):
+    """Compare each block of output with that of the last command before it, and the figure with that of the command."""
     monkeypatch.chdir(tmp_path)
-    exec(compile(first_blocks["python"].text, "calibration.md", "exec"), {})
-    (command,) = command_lines(first_blocks["sh"])
-    output = check_stiction(*shlex.split(command)[1:], cwd=tmp_path).stdout
-    assert output.split() == first_blocks["text"].text.split()
+    shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
+    pending_commands, num_compared = [], 0
+    for block in code_blocks(ROOT / "docs/howto/calibration.md"):
+        match block.kind:
+            case "python":
+                exec(compile(block.text, "calibration.md", "exec"), {})
+            case "sh":
+                pending_commands = command_lines(block)
+            case "text":
+                outputs = [check_stiction(*shlex.split(line)[1:], cwd=tmp_path).stdout for line in pending_commands]
+                assert outputs[-1].split() == block.text.split()
+                num_compared += 1
+    assert num_compared == 3
+    shown_figure = ROOT / "docs/images/pmma_glass.png"
+    difference = compare_images(str(shown_figure), str(tmp_path / "pmma_glass.png"), MAX_GREY_DIFFERENCE)
+    assert difference is None, f"{difference}; copy the new figure to {shown_figure}"
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
@@ -510,14 +521,15 @@ MAX_GREY_DIFFERENCE = 5.0
 
 
 @pytest.mark.docs
-@pytest.mark.parametrize("name", ["conventions", "conventions_areas"])
-def test_drawings_of_conventions_equal_the_output_of_their_scripts(tmp_path, name):
+@pytest.mark.parametrize("name", ["conventions", "conventions_areas", "spectrum_ends"])
+def test_drawings_of_the_documentation_equal_the_output_of_their_scripts(tmp_path, name):
     if not (ROOT / "docs/images").exists():
         pytest.skip("the directory of pictures is not in this tree")
-    drawing = load_script(name)
-    drawing.save_figure(tmp_path / "now.png")
-    difference = compare_images(str(drawing.IMAGE_FILE), str(tmp_path / "now.png"), MAX_GREY_DIFFERENCE)
-    assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
+    load_script(name).save_figures(tmp_path)
+    assert list(tmp_path.iterdir())
+    for path in tmp_path.iterdir():
+        difference = compare_images(str(ROOT / "docs/images" / path.name), str(path), MAX_GREY_DIFFERENCE)
+        assert difference is None, f"{difference}; run docs/scripts/{name}.py and check the new drawing"
 
 
 def test_constants_named_in_the_guide_to_extensions_exist():

@@ -1,4 +1,5 @@
-"""Draw the terms and the signs that the conventions define, and write images/conventions.png.
+"""Draw the terms and the signs that the conventions define, and write images/conventions.png and
+conventions_contact.png.
 
 The library computes bodies, contacts, normals, spheres and forces of one small pair. Only the positions of labels are
 chosen by hand.
@@ -15,7 +16,7 @@ from matplotlib.patches import Arc, Circle, Rectangle
 from stiction import Contacts, Profile, asperities, contacts, random_phases, weierstrass_mandelbrot
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-IMAGE_FILE = Path(__file__).parents[1] / "images/conventions.png"
+IMAGES_DIRECTORY = Path(__file__).parents[1] / "images"
 
 APPROACH = 0.15  # µm
 MU0 = 0.4
@@ -207,27 +208,38 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     draw_label(ax, (normal_tip + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_COLOUR, va="bottom")
     draw_label(ax, (end + arrow_foot) / 2, "load $F_N$", -0.03, ha="right")
     draw_label(ax, (arrow_foot + start) / 2, "load $F_T$", 0.0, -0.03, va="top")
-    ax.set_xlim(end[0] - 0.4, 0.55)
+    ax.set_xlim(end[0] - 0.4, 0.2)
     ax.set_ylim(-0.12, normal_tip[1] + 0.12)
     ax.set_aspect("equal")
     ax.set_axis_off()
 
 
-def draw_figure() -> Figure:
-    profiles = create_pair()
-    figure = Figure(figsize=(170 * INCHES_PER_MILLIMETRE, 122 * INCHES_PER_MILLIMETRE))
-    for name, x, y in (("(a)", 0.005, 0.94), ("(b)", 0.005, 0.435), ("(c)", 0.54, 0.435)):
-        figure.text(x, y, name, weight="bold")
-    draw_pair(figure.add_axes((0.0, 0.5, 1.0, 0.5)), profiles)
-    draw_contact(figure.add_axes((0.03, 0.0, 0.5, 0.47)), profiles)
-    draw_forces(figure.add_axes((0.56, 0.01, 0.43, 0.45)), profiles)
+def draw_pair_figure() -> Figure:
+    figure = Figure(figsize=(170 * INCHES_PER_MILLIMETRE, 54 * INCHES_PER_MILLIMETRE))
+    draw_pair(figure.add_axes((0.0, 0.0, 1.0, 1.0)), create_pair())
     return figure
 
 
-def save_figure(path: Path) -> None:
+def draw_contact_figure() -> Figure:
+    """Draw one contact with its circles, and the triangle of its forces."""
+    profiles = create_pair()
+    figure = Figure(figsize=(150 * INCHES_PER_MILLIMETRE, 58 * INCHES_PER_MILLIMETRE))
+    for name, x in (("(a)", 0.005), ("(b)", 0.58)):
+        figure.text(x, 0.93, name, weight="bold")
+    draw_contact(figure.add_axes((0.04, 0.0, 0.52, 1.0)), profiles)
+    draw_forces(figure.add_axes((0.61, 0.01, 0.38, 0.97)), profiles)
+    return figure
+
+
+DRAWING_FUNCTIONS = {"conventions.png": draw_pair_figure, "conventions_contact.png": draw_contact_figure}
+"""Functions that draw the images, by file name."""
+
+
+def save_figures(directory: Path) -> None:
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        draw_figure().savefig(path, dpi=200)
+        for name, draw in DRAWING_FUNCTIONS.items():
+            draw().savefig(directory / name, dpi=200)
 
 
 if __name__ == "__main__":
-    save_figure(IMAGE_FILE)
+    save_figures(IMAGES_DIRECTORY)

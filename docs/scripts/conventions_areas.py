@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from stiction import contacts, self_affine_surface
 from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
-IMAGE_FILE = Path(__file__).parents[1] / "images/conventions_areas.png"
+IMAGES_DIRECTORY = Path(__file__).parents[1] / "images"
 
 DIRECTION = 30.0  # direction in degrees from +x towards +y
 APPROACH = 0.9  # µm
@@ -105,8 +105,8 @@ def draw_contact(axes, normal, tangent):
     axes.view_init(elev=14, azim=-75)
 
 
-def save_figure(path):
-    """Draw the figure, and write it to a file."""
+def save_figures(directory):
+    """Draw the figure, and write it to a directory."""
     lower, result = create_pair()
     steepest_index = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
     with mpl.rc_context(MATPLOTLIB_STYLE):
@@ -117,8 +117,8 @@ def save_figure(path):
             result.normal[steepest_index],
             result.tangent[steepest_index],
         )
-        figure.savefig(path, dpi=200)
+        figure.savefig(directory / "conventions_areas.png", dpi=200)
 
 
 if __name__ == "__main__":
-    save_figure(IMAGE_FILE)
+    save_figures(IMAGES_DIRECTORY)

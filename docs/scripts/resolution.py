@@ -443,13 +443,13 @@ def write_page():
         *render_spectrum_rows(joined_results),
     ]
     (DOCS_DIRECTORY / "generated/resolution.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    draw_figure(rows_by_exponent, joined_results)
+    draw_figure(rows_by_exponent)
 
 
-def draw_figure(rows_by_exponent, joined_results):
+def draw_figure(rows_by_exponent):
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
+    figure, axes = plt.subplots(1, 2, figsize=(8, 3.8), layout="constrained")
     colours = dict(zip(HURST_EXPONENTS, ("#0072b2", "#d55e00"), strict=True))
     wavelengths = 1e3 * SPACING * np.array([4, *CUTOFFS_IN_POINTS])
     for hurst, rows in rows_by_exponent.items():
@@ -463,36 +463,23 @@ def draw_figure(rows_by_exponent, joined_results):
                 )
     plastic_limit = rows_by_exponent[HURST_EXPONENTS[0]][0]["limit"]
     for axis, value, limit_label in (
-        (axes[0], 100 * plastic_limit[0], "F/H"),
-        (axes[1], plastic_limit[1], "μ0 + τ0/H"),
+        (axes[0], 100 * plastic_limit[0], "$F/H$"),
+        (axes[1], plastic_limit[1], "$\\mu_0 + \\tau_0/H$"),
     ):
         axis.axhline(value, color="black", lw=1)
-        axis.text(wavelengths[0], value, f"plastic limit {limit_label}", va="top", fontsize=8)
+        axis.annotate(
+            f"plastic limit {limit_label}", (wavelengths[0], value), (0, -3), textcoords="offset points", va="top",
+            fontsize=9,
+        )  # fmt: skip
         axis.set(xscale="log", xlabel="cutoff wavelength (nm)")
         axis.set_xticks(wavelengths, [f"{wavelength:g}" for wavelength in wavelengths])
         axis.set_xticks([], minor=True)
     axes[0].set(yscale="log", ylabel="true contact area A/A0 (%)", title="True area")
     axes[0].set_yticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
     axes[0].set_yticks([], minor=True)
-    axes[0].legend(fontsize=7.5, loc="lower right")
-    axes[1].set(ylabel="μ_s, friction at all contacts", title="Friction")
-    wavelengths, q = np.array(joined_results["wavelength"]), 2 * math.pi / np.array(joined_results["wavelength"])
-    axes[2].plot(wavelengths, q**3.6 * joined_results["known"], color="black", lw=1, label="true")
-    ratio = np.array(joined_results["ratio"], dtype=float)
-    marker_styles = {"microscope": ("o", "#0072b2"), "large probe": ("s", "#009e73"), "fine probe": ("^", "#d55e00")}
-    for name, (marker, colour) in marker_styles.items():
-        scans = [scan for scan, item in enumerate(joined_results["names"]) if item == name]
-        for scan in scans:
-            label = name if scan == scans[0] else None
-            density = ratio[scan] * joined_results["density"]
-            axes[2].plot(wavelengths, q**3.6 * density, marker, markersize=4, alpha=0.6, color=colour, label=label)
-    axes[2].plot(wavelengths, q**3.6 * joined_results["density"], color="#cc79a7", lw=1.5, label="combined")
-    axes[2].set(
-        xscale="log", yscale="log", xlabel="wavelength (µm)", ylabel="spectrum times $q^{3.6}$ (arbitrary units)"
-    )
-    axes[2].set_title("One surface, three instruments")
-    axes[2].legend(fontsize=7.5)
-    figure.savefig(DOCS_DIRECTORY / "images/resolution.png", dpi=110)
+    axes[0].legend(fontsize=8, loc="lower right")
+    axes[1].set(ylabel="$\\mu_s$, friction at all contacts", title="Friction")
+    figure.savefig(DOCS_DIRECTORY / "images/resolution.png", dpi=160)
 
 
 if __name__ == "__main__":
