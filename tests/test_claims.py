@@ -238,7 +238,7 @@ def test_value_computed_for_a_part_of_a_claim_equals_the_value_built_into_its_da
 
     assert compute_part_value("1b", contact_area=lambda d, a, f: f**0.7) == pytest.approx(0.7, abs=1e-3)
     assert compute_part_value("2b", **TRUE_AND_FALSE_DATA["2b"][0]) == pytest.approx(4, rel=1e-6)
-    # 200 MPa add 0.2 (2 - D), averaged over D = 1, 1.1, 1.2 and over D = 1.6, 1.7.
+    # tau0 = 200 MPa adds 0.2 (2 - D) to the coefficient. The part compares means over D = 1 to 1.2 and 1.6 to 1.7.
     assert compute_part_value("3b", **TRUE_AND_FALSE_DATA["3b"][0]) == pytest.approx(0.2 * (0.9 - 0.35), rel=1e-9)
     assert compute_part_value("3d", **TRUE_AND_FALSE_DATA["3d"][0]) == pytest.approx(0.001 / 0.3, rel=1e-9)
     assert compute_part_value("7a", **TRUE_AND_FALSE_DATA["7a"][0]) == pytest.approx(0.25, rel=1e-9)
@@ -291,7 +291,7 @@ def test_verdicts_in_a_column_use_the_sliding_rule_and_contact_model_of_the_colu
         outcomes_by_name = {
             item.part.name: item for item in judge_claims(result, sliding=rule, interval_method="bands")
         }
-        # F_N at mu0 = 0.4 is 0.96 of the load.
+        # At mu0 = 0.4, the normal load F_N is 0.96 of the elastic load.
         assert outcomes_by_name["6"].value == pytest.approx(share / 0.96 / 0.4, rel=1e-9)
         assert outcomes_by_name["1b"].value == pytest.approx(0.9, rel=1e-9)
         # F_N = c L and L = δ^1.5, so dF_N/dδ at equal F_N is proportional to c^(2/3), up to interpolation errors.
@@ -313,7 +313,7 @@ def test_verdict_is_undefined_if_the_range_of_a_claim_has_only_one_fractal_dimen
 
 
 def test_verdict_by_confidence_bands_is_undefined_if_few_fractal_dimensions_have_friction():
-    # Above D = 1.6, only one dimension is not self-locked.
+    # Only one fractal dimension above 1.6 has friction; pairs of all others are self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):
         judge_claims(create_result(), interval_method="means")

@@ -455,7 +455,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
 
     assert (
         app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
-    )  # Measured surfaces have no fractal dimension.
+    )  # A pair of measured surfaces has no fractal dimension to choose.
 
     empty_page.refresh()
     assert wait_until_finished(empty_page) == "done"

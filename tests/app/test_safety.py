@@ -720,7 +720,7 @@ def test_job_of_a_killed_command_fails_with_the_name_of_the_signal(tmp_path):
 def _child_process_ids(parent_id):
     process_ids = []
     for status_file in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # the process may have ended in the meantime
+        with suppress(OSError):  # a listed process may have ended before its status is read
             if int(status_file.read_text(encoding="utf-8").rpartition(")")[2].split()[1]) == parent_id:
                 process_ids.append(int(status_file.parent.name))
     return process_ids

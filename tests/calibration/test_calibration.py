@@ -161,7 +161,7 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
     coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["mean_friction"].sel(sliding="all", statistic="mean")
     truth = float(coefficient.squeeze())
     tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
-    # The pressure acts on the area of the pieces of the maps.
+    # The nominal pressure acts on the pieces of the maps that are in contact, not on complete maps.
     assert tests[0].load == pytest.approx(0.08 * result.nominal_area)
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]

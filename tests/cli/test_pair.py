@@ -862,7 +862,7 @@ def test_pair_commands_for_two_parts_of_a_run_give_a_complete_result(scans_direc
         check_stiction(*arguments, "--part", part, cwd=scans_directory)
     assert store.open_stored_result(scans_directory / "parts").finished_members.size == 4
     completed = check_stiction(*arguments, cwd=scans_directory)
-    assert "not in per cent" in completed.stdout  # mu0 = 30 causes a caveat.
+    assert "not in per cent" in completed.stdout  # caveat about mu0 = 30
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
@@ -1026,7 +1026,7 @@ def test_pair_command_solves_a_noisy_scan_both_unfiltered_and_filtered(tmp_path)
     (fault,) = [
         value for value in find_input_caveats(noisy_profile, noisy_profile, studies["cut"]) if value.severity == "fault"
     ]
-    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm would have no caveat about noise.
+    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm does not have this fault.
 
 
 def create_noisy_and_clean_profiles():

@@ -33,7 +33,7 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 SCALING_TOLERANCE = 1e-9  # relative difference between two ways of scaling the same bodies
 SOLUTION_TOLERANCE = 1e-3  # relative difference between solutions of one problem in different units
-MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of interpolation between solved factors
+MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of values at factors between solved factors
 PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
 HARDNESS_OPTION = {"hardness": "2 GPa"}
 
@@ -364,7 +364,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
-    assert (mean_values(table["mean_friction"]) > 2 / 6.05).all()  # a softer body that shears
+    assert (mean_values(table["mean_friction"]) > 2 / 6.05).all()  # the softer body shears
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)
@@ -412,7 +412,7 @@ def test_height_factor_figures_show_area_fractions_only_if_the_nominal_area_is_m
         assert result.figure(name).axes[1].get_ylabel() == axis_label(quantity)
     assert bool(result.figure("friction").axes[0].child_axes) == (
         mechanics == "half-space"
-    )  # axis of nominal pressures
+    )  # second axis, with nominal pressures
 
 
 def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):

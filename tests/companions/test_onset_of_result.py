@@ -174,7 +174,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     page = report_page(open_stored_result(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
-    assert page.count('<div class="figure"><svg role="img"') == 3  # the third figure shows single positions
+    assert page.count('<div class="figure"><svg role="img"') == 3  # the third figure shows each position
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     with disable_drawing():
@@ -238,7 +238,7 @@ def test_sliding_load_of_the_onset_is_the_friction_coefficient_times_the_normal_
     stored = load_stored_onset(open_stored_result(tmp_path / "pair"))
     stored_load = float(stored["sliding_load"].sel(statistic="mean"))
     factor = limits[0] / stored_load
-    assert factor > 1.02  # junction growth increases friction
+    assert factor > 1.02  # junction growth increases the sliding load
     for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
         scaled, expected = (each[name].sel(statistic="mean").values for each in (result.onset, stored))
         np.testing.assert_allclose(scaled, expected * factor**power, rtol=1e-12, err_msg=name)

@@ -143,7 +143,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
     assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])
     for estimate in table:
         if estimate.hardness < 0.9 * pressure:
-            assert estimate.wavelength.value > 0.2  # longer than the shortest wavelength of the scan
+            assert estimate.wavelength.value > 0.2  # the plastic wavelength is resolved by the scan
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength.value > 0.5
     limits = find_resolution_limits(point.expand_dims("cut_off"), elastic_study)

@@ -58,7 +58,7 @@ def test_soft_elastic_bodies_have_an_area_loss_under_shear_by_default(options, t
 
 def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation():
     moduli = np.array([1.4, 1.7, 2.0, 2.3, 2.6])
-    # coefficients of μ0 and of τ0 (1/MPa) at each modulus
+    # derivatives of the friction coefficient with respect to μ0 and τ0 (1/MPa), at each modulus
     results = [press(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
     coefficients = np.array(
         [

@@ -95,7 +95,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }
     values = [table["mean_friction"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
-    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # The ratio of means differs from the mean of ratios.
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # ratio of means, and mean of ratios
     assert float(tables["elastic"]["load_definition_effect"].max()) < 1e-3
     assert {name: table.attrs["load_definition"] for name, table in tables.items()} == {
         name: name for name in tables
@@ -155,7 +155,7 @@ GENERATED_STUDIES = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # both loads follow from the mean load and the coefficient
+MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # derived from the mean load and the coefficient
 QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
@@ -546,7 +546,7 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
-    evaluated = set(ONSET_QUANTITIES)  # quantities of generated surfaces
+    evaluated = set(ONSET_QUANTITIES)  # quantities of results of generated surfaces
     for more in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
         evaluated |= set(pair(*maps, **options, **more, direction=[0.0, 180.0]).at().data_vars)
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()

@@ -233,7 +233,7 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
     )
     assert exact_point.after_dwell[0].value == pytest.approx(
         ranged_point.after_dwell[0].value, rel=1e-3
-    )  # The solutions for the two ranges have different hardnesses.
+    )  # not exactly equal, because both pairs are solved at different hardnesses
     assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
     low, high = (0.2 + 0.05 / 0.3 * 86400**m for m in (0.02, 0.04))
     assert ranged_point.after_dwell[0].upper - ranged_point.after_dwell[0].lower > 0.9 * (high - low)

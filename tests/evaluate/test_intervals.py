@@ -127,7 +127,7 @@ def test_mean_of_too_few_or_identical_neighbouring_values_has_no_interval():
 def test_interval_of_a_sample_mean_contains_the_true_mean_in_95_percent_of_cases():
     generator = np.random.default_rng(11)
     mean, lower, upper = average_independent_values(5 + generator.normal(size=(8, 4000)))
-    # The coverage is 0.95 within three standard errors of 4000 trials.
+    # The tolerance of the coverage is three standard errors of a fraction in 4000 trials.
     assert abs(float(((lower <= 5) & (upper >= 5)).mean()) - 0.95) < 3 * (0.95 * 0.05 / 4000) ** 0.5
     assert mean.mean() == pytest.approx(5, abs=0.05)
 
@@ -142,7 +142,7 @@ def test_interval_of_a_sample_mean_is_symmetric_if_values_have_both_signs():
 def test_interval_of_a_mean_of_exponential_samples_is_positive_and_contains_the_true_mean(count):
     mean, lower, upper = average_independent_values(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
-    symmetric_upper = mean + (mean - lower)  # the interval extends further towards large values
+    symmetric_upper = mean + (mean - lower)  # the true upper end is farther from the mean
     assert (upper > symmetric_upper).all()
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
 
@@ -155,7 +155,7 @@ def test_sample_quantiles_equal_quantiles_from_numpy_with_and_without_missing_va
         compute_sample_quantiles(values, probabilities), np.quantile(values, probabilities, axis=0)
     )
     values[values > 0.5] = np.nan
-    values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan  # a column without values, and one with at most one value
+    values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan  # a column of NaN only, and a column with at most one number
     expected = np.nanquantile(values, probabilities, axis=0)
     np.testing.assert_array_equal(compute_sample_quantiles(values, probabilities), expected)
 

@@ -314,7 +314,7 @@ def test_lines_paired_within_one_map_are_a_third_of_the_map_apart():
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
     np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
     np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
-    for lines in (1, 2):  # Each row is paired with a different row of the same surface.
+    for lines in (1, 2):  # Both scans are the same map, so a row must not be paired with itself.
         uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
         np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
         np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])
@@ -414,7 +414,7 @@ def test_load_fraction_of_opposing_contacts_equals_a_sum_over_the_listed_contact
         fraction = load[contact_list.opposing].sum() / load.sum()
         assert 0.05 < fraction < 0.95
         assert np.isclose(float(member["share_opposing"]), fraction, rtol=1e-6)
-    # The load fractions of both directions add up to exactly 1 for small slopes only.
+    # Each contact opposes one of the two directions, so the load fractions add up to 1, exactly so for small slopes.
     assert float(result["share_opposing"].sum()) == pytest.approx(1.0, abs=0.02)
 
 

@@ -82,7 +82,7 @@ def test_friction_map_has_a_status_instead_of_extrapolated_values_outside_its_lo
 @pytest.mark.parametrize(
     ("normal", "tangential", "load", "value", "width"),
     [
-        ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),  # one approach and one repetition
+        ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),  # loads of one repetition at one approach
         (
             [[0.0, 0.0]] * 4 + [[1.0, 2.0]],
             [[0.0, 0.0]] * 4 + [[0.5, 1.0]],

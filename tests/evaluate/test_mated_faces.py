@@ -26,7 +26,7 @@ def test_mated_faces_are_in_complete_contact(hardness):
     point = result.at()
     assert (point["rms_gradient"].sel(statistic="mean") == 0).all()
     assert (point["contact_status"] == "complete").all()
-    # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
+    # In complete contact, the coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
     assert result.value == pytest.approx(0.6 + 1.0 / 1.0, rel=1e-3)
 
 

@@ -25,7 +25,7 @@ OPTIONS = {
     "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
     "direction": [0.0, 180.0],
 }  # fmt: skip
-NO_INPUTS = {(OPTIONS["mu0"], 0.05): ({}, [])}  # uncertain inputs and joint samples at mu0 and tau0 (GPa)
+NO_INPUTS = {(OPTIONS["mu0"], 0.05): ({}, [])}  # no uncertain inputs and no joint samples, at one mu0 and tau0 (GPa)
 
 
 def rough_pair(rms=0.01):

@@ -779,7 +779,7 @@ def test_summits_in_contact_with_a_flat_surface_are_classified_as_convex():
         np.add.outer(*(0.0003 * np.arange(size) for size in upper.heights.shape)),
     ):
         body = Surface(flat, spacing=upper.spacing)
-        # The minima of the gap to a plane are summits of the rough surface.
+        # The minima of the gap to a plane are convex summits, so both curvature requirements count the same contacts.
         for bodies in ((body, lower), (upper, body)):
             convex, signed = (press(*bodies, [0.1, 0.3], curvature=name) for name in ("convex", "signed"))
             assert convex.contact_count.tolist() == signed.contact_count.tolist()

@@ -443,7 +443,7 @@ class TestProfileContactArguments:
     @pytest.mark.parametrize(
         ("effective_modulus", "tau0", "words"),
         [
-            (1.5e-3, 0.3e-3, None),  # values of rubber on glass: 0.3 MPa and E* = 1.5 MPa
+            (1.5e-3, 0.3e-3, None),  # accepted: rubber on glass, with tau0 = 0.3 MPa and E* = 1.5 MPa
             (1.5e-3, 1.4e-3, None),
             (1.5e-3, 0.3, "tau0 = 300 MPa is above the effective modulus 1.5 MPa; was it meant in kPa?"),
             (100.0, 9.0, None),

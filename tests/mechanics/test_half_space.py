@@ -450,7 +450,7 @@ def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
     assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
-    assert (np.diff(curve.contact_area) >= 0).all()  # At complete contact the areas of several loads are equal.
+    assert (np.diff(curve.contact_area) >= 0).all()  # Areas are equal only in complete contact.
     for index in range(loads.size):
         contact = curve.contact(index)
         assert (contact.share >= contact.pressure / hardness).all()

@@ -83,7 +83,7 @@ def test_friction_law_computes_the_hardness_and_friction_of_yielding_contacts_un
     law = FrictionLaw(0.2, 0.05, 9.0)
     pressure = hardness_under_shear(1.27, 0.2, 0.05, 9.0)
     assert law.yield_pressure(1.27) == pytest.approx(float(pressure), rel=1e-15)
-    # All contacts yield, so the area is the load over the pressure.
+    # If all contacts yield, the area is the load divided by the pressure of yielding contacts.
     assert law.plastic_coefficient(1.27) == pytest.approx(law.force(3.0, 3.0 / pressure) / 3.0, rel=1e-15)
     assert law.plastic_coefficient(1.27) == pytest.approx(float(tabor_friction(1.27, 0.2, 0.05, 9.0)), rel=1e-15)
     without_growth = FrictionLaw(0.2, 0.05)
@@ -177,7 +177,7 @@ def test_lower_limit_of_friction_in_bulk_shear_agrees_with_a_sum_over_contact_po
     expected = limited / traction.sum()
     if expected < 0.95:
         assert 0.93 * expected < onset.friction_fraction < 1.03 * expected
-    else:  # the model neglects small reductions of friction
+    else:  # the model neglects a reduction of friction below 5 %
         assert onset.friction_fraction == 1
 
 

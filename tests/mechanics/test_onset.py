@@ -78,7 +78,7 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_
         stick_radius = radius * np.sqrt(1 - onset.slipped_area)
         assert (
             np.abs(stick_radius - radius * stick_radius_ratio).max() < 1 / 96
-        )  # The edge of the stick zone is accurate to one cell.
+        )  # The radius of the stick zone is accurate to one grid cell.
         assert np.abs(onset.slipped_load - (1 - stick_radius_ratio**2) ** 1.5).max() < 0.01
         # The energy loss follows Johnson, Contact Mechanics (1985), eq. 7.57.
         energy_loss = 24 / 5 * (1 - (1 - load_fractions) ** (5 / 3)) - 4 * load_fractions * (
@@ -289,7 +289,7 @@ def test_onset_displacement_and_slipped_area_increase_with_tangential_load(half_
     onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
-    # The tangential stiffness decreases as the load increases.
+    # The ratio of tangential load to displacement decreases as the load increases.
     assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()
     assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
     bound = onset.traction(-1)

@@ -71,7 +71,7 @@ def test_results_at_each_cutoff_equal_half_space_solutions_of_filtered_surfaces(
     recomputed_friction = resolution_friction(result, mu0=0.2, tau0=0.2)
     assert np.array_equal(recomputed_friction, result.friction_coefficient)
     elastic_friction = resolution_friction(result, mu0=0.0)
-    assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Forces on uphill and downhill slopes cancel.
+    assert abs(elastic_friction.sel(sliding="all")).max() < 0.02  # Elastic forces uphill and downhill cancel.
 
 
 def test_results_at_a_shorter_cutoff_lie_between_plastic_limit_and_results_at_longer_cutoffs(
@@ -163,7 +163,7 @@ def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_gi
     assert result.contact_area[0, 0] < result.contact_area[1, 0]
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
-    assert (np.diff(lengths) <= 0).all()  # The elastic pressure reaches a larger hardness at a shorter wavelength.
+    assert (np.diff(lengths) <= 0).all()  # Harder bodies yield at shorter wavelengths.
     wavelength_at_4_gpa = float(resolution_result.plastic_wavelength.sel(statistic="value")[0, 0])
     wavelength_at_5_gpa, wavelength_at_2_gpa = (
         float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0)

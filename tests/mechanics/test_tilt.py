@@ -7,7 +7,7 @@ from support.rough_surfaces import rough_maps
 MAX_FORCE_OFFSET = 1e-4  # largest distance of the resultant force from the centre, relative to the side length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference from results of dense matrices
+DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference from a reference solution by dense matrices
 BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
 
 
@@ -143,7 +143,7 @@ def test_free_tilt_centres_the_resultant_force_even_at_low_loads(relative_pressu
     rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     for seed in range(6):
         upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
-        load = relative_pressure * 50 * 0.1 * 4.8**2  # the rms gradient of the gap is about 0.1
+        load = relative_pressure * 50 * 0.1 * 4.8**2  # h' of the gap is about 0.1, E* is 50 GPa, the side is 4.8 µm
         curve = half_space(upper, lower, [load], effective_modulus=50.0, tilt="free", hardness=hardness)
         contact = curve.contact(0)
         assert contact.pressure.sum() * 0.1**2 == pytest.approx(load)

@@ -205,7 +205,7 @@ def test_progress_of_a_solution_rises_with_its_iterations(study):
     assert (np.diff(progress) > 0).all()
     assert progress[-1] < 2
     members.remove(range(1))
-    assert members.estimate_progress() == pytest.approx(0.75)  # both members took the same number of iterations
+    assert members.estimate_progress() == pytest.approx(0.75)  # both members had equal numbers of iterations
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)

@@ -13,7 +13,7 @@ from stiction.study.values import StudyError
 from support.command import check_stiction
 
 STUDY_TEXT = (Path(__file__).parent / "stored_studies/half-space_of_measured_areas.toml").read_text("utf-8")
-STUDY = parse_study(STUDY_TEXT, "stored")  # mild steel on brass, with junction growth and dwell times
+STUDY = parse_study(STUDY_TEXT, "stored")  # study of mild steel on brass, with junction growth and dwell times
 MODULUS_STUDY = STUDY.with_changes({"contact.effective_modulus": "80 GPa"})
 
 
@@ -121,7 +121,7 @@ def test_study_of_a_pair_of_materials_contains_the_ranges_of_both_materials():
     assert growth.label == "the ratio of hardness to shear strength"
     assert inputs.entries["hardness"].label == "the hardness of the brass"
     assert inputs.entries["young_upper"].label == "Young's modulus of the mild steel"
-    assert "poisson_lower" not in inputs.uncertain  # the source of this material states a single value
+    assert "poisson_lower" not in inputs.uncertain  # for brass, the source states one value without a range
 
 
 def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncertain_inputs():

@@ -43,7 +43,7 @@ INTERFACE_KINDS = ("measured", "lumped", "bound")
 MAX_SAMPLING_ERROR = 0.04
 """Largest error of an interval limit due to 4000 random samples, as a fraction of the interval width."""
 
-# Coefficients with combined intervals, and with intervals of the mean.
+# Names of the coefficient with its combined interval, and of the coefficient with the interval of the mean.
 INTERVAL_NAMES = ("friction_combined", "mean_friction")
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 

@@ -108,7 +108,7 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
     assert result["area_deviation"].values == pytest.approx(0, abs=1e-12)
-    assert result["stiffness_factor"].values == pytest.approx(50e6)  # stiffness of 50 GPa/µm at a pressure of 1 GPa
+    assert result["stiffness_factor"].values == pytest.approx(50e6)  # 50 GPa/µm at a pressure of 1 GPa, in MPa/mm
     assert result["normal_stiffness"].attrs["units"] == "MPa/mm"
     assert "stiffness over area (MPa/mm)" in friction_table_csv(result)
     assert re.search(r"\b50\b", friction_table_text(result))  # factor b of the stiffness law (GPa/µm)
@@ -122,7 +122,7 @@ def test_assessments_in_a_friction_table_are_those_of_summaries_and_depend_on_th
         place = {"hurst_exponent": 2 - point.at["fractal_dimension"], "rms": point.at["amplitude"]}
         place |= {"pressure": point.at["load"] / 100} | {name: point.at[name] for name in ("mu0", "tau0")}
         assert table["assessment"].sel(sliding="opposing").sel(place, method="nearest").item() == point.assessment
-    # Without tau0, friction at all contacts equals the given mu0, which a caveat states.
+    # If tau0 is 0, friction at all contacts equals the given mu0, so it has a caveat and must not be quoted.
     without_tau0 = table["assessment"].sel(tau0=0.0)
     assert "Quote it" not in without_tau0.sel(sliding="all").values
     assert "Quote it" in without_tau0.sel(sliding="opposing").values

@@ -84,7 +84,7 @@ class TestProfileHurstExponent:
             num_covered += estimate.lower < 0.3 < estimate.upper
         assert np.median([estimate.shortest_wavelength for estimate in result]) > 0.05
         assert np.mean([estimate.value for estimate in result]) == pytest.approx(0.3, abs=0.05)
-        assert num_covered >= 24  # In a trial, 35 of 40 intervals contained the exponent.
+        assert num_covered >= 24  # 35 of 40 intervals contained the exponent in a trial
 
     def test_hurst_estimate_is_invariant_under_tilt_and_scaling_and_reversal(self):
         profile = rough_profile(points=4096)
@@ -146,7 +146,7 @@ class TestProfileHurstExponent:
         for heights, match in (
             ([1.0] * 100, "flat"),
             (np.arange(100.0), "straight line"),
-            # a profile that is straight up to round-off
+            # a step of one unit in the last place, so that the profile is straight up to round-off
             (np.where(np.arange(100) < 50, 0.7, np.nextafter(0.7, 1)), "straight line"),
             ([0.0, 1e60] * 50, "height"),
         ):

@@ -28,7 +28,7 @@ def test_rising_slope_depends_on_the_sense_of_the_motion_and_z2_does_not():
     tooth = create_sawtooth(0.1, 0.3)
     forward, backward = (measure_joint_roughness(tooth, angle) for angle in (0, 180))
     assert forward.rising_slope == pytest.approx(0.1, rel=0.06)
-    assert backward.rising_slope == pytest.approx(0.3, rel=0.15)  # some height differences span the tip of a tooth
+    assert backward.rising_slope == pytest.approx(0.3, rel=0.15)  # less exact: some differences span a tip
     assert forward.rising_slope == backward.falling_slope
     assert forward.z2 == backward.z2
 

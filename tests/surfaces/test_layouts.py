@@ -1081,7 +1081,7 @@ def test_small_point_list_that_declares_a_huge_map_is_rejected(tmp_path):
 
 
 def test_large_map_that_omits_a_third_of_its_points_is_read(tmp_path):
-    shape = (1100, 1000)  # more points than a map that lists only a few points may have
+    shape = (1100, 1000)  # large enough to be rejected if only a few points were listed
     rows, columns = np.nonzero(random.random(shape) > 0.33)
     points = "\n".join(f"{x} {y} {(x * y) % 7}.5" for x, y in zip(columns.tolist(), rows.tolist(), strict=True))
     head = zygo_text().split("#")[0].replace(f"0 0 {NUM_COLUMNS} {NUM_ROWS}", f"0 0 {shape[1]} {shape[0]}")

@@ -86,7 +86,7 @@ def test_hurst_exponents_of_all_lines_are_fitted_in_a_common_band():
 
 def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():
     heights = np.array(surface_of_stacked_rows(0.6, lines=40).heights)
-    heights[::2] = 3.0 + 0.01 * np.arange(600)  # Every second line is straight.
+    heights[::2] = 3.0 + 0.01 * np.arange(600)  # replace every second line by a straight line
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
         line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9

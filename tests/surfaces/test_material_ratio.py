@@ -96,7 +96,7 @@ def test_roughness_parameters_scale_with_size_as_their_units_require():
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough_profile(points=4000), lc=8.0)
     assert tuple(result.values) == tuple(parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter])
-    # The numbers of parameters add up only if all names are unique.
+    # `ROUGHNESS_PARAMETERS` is keyed by name, so its length is the sum only if all names are unique.
     assert len(ROUGHNESS_PARAMETERS) == len(SURFACE_PARAMETERS) + sum(map(len, PROFILE_PARAMETERS.values()))
     # If heights become ten times as large, a parameter changes by a power of this factor that depends on its unit.
     power_by_unit = {"µm": 1, "1/µm": 1, "": 0, "degrees": 0, "1/µm²": 0}

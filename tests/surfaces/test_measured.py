@@ -354,7 +354,7 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
     )
     heights_with_equal_row = heights.copy()
     heights_with_equal_row[0] = 0.5
-    # heights that are tilted, like measured heights before levelling
+    # a plane with small roughness, like a scan before levelling
     tilted_heights = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
     for matrix in (heights, heights_with_equal_row, tilted_heights, x + y[:, np.newaxis]):
         path = write_file(npy_bytes(matrix), "a.npy")
@@ -621,7 +621,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
         assert surface_read.history == (f"read from {name}", "ground", "levelled by a plane")
     with pytest.raises(FormatError, match="but the given spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
-    # the rows increase in equal steps, like positions
+    # The heights of a plane increase in equal steps, but must not be taken for positions.
     plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)
     write_surface(plane, tmp_path / f"plane-{name}")
     assert np.array_equal(read_surface(tmp_path / f"plane-{name}").heights, plane.heights)
@@ -861,11 +861,11 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
     assert "stores Z as integers, but has no Increment" in error_message(
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
-    # Remove the namespaces of all elements.
-    namespace_removal = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
+    # Replacements that put all elements, instead of only the root element, into the XML namespace of X3P.
+    default_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
     for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
         path = write_file(
-            x3p_bytes(HEIGHTS_IN_METRES, replacements=[("<Increment>1.0</Increment>", increment), *namespace_removal]),
+            x3p_bytes(HEIGHTS_IN_METRES, replacements=[("<Increment>1.0</Increment>", increment), *default_namespace]),
             "a.x3p",
         )
         assert np.abs(read_surface(path).heights - 1e6 * HEIGHTS_IN_METRES).max() < 1e-15

@@ -72,7 +72,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
     assert scan.row(0).missing is None
     tilted_scan = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
     height_differences = np.where(missing, 0, levelled(tilted_scan, "plane").heights - levelled(scan, "plane").heights)
-    assert np.abs(height_differences).max() < 1e-12  # interpolated points do not tilt the fitted plane
+    assert np.abs(height_differences).max() < 1e-12  # missing points have no weight in the fitted plane
     fine_surface = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled = on_common_grid(scan, fine_surface)[0].missing
     y, x = (
@@ -315,7 +315,7 @@ def test_pair_function_rejects_maps_without_a_position_measured_in_both_maps(com
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="share at least one measured position"):
-        pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # Some of the shifts are an odd number of rows.
+        pair(scan, scan, shifts=4, **PAIR_OPTIONS)  # For some shifts, each row is missing in one of the scans.
 
 
 def test_dangling_link_in_a_directory_of_scans_is_rejected(scan_path):

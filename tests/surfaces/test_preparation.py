@@ -102,7 +102,7 @@ def test_flipped_scan_touches_the_original_scan_at_the_highest_peak():
     assert contact_table.index.tolist() in (
         [49],
         [50],
-    )  # The minimum is at point 50, which is the end of one interval and the start of another.
+    )  # The summit is at point 50, which is the end of cell 49 and the start of cell 50.
     assert flipped(flipped(peak_profile)).heights.tolist() == peak_profile.heights.tolist()
 
 
@@ -114,7 +114,7 @@ def test_common_grid_preserves_the_finer_profile_and_interpolates_the_coarser_pr
     for a, b, fine_index in ((fine_profile, coarse_profile, 0), (coarse_profile, fine_profile, 1)):
         pair = on_common_grid(a, b)
         assert pair[0].spacing == pair[1].spacing == 0.1
-        assert len(pair[0]) == len(pair[1]) == 48  # The profiles have 4.75 µm in common.
+        assert len(pair[0]) == len(pair[1]) == 48  # the shorter length is 4.75 µm
         assert np.array_equal(pair[fine_index].heights, fine_profile.heights[:48])
         shared_heights = pair[1 - fine_index].heights[
             ::5

@@ -216,7 +216,7 @@ def test_texture_direction_equals_the_direction_of_grooves(angle):
     assert result.Sal == pytest.approx(2.0 * math.acos(0.2) / (2 * math.pi), rel=0.02)
     assert math.isnan(result.Str)  # Along the grooves the autocorrelation never falls to 0.2.
     angle_error = abs((result.Std - angle + 90) % 180 - 90)
-    assert angle_error <= 3  # half a sector of two degrees, plus the spread due to the window
+    assert angle_error <= 3  # directions are known to half a sector of 2°, plus the effect of the window
 
 
 def test_core_roughness_of_known_distributions_equals_closed_forms():
@@ -253,7 +253,7 @@ def test_reduced_peak_height_is_the_height_of_a_triangle_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
-    upper = z[round(result.Smr1 * z.size) - 1]  # height above which points belong to the peaks
+    upper = z[round(result.Smr1 * z.size) - 1]  # lower limit of the heights of peaks
     peaks = z[: round(result.Smr1 * z.size)]
     assert peaks.min() >= upper
     area = result.Spk * result.Smr1 / 2

@@ -145,7 +145,7 @@ class TestInstrumentLimit:
         assert (result.reason, result.wavelength, result.pixels) == ("pixels", 0.04, 0.04)
         subsampled_surface = Surface(
             surface.heights[::4, ::4], spacing=(0.08, 0.04)
-        )  # subsampling also causes aliasing
+        )  # subsampling, which also causes aliasing, must not look like noise
         assert instrument_limit(subsampled_surface).reason == "pixels"
 
     @pytest.mark.parametrize("noise", [0.3e-3, 1e-3, 1e-2])
@@ -159,7 +159,7 @@ class TestInstrumentLimit:
         # The spectrum is A n^-2.8 for harmonics n, and its sum is the mean square.
         harmonic = profile.extent / result.noise
         power = 0.1**2 * harmonic**-2.8 / (np.arange(1, 2**13) ** -2.8).sum()
-        assert 1.2 < power / (noise**2 / 2**13) < 4  # the power includes the noise, and is four times the lowest power
+        assert 1.2 < power / (noise**2 / 2**13) < 4  # power of the surface at the noise limit, relative to the noise
 
     def test_white_noise_profile_has_a_noise_limit_above_10_micrometres(self):
         result = instrument_limit(Profile(np.random.default_rng(2).normal(size=4096), spacing=0.1))
@@ -221,7 +221,7 @@ class TestInstrumentLimit:
         rough_profile = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough_profile.heights)
-        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # wavelengths of 80 to 200 points
+        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # hump at wavelengths of 80 to 200 points
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
     def test_rounded_heights_have_an_instrument_limit_due_to_quantisation(self):

@@ -161,8 +161,8 @@ def test_rotated_surface_equals_its_height_function_at_rotated_points(angle, sha
         assert original_positions.max() < (length - 1) * 0.1 + 1e-9
     expected = height(original_y, original_x)
     errors = np.abs(rotated_surface.heights - expected)
-    assert np.median(errors) < 1e-6  # The error is of fourth order in the spacing.
-    assert errors.max() < 1e-4  # The error is larger at the sides.
+    assert np.median(errors) < 1e-6  # away from the sides, the error is of fourth order
+    assert errors.max() < 1e-4  # at the sides, the error of the spline is larger
     if angle != 90:
         assert "% cut off" in rotated_surface.history[-1]
 

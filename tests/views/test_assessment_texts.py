@@ -57,7 +57,7 @@ def test_summary_of_measured_surfaces_lists_the_coefficient_for_all_contacts_fir
     ):
         assert words in quotable_sentence(point)
     assert quotable_sentence(point).endswith(".")
-    # the smallest and the largest value of members
+    # smallest and largest coefficient of single members
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert summarize_single_point(measured_result(all_contacts=0.1, half_width_ratio=1.2), measured_study()).lower == 0
     dataset = measured_result()

@@ -337,7 +337,7 @@ def test_compass_figure_shows_the_mean_in_each_direction_on_an_axis_that_starts_
 
 def test_positions_figure_sorts_maps_by_value_and_profiles_by_position(maps_at_two_cutoffs, profiles_dataset):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
-    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # The result has 4 members in 4 directions.
+    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # 16 points: 4 members in 4 directions
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
     line_of_profiles = draw_figure(profiles_dataset, "positions").axes[0].lines[0]
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)

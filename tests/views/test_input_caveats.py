@@ -62,7 +62,7 @@ def test_height_range_that_is_large_for_the_scan_length_adds_a_caveat(rough_prof
     assert caveat_texts(Surface(10 * surface.heights, spacing=1.0), surface) == [
         "upper: heights span 10 µm on a length of 8 µm"
     ]
-    # Heights that are impossible for a scan are a fault.
+    # A height range that no scan can have is reported as a fault.
     tall_profile = Profile(rough_profile.heights * 1e6, spacing=rough_profile.spacing)
     caveats = find_input_caveats(tall_profile, rough_profile, measured_study())
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
@@ -79,7 +79,7 @@ def test_form_error_of_a_profile_adds_a_caveat_unless_the_form_is_removed(rough_
     assert 0 < MAX_FORM_FRACTION < 1
     curved_profile = Profile(rough_profile.heights + x**2, spacing=rough_profile.spacing)
     study = measured_study()
-    study = study.with_changes({"surfaces.level": "quadratic"})  # Quadratic levelling removes the parabola.
+    study = study.with_changes({"surfaces.level": "quadratic"})  # a quadratic fit removes the parabola
     assert find_input_caveats(rough_profile, curved_profile, study) == ()
 
 

@@ -127,7 +127,7 @@ def test_joint_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(ta
         (each.young_modulus / (2 + 2 * each.poisson_ratio), each.poisson_ratio)
         for each in (material("mild steel"), material("brass"))
     )
-    # Dundurs' second constant for plane strain
+    # Dundurs' constant β of steel on brass in plane strain
     beta = (first_shear * (1 - 2 * second) - second_shear * (1 - 2 * first)) / (
         2 * (first_shear * (1 - second) + second_shear * (1 - first))
     )

@@ -39,8 +39,8 @@ def create_arbitrary_sums(tangential_factor):
     load_growth = np.arange(1, shape[-1] + 1) ** 1.5
     random_loads = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * load_growth * random.lognormal(0, 0.3, shape)
     random_loads[:, :, 5:8, :4] = 0
-    random_loads[1, 0, 1:] = 0  # only one repetition carries a load
-    random_loads[2, 0] = 0  # no repetition carries a load
+    random_loads[1, 0, 1:] = 0  # only one repetition of this pair of parameters carries a load
+    random_loads[2, 0] = 0  # no repetition of this pair of parameters carries a load
     has_contact = random_loads > 0
     for name in ("normal_elastic", "tangential_frictional", "contact_area", "overlap_load", "normal_adhesive"):
         data[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
@@ -87,7 +87,7 @@ def test_report_script_prints_numbers_with_as_many_decimals_as_the_terminal_outp
     upper[8:12] = 300 * value[8:12]
     upper[12] = 1e11 * value[12]  # printed with an exponent
     if digits == 2:
-        value[5] = 2 * scale  # without an interval, trailing zeros are omitted
+        value[5] = 2 * scale  # a value without an interval is printed without trailing zeros
     decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper, digits=digits)
     texts = report_evaluator(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"

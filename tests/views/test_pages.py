@@ -409,7 +409,7 @@ def test_report_map_shows_the_selected_quantity_and_amplitude(generated_report):
     for quantity in ("width", "area", "stiffness", "friction"):
         Select(find_element(generated_report, "quantity")).select_by_value(quantity)
         maps.append(read_map())
-    assert len(set(maps)) == 4  # The last map equals the first one.
+    assert len(set(maps)) == 4  # five maps, of which the first and the last show friction
     Select(find_element(generated_report, "amplitude")).select_by_visible_text("100 nm")
     assert read_map() not in maps
 
