@@ -278,6 +278,22 @@ def test_commands_load_dask_only_for_a_cluster(tmp_path):
     assert "the address of a Dask scheduler must have the form" in message
 
 
+HALF_PLANE_PAIR_CODE = """
+import sys
+from stiction import pair, self_affine
+upper, lower = (self_affine(seed, points=400, spacing=0.1, hurst_exponent=0.8, rms=0.02) for seed in (1, 2))
+options = {"load": "10 MPa", "effective_modulus": "80 GPa", "mu0": 0.2, "mechanics": "half-space"}
+result = pair(upper, lower, offsets=3, onset=1, cutoff="none", **options)
+assert result.onset is not None
+assert "scipy.optimize" not in sys.modules
+"""
+
+
+def test_pair_of_profiles_as_half_planes_does_not_load_scipy_optimize():
+    """Check this because the import takes 0.2 s, and the onset of half-planes has no displacements to fit."""
+    subprocess.run([sys.executable, "-c", HALF_PLANE_PAIR_CODE], check=True)
+
+
 STYLE_SHEET_CODE = """
 import asyncio, pathlib, starlette.requests, stiction.app.server
 server = stiction.app.server.Server(pathlib.Path(), pathlib.Path(), 0)

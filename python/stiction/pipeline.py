@@ -245,7 +245,7 @@ def compute_companion_files(
                 announce_time=lambda seconds: (print_remark if seconds > MIN_ANNOUNCED_TIME else announce)(
                     f"cutoff study: about {format_duration(seconds)} of one core"
                 ),
-                meanwhile=(lambda: None) if onset == 0 else import_fit_packages,
+                meanwhile=(lambda: None) if onset == 0 else partial(import_fit_packages, stored_result.study),
             )
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):

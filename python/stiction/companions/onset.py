@@ -66,9 +66,14 @@ _ONSET_SCALAR_NAMES = ("sliding_load", "displacement_at_sliding", "stiffness", "
 _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
-def import_fit_packages() -> None:
-    """Import the packages that fit presliding models to the onset in advance. The import takes 0.2 s."""
-    import scipy.optimize  # noqa: F401
+def import_fit_packages(study: Study) -> None:
+    """Import the packages that fit presliding models to the onset of a study in advance. The import takes 0.2 s.
+
+    Nothing is imported for a free half-plane, whose curve has no displacements and is not fitted.
+    """
+    contact: Any = study.contact
+    if study.is_areal or not study.uses_half_space or contact.boundary == "periodic":
+        import scipy.optimize  # noqa: F401
 
 
 def compute_onset(

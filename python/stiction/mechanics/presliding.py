@@ -127,9 +127,8 @@ class LuGre(TextReprMixin):
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
     """Fit the Iwan model to an onset curve by least squares of the load."""
-    from scipy.optimize import least_squares
-
     _check_curve(displacement, load, MIN_FIT_POINTS)
+    from scipy.optimize import least_squares  # takes 0.2 s, and is not needed for a curve that cannot be fitted
 
     def iwan_model(values: Floats, residual: Floats) -> FourParameterIwan:
         chi, beta = map(float, values)
@@ -150,9 +149,9 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
     """Fit the LuGre model to an onset curve by least squares of the load."""
+    _check_curve(displacement, load, 1)
     from scipy.optimize import least_squares
 
-    _check_curve(displacement, load, 1)
     initial_stiffness = load[0] / displacement[0]
 
     def relative_error(values: Floats) -> Floats:
