@@ -597,7 +597,8 @@ def compute_quantiles(
     # Do not interpolate quantiles between infinite samples.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
     if upper_values is None or upper_values is values or not np.isinf(upper_values).any():
-        return np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
+        # NumPy sorts the samples in less time than it finds the few samples around the quantiles.
+        return np.asarray(np.quantile(np.sort(values, axis=axis), probabilities, axis=axis, method=method))
     is_upper = probabilities > 0.5
     lower_quantiles = np.quantile(values, probabilities[~is_upper], axis=axis, method=method)
     upper_quantiles = np.quantile(upper_values, probabilities[is_upper], axis=axis, method="inverted_cdf")

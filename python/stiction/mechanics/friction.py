@@ -271,13 +271,14 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     slope = np.asarray(ratio * mu0 / PLANE_STRAIN_RATIO)
     margin = np.maximum(1 - ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear = slope * (1 + np.pi / 2) * np.sqrt(2.0)
-    with np.errstate(invalid="ignore"):  # if mu0 is 0 and tau0 equals the shear strength, the quotient is 0/0
-        x = np.nan_to_num(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)))
+    # If mu0 is 0 and tau0 equals the shear strength, the quotients are 0/0. `np.fmax` replaces their NaN by 0.
+    with np.errstate(invalid="ignore"):
+        x = np.fmax(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
         for _ in range(NUM_PRESSURE_STEPS):
             cosine = np.sqrt(1 - x**2)
             value = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
-            x = np.clip(x + np.nan_to_num(value / (4 * (x + slope * cosine))), 0.0, np.sqrt(0.5))
+            x = np.minimum(np.fmax(x + value / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
     sector = 2 * np.arcsin(x) + 2 * x * np.sqrt(1 - x**2)
     return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
 
