@@ -54,7 +54,7 @@ def test_words_script_reports_docstrings_that_start_with_a_rejected_word(words_t
     assert len(list(words_tool.find_first_word_faults(files, {"all": ["What"]}))) == 1
 
 
-def test_words_script_reports_test_names_that_do_not_begin_with_their_unit(words_tool):
+def test_words_script_reports_test_names_that_begin_with_an_article_instead_of_the_tested_unit(words_tool):
     files = {
         "tests/test_x.py": "def test_the_profile_reader_accepts_csv_files():\n    pass\n\n\n"
         "def test_profile_reader_accepts_csv_files():\n    pass\n"

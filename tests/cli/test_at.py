@@ -64,7 +64,7 @@ LOAD_AND_PARAMETER_CASES = {
 
 
 @pytest.mark.parametrize("name", LOAD_AND_PARAMETER_CASES)
-def test_stiction_at_prints_the_values_of_the_library_for_given_mu0_and_tau0(results_directory, name):
+def test_at_command_prints_the_same_values_as_the_python_function_for_given_mu0_and_tau0(results_directory, name):
     options, loads, friction_parameters = LOAD_AND_PARAMETER_CASES[name]
     output_record = json.loads(get_stiction_output("at", name, *options, "--json", cwd=results_directory))
     stored_result = open_stored_result(results_directory / name)
@@ -141,7 +141,7 @@ def test_stiction_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_stud
     assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
 
 
-def test_stiction_at_prints_friction_in_the_direction_of_the_direction_option(results_directory):
+def test_at_command_prints_friction_in_the_direction_of_the_direction_option(results_directory):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_directory))
     assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_directory)

@@ -143,8 +143,8 @@ def test_status_of_a_coefficient_names_the_first_condition_that_is_not_met():
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
-    touched, reached, below, locked = np.array(arguments).T
-    status = choose_statuses(touched=touched, reached=reached, below=below, locked=locked)
+    touched, reached, below, self_locked = np.array(arguments).T
+    status = choose_statuses(touched=touched, reached=reached, below=below, locked=self_locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE
 

@@ -1024,7 +1024,7 @@ def test_impossible_numbers_in_headers_of_instrument_files_are_rejected(tmp_path
 
 
 @pytest.mark.parametrize("number", ["0", "-0.001", "1e-400", "1e400", "0x10", "nan", "inf"])
-def test_impossible_height_factor_in_a_header_is_rejected_with_its_line(tmp_path, number):
+def test_impossible_height_factor_in_a_header_is_rejected_by_a_message_that_quotes_the_line(tmp_path, number):
     line = f"Z conversion factor (um): {number}"
     (tmp_path / "a.txt").write_text("\n".join([line, "pixel size: 0.5 um", *format_rows(HEIGHTS)]))
     with pytest.raises(FormatError, match=rf"in its header line '{re.escape(line)}'"):
@@ -1033,7 +1033,7 @@ def test_impossible_height_factor_in_a_header_is_rejected_with_its_line(tmp_path
 
 @pytest.mark.parametrize("number", ["0", "-0.5", "1e-400", "1e400", "0x10", "nan", "inf"])
 @pytest.mark.parametrize("line", ["pixel size: {} um", "dx: {} um\ndy: 0.5 um", "Width: {} um\nHeight: 3.5 um"])
-def test_impossible_length_in_a_header_is_rejected_with_its_line(tmp_path, line, number):
+def test_impossible_length_in_a_header_is_rejected_by_a_message_that_quotes_the_line(tmp_path, line, number):
     header = line.format(number)
     (tmp_path / "a.txt").write_text("\n".join([header, *format_rows(HEIGHTS)]))
     with pytest.raises(FormatError, match=rf"header line '{re.escape(header.splitlines()[0])}'"):

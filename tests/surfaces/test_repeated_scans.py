@@ -221,7 +221,7 @@ def test_comparison_of_repeated_scans_rejects_heights_whose_squares_underflow(fa
         compare_repeated_scans(Profile(heights, spacing=0.1), Profile(factor * heights, spacing=0.1))
 
 
-def test_comparison_of_repeated_scans_rejects_scans_with_orthogonal_slopes():
+def test_comparison_of_repeated_scans_rejects_scans_whose_slopes_are_uncorrelated():
     first_heights, second_heights = np.zeros((2, 16))
     first_heights[3], second_heights[11] = 1.0, 1.0
     with pytest.raises(ValueError, match=r"correlation|overlap"):

@@ -138,7 +138,7 @@ def test_profile_elements_are_invariant_under_reversal_and_flip(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_mean_profile_element_agrees_with_the_reference_implementation(seed):
+def test_mean_width_of_profile_elements_agrees_with_the_reference_implementation(seed):
     heights = ground_profile(seed, points=1500).heights
     assert mean_profile_element(heights, 0.5, 0.7) == pytest.approx(
         reference_roughness.mean_profile_element(heights, 0.5, 0.7), rel=1e-9
