@@ -34,7 +34,9 @@ from stiction.views.figures import draw_figures
 from stiction.views.figures.budget import uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, contacts_and_pressure_figure
 from stiction.views.figures.ensemble import (
-    FADING_PARAMETERS,
+    FULLY_FADED_WIDTH,
+    MAX_FADING,
+    MIN_FADED_WIDTH,
     _compute_fading,
     _fade_colours,
     area_figure,
@@ -242,10 +244,8 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
     certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
     assert (certain_colour, without_value) == (0, 0)
-    assert fully_faded == without_interval == FADING_PARAMETERS[2]
-    assert partly_faded == pytest.approx(
-        FADING_PARAMETERS[2] * (1.0 - FADING_PARAMETERS[0]) / (FADING_PARAMETERS[1] - FADING_PARAMETERS[0])
-    )
+    assert fully_faded == without_interval == MAX_FADING
+    assert partly_faded == pytest.approx(MAX_FADING * (1.0 - MIN_FADED_WIDTH) / (FULLY_FADED_WIDTH - MIN_FADED_WIDTH))
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
     grey = _fade_colours(purple, np.array(1.0))
     assert grey == pytest.approx([purple @ luminance] * 3)

@@ -44,7 +44,7 @@ from stiction.views.style import (
     spread_label_positions,
 )
 
-FADING_PARAMETERS = (0.3, 1.2, 0.85)
+MIN_FADED_WIDTH, FULLY_FADED_WIDTH, MAX_FADING = 0.3, 1.2, 0.85
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # minimum distance (mm) between curve labels
@@ -294,9 +294,8 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
-    min_width, max_width, max_fading = FADING_PARAMETERS
-    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=max_width, posinf=max_width), min_width)
-    return np.asarray(max_fading * np.clip((width - min_width) / (max_width - min_width), 0, 1))
+    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=np.inf), MIN_FADED_WIDTH)
+    return np.asarray(MAX_FADING * np.clip((width - MIN_FADED_WIDTH) / (FULLY_FADED_WIDTH - MIN_FADED_WIDTH), 0, 1))
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
@@ -322,8 +321,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     if (fading[~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
             Patch(
-                facecolor=tuple(_fade_colours(example_colour, np.array(FADING_PARAMETERS[2]))),
-                label="grey: wide 95 % interval",
+                facecolor=tuple(_fade_colours(example_colour, np.array(MAX_FADING))), label="grey: wide 95 % interval"
             )
         )
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
