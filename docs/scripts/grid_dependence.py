@@ -27,7 +27,7 @@ MU0 = 0.4
 
 CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
 """Numbers of grid points: half the default number, the default number, and twice the default number."""
-CLAIM_LOAD = 33e-6  # load (mN), the middle load of the other claims
+MIDDLE_CLAIM_LOAD = 33e-6  # load (mN), the middle load of the other claims
 
 
 def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
@@ -74,7 +74,7 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
 
 
 def compute_resampled_areas(detection: str) -> list[np.ndarray]:
-    """Return the area (µm²) at `CLAIM_LOAD` for each number of grid points, as arrays (resample, D).
+    """Return the area (µm²) at `MIDDLE_CLAIM_LOAD` for each number of grid points, as arrays (resample, D).
 
     The studies have the same seed, so that each resample consists of the same repetitions for every number of points.
     """
@@ -82,7 +82,7 @@ def compute_resampled_areas(detection: str) -> list[np.ndarray]:
         {"surfaces.fractal_dimension": FRACTAL_DIMENSIONS[:-1], "contact.detection": detection}
     )
     return [
-        ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).at("area", CLAIM_LOAD)
+        ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).at("area", MIDDLE_CLAIM_LOAD)
         for points in CLAIM_POINT_COUNTS
     ]
 

@@ -19,7 +19,7 @@ from reference.neighbours import (  # noqa: E402
 
 NUM_TRIALS = 2000
 POSITION_COUNTS = (8, 16, 32, 64, 200)
-CORRELATIONS = (0.0, 0.4, 0.8)
+POSITION_CORRELATIONS = (0.0, 0.4, 0.8)
 MIN_COVERAGE, MAX_WIDTH_RATIO = 0.94, 1.5
 """Limits of coverage and width ratio beyond which numbers are bold. The standard error of a coverage is 0.005."""
 
@@ -70,7 +70,7 @@ def main():
     ]
     for distribution in DISTRIBUTION_NAMES:
         for positions in POSITION_COUNTS:
-            for correlation in CORRELATIONS:
+            for correlation in POSITION_CORRELATIONS:
                 generator = np.random.default_rng(
                     [positions, int(10 * correlation), DISTRIBUTION_NAMES.index(distribution)]
                 )

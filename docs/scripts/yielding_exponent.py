@@ -82,7 +82,7 @@ class RoughMap:
         rms_slope = math.sqrt(sum(float(np.mean(slope.real**2)) for slope in slopes))
         return (waves @ amplitudes @ waves.T).real * self.rms_slope / rms_slope
 
-    def pressures(self) -> np.ndarray:
+    def choose_pressures(self) -> np.ndarray:
         """Return the mean pressures at which the closed form gives the area fractions of the case."""
         pressures = np.geomspace(0.005, 0.5, 16) * EFFECTIVE_MODULUS * self.rms_slope
         pressures = pressures[pressures < self.hardness]
@@ -105,7 +105,7 @@ class PeriodicBall:
         x = np.arange(num_points) / num_points - 0.5
         return -np.add.outer(x**2, x**2) / (2 * self.radius)
 
-    def pressures(self) -> np.ndarray:
+    def choose_pressures(self) -> np.ndarray:
         return np.array([0.02, 0.04, 0.07, 0.11]) * self.hardness
 
 
@@ -151,7 +151,7 @@ def run_case(case: RoughMap | PeriodicBall) -> dict[str, list[float]]:
     solver = tamaas.AndersonMixing(contact_solver, plastic_solver, 1e-5)
     elastic_solver = tamaas.PolonskyKeerRey(elastic_solid, heights.copy(), 1e-10)
     result: dict[str, list[float]] = {"pressure": [], "area": [], "elastic_area": []}
-    for pressure in case.pressures():
+    for pressure in case.choose_pressures():
         solver.solve(float(pressure))  # `solve` also updates the plastic strain of the solid
         elastic_solver.solve(float(pressure))
         result["pressure"].append(float(pressure))
