@@ -50,7 +50,8 @@ void reject_cylinders(const Law& law) {
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where c is the lateral direction.
+// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where s is the sliding direction, c the lateral
+// direction, n the normal and t the tangent.
 // The force is multiplied by all five factors. The area is multiplied by the three factors that contain the tangent t.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;

@@ -318,7 +318,8 @@ class LevelSolver {
   }
 
   // Estimate the approach [µm] of the starting pressures: the mean potential where the pressure is between its bounds.
-  // Returns infinity if there are too many points under pressure, or if all points under pressure are at their bound.
+  // Returns infinity if all points under pressure are at their bound, or if so many points are under pressure that a
+  // dense kernel would be slower than the transform.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });

@@ -28,7 +28,7 @@
 #endif
 #endif
 
-/// Compile a function that consists of plain loops for several instruction sets.
+/// For several instruction sets, compile a function that consists of plain loops.
 /// STICTION_MULTIVERSION is empty for Clang, because some versions omit functions that a multiversioned function calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
