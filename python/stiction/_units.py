@@ -166,7 +166,7 @@ def exact_quantity_text(value: float, unit: str) -> str:
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Return a number in core units as a quantity, without a check of its size."""
+    """Return a number in core units as a quantity, even if it is outside the range that `quantity` accepts."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 

@@ -392,7 +392,7 @@ def _build_box(
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
-            "upper and lower must both be profiles or both surfaces, got "
+            "the faces upper and lower must both be profiles or both surfaces, got "
             f"{type(upper).__name__} and {type(lower).__name__}"
         )
     check_choice("boundary", boundary, BoundaryCondition)
@@ -406,7 +406,7 @@ def _build_box(
         allowed = "mean, line or none for profiles" if is_profile else "mean, plane or none for maps"
         raise ValueError(f"level must be {allowed}, got {level!r}")
     if count_flips(upper):
-        raise ValueError("upper must be the face as it was scanned, got a face that is flipped already")
+        raise ValueError("the face upper must be as it was scanned, got a face that is already flipped")
     faces = [face if level == "none" else levelled(face, level) for face in (upper, lower)]
     upper, lower = flipped(faces[0]), faces[1]
     if upper.spacing != lower.spacing:
@@ -415,9 +415,9 @@ def _build_box(
     registration = None
     if register:
         if boundary == "periodic":
-            raise ValueError("register must be False if the faces are periodic, got True")
+            raise ValueError("the argument register must be False if the faces are periodic, got True")
         if upper.is_flat or lower.is_flat:
-            raise ValueError("register must be False if a face is flat, got True")
+            raise ValueError("the argument register must be False if a face is flat, got True")
         upper, lower, registration = register_faces(upper, lower)
     inputs, moduli = contact.half_space_inputs, contact.elasticity
     warn_if_tau0_is_large(np.asarray(inputs.central("tau0")), moduli.effective_modulus)
@@ -431,7 +431,7 @@ def _build_box(
     area = box.initial_overlap_area
     if boundary == "periodic" and upper.heights.shape != lower.heights.shape:
         raise ValueError(
-            f"upper and lower must have equal shapes if they are periodic, got {upper.heights.shape} and "
+            f"the faces upper and lower must have equal shapes if they are periodic, got {upper.heights.shape} and "
             f"{lower.heights.shape}"
         )
     force = validate_number("load", loads_to_core_units("load", load, area), unit="mN", above=0)

@@ -189,7 +189,7 @@ def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--path", "5 mm"), "path must leave an overlap of at least 16 points along each axis, got 5000 µm"),
+        (("--path", "5 mm"), "sliding path must leave an overlap of at least 16 points along each axis, got 5000 µm"),
         (("--path", "2 s"), "path"),
         (("--path", "0.5 mm", "--normal-stiffness", "5 GPa"), "--normal-stiffness must be a pressure per length"),
         (("--path", "0.5 mm", "--hardness", "2..1 GPa"), "--hardness must be a range from a smaller to a larger value"),

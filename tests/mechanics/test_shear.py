@@ -440,8 +440,8 @@ def test_shear_test_with_exact_inputs_has_no_interval():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"path": "2 mm"}, "path must leave an overlap of at least 16 points along each axis, got 2000 µm"),
-        ({"path": "1 um"}, "path must be at least the distance between two grid points, got 1 µm"),
+        ({"path": "2 mm"}, "the sliding path must leave an overlap of at least 16 points along each axis, got 2000 µm"),
+        ({"path": "1 um"}, "the sliding path must be at least the distance between two grid points, got 1 µm"),
         ({"path": 0}, "path must be a finite number above 0 µm, got 0"),
         ({"steps": 0}, "steps must be a whole number of at least 1, got 0"),
         ({"mu0": -0.1}, "mu0 must be finite and not negative, got -0.1"),
@@ -479,7 +479,7 @@ def test_shear_test_rejects_a_profile_on_a_map_and_a_flipped_face():
     options = {"path": "100 um", "mu0": 0.5} | FULL_FIT
     with pytest.raises(ValueError, match="upper and lower must both be profiles or both surfaces"):
         shear_test(face.row(0), face, **options)
-    with pytest.raises(ValueError, match="upper must be the face as it was scanned"):
+    with pytest.raises(ValueError, match="the face upper must be as it was scanned"):
         shear_test(flipped(face), face, **options)
 
 
@@ -515,12 +515,12 @@ def test_shear_test_of_registered_faces_starts_where_they_fit():
 
 def test_shear_test_does_not_register_flat_faces():
     flat = Surface(np.zeros((40, 40)), spacing=10.0)
-    with pytest.raises(ValueError, match="register must be False if a face is flat, got True"):
+    with pytest.raises(ValueError, match="the argument register must be False if a face is flat, got True"):
         run_shear_test(flat, path="50 um", mu0=0.6, register=True)
 
 
 def test_shear_test_does_not_register_periodic_faces():
-    with pytest.raises(ValueError, match="register must be False if the faces are periodic, got True"):
+    with pytest.raises(ValueError, match="the argument register must be False if the faces are periodic, got True"):
         run_shear_test(create_rough_map(), path="50 um", mu0=0.6, boundary="periodic", register=True)
 
 

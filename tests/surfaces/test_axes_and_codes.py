@@ -296,7 +296,7 @@ def test_surfer_grid_is_read_with_the_spacings_of_its_header(tmp_path, suffix, p
     assert surface.spacings == pytest.approx((0.25, 0.5))
     assert np.argwhere(surface.missing).tolist() == [[2, 3]]
     assert np.array_equal(surface.heights[surface.missing == 0], MAP[surface.missing == 0])
-    assert "has a spacing of 0.25 µm, but the given spacing is 0.5 um" in error_message(
+    assert "has a spacing of 0.25 µm, but the option spacing is 0.5 um" in error_message(
         path, unit="um", missing="mask", spacing="0.5 um"
     )
 
@@ -339,4 +339,4 @@ def test_last_height_that_equals_the_given_spacing_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("".join(f"{z:.4f}\n" for z in [*PROFILE, 0.125]))
     text = caveats_of(path, unit="um", spacing="0.125 um")["first-number"]
-    assert "the last number, 0.125, equals the given spacing" in text
+    assert "the last number, 0.125, equals the option spacing" in text

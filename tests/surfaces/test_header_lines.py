@@ -104,7 +104,7 @@ def test_two_header_spacings_without_axes_are_rejected_unless_both_spacings_are_
     text = f"{line}\nZ unit: um\n{MAP_TEXT}"
     assert f"its header line {line!r} does not name the axes of its spacings" in error_message(read_text, text)
     message = error_message(read_text, text, spacing="0.5 um")
-    assert f"declares two spacings in its header line {line!r}, which differ from the given spacings of 0.5" in message
+    assert f"declares two spacings in its header line {line!r}, which differ from the option spacing, 0.5" in message
     assert read_text(text, spacing=("10 um", "0.5 um")).body.spacings == (10.0, 0.5)
 
 
@@ -327,7 +327,7 @@ def test_unit_option_does_not_replace_a_unit_that_contains_a_number(read_text):
 
 
 @pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
-def test_unit_after_z_in_a_header_line_is_used_if_it_is_a_length_and_else_rejected(read_text, line, unit):
+def test_unit_after_z_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text, line, unit):
     message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}" in message
     assert read_text(f"Z: nm\n{PROFILE_TEXT}", spacing="0.5 um").unit == "nm"
@@ -337,7 +337,7 @@ def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit
     header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
     reading = read_text(header + MAP_TEXT)
     assert reading.body.heights == pytest.approx(MAP / 1000)
-    assert "declares its heights in nm, but the given unit is um" in error_message(
+    assert "declares its heights in nm, but the option unit is um" in error_message(
         read_text, header + MAP_TEXT, unit="um"
     )
     other_range = header.replace(f"{np.ptp(MAP):.4f}", f"{1.5 * np.ptp(MAP):.4f}")
@@ -361,7 +361,7 @@ def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
     assert read_text(f"x (mm);z ({remark})\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
-def test_unit_of_positions_in_a_header_line_is_used_if_it_is_a_length_and_else_rejected(read_text):
+def test_unit_of_positions_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text):
     assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
     assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
 
@@ -473,7 +473,7 @@ def test_third_header_line_after_names_and_units_is_ignored(read_text, third_lin
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
     message = error_message(read_text, f"Position;Height\nmm;um\n{third_line}\n{ROWS}", unit=("mm", "nm"))
-    assert "declares its heights in um, but the given unit is nm" in message
+    assert "declares its heights in um, but the option unit is nm" in message
 
 
 @pytest.mark.parametrize("row", ["{x};mm;{z};um\n", "{x};mm;{z};µm\n"])
@@ -482,7 +482,7 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
     body = read_text(text).body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
-    assert "but the given unit is nm" in error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
+    assert "but the option unit is nm" in error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
 
 
 @pytest.mark.parametrize("columns", [None, (0,)])

@@ -237,7 +237,7 @@ def test_profile_row_above_a_line_of_words_is_rejected_instead_of_skipped(tmp_pa
     line = names.count("\n") + 1
     message = error_message(path, unit="um")
     assert f"line {line} (" in message
-    assert f"has a position that continues in line {line + 1 + words.count(chr(10))}, but words are between" in message
+    assert f"a point of the profile that starts in line {line + 1 + words.count(chr(10))}, but there is text" in message
 
 
 @pytest.mark.parametrize("line", ["0 1", "1 2", "0.5 0.5", "20 1", "10 0.07"])

@@ -251,7 +251,10 @@ class JobQueue:
         job.show(_read_shown_values(job, record), files, counts=counts)
 
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
-        """Copy the files and the JSON record of a job to a new directory, and return the member counts of a pair."""
+        """Copy the files and the JSON record of a job to a new directory.
+
+        Returns the numbers of finished members and of all members for the command `pair`, and None for other commands.
+        """
         sources = FILES_BY_COMMAND[job.arguments[0]]
         texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)

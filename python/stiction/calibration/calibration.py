@@ -95,7 +95,7 @@ def calibrate(
     check_bool("outliers", outliers)
     common = validate_number("common", common)
     if not 0 <= common < 1:
-        raise ValueError(f"common must be at least 0 and below 1, got {short_repr(common)}")
+        raise ValueError(f"the argument common must be at least 0 and below 1, got {short_repr(common)}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
         raise ValueError("uncertainty must be given for all tests or for none")

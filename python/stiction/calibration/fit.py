@@ -234,7 +234,9 @@ class CalibrationProblem:
             return np.zeros((0, len(self.slid))), np.zeros(0)
         mu0_coefficient, tau0_coefficient, right_side = (column[0] for column in central_coefficients)
         mu0, tau0 = _solve_nonnegative_least_squares(
-            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1), self._test_weights, self.fixed_strengths
+            np.stack([mu0_coefficient, tau0_coefficient, right_side], axis=1),
+            self._weights_of_tests,
+            self.fixed_strengths,
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
         # Errors of all tests due to the spread between runs, for a relative standard deviation of 1.
@@ -245,19 +247,19 @@ class CalibrationProblem:
         return residual_shifts[is_used] / shift_norms[is_used, np.newaxis], shift_norms[is_used]
 
     @cached_property
-    def _test_weights(self) -> Floats:
+    def _weights_of_tests(self) -> Floats:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     @property
     def mean_area_per_load(self) -> float:
         """Weighted mean of the true area per load, A/F (1/GPa), over the tests with sliding."""
-        return float(np.average(self.area_per_load, weights=self._test_weights))
+        return float(np.average(self.area_per_load, weights=self._weights_of_tests))
 
     @property
     def area_per_load_variation(self) -> float:
         """Weighted relative standard deviation of the true area per load, A/F, among the tests with sliding."""
         return float(
-            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._test_weights))
+            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weights_of_tests))
             / self.mean_area_per_load
         )
 
@@ -460,7 +462,7 @@ class CalibrationProblem:
         """Return samples of the true area per load, A/F (1/GPa), each averaged over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
         ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
-        return np.asarray(np.average(ratio, axis=1, weights=self._test_weights[self.slid]))
+        return np.asarray(np.average(ratio, axis=1, weights=self._weights_of_tests[self.slid]))
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
@@ -899,7 +901,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the density, at the mu0 that maximizes it, is not negligible."""
+    """Return the range of tau0 (GPa) where the posterior density, at its best mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (

@@ -201,11 +201,11 @@ def pair(
     if part_number is not None:
         return
     if as_json:
-        check_records = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
+        model_check_records = [json.loads(summary_json("pair", result.summary())) for result in results[1:]]
         readings = [scan.reading for file in measured_pair.files for scan in file.scans]
         fields: dict[str, Any] = {"files": [reading.to_json_fields() for reading in readings if reading is not None]}
-        if check_records:
-            fields["check"] = check_records
+        if model_check_records:
+            fields["check"] = model_check_records
         print_result_json(results[0], "pair", **fields)
     try:
         for result in results:

@@ -162,9 +162,9 @@ def candidates(
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
                 raise ValueError(
-                    f"the gap between upper and lower must vary along {along}, because otherwise its minima are "
-                    f"lines instead of points; extract {across} of both surfaces and press them as profiles, or use "
-                    "half_space"
+                    f"the gap between the surfaces upper and lower must vary along {along}, because otherwise its "
+                    f"minima are lines instead of points; extract {across} of both surfaces and press them as "
+                    "profiles, or use half_space"
                 )
     return Candidates(core, curvature, tuple(filter(None, map(source_history_entry, (upper, lower)))))
 

@@ -156,7 +156,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")
     if model.angles().ndim > 0:
         raise ValueError(
-            "direction must be a single angle, because a contact has only one tangent, "
+            "direction must be a single angle, because each contact stores its slope and forces for one direction, "
             f"got {short_repr(model.direction)}"
         )
     if isinstance(upper, Surface):

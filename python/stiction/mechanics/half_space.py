@@ -231,7 +231,7 @@ class HalfSpaceCurve(FrictionCurve):
         Raises a `ValueError` if the surfaces do not adhere.
         """
         if self.work_of_adhesion == 0:
-            raise ValueError("parting requires adhesion; call half_space with a work_of_adhesion above 0")
+            raise ValueError("the method parting requires adhesion; call half_space with a work_of_adhesion above 0")
         return _make_curve(self._problem, self._model, self._separation_solutions[0], self._tolerance, self._record)
 
     @cached_property

@@ -33,7 +33,7 @@ quarter of the time of solving a contact with free boundaries.
 """
 
 # Displacement of the edge by a trial tilt, as a fraction of the mean displacement due to the load.
-TILT_DISPLACEMENT_RATIO = 0.01
+TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
 # Limit of the pressures in a linear response to a mean pressure of 1.
@@ -376,7 +376,9 @@ def make_problem(
 ) -> HalfSpaceProblem:  # fmt: skip
     """Create the contact problem of two surfaces on the same grid. The caller must have checked all arguments."""
     if upper.heights.shape != lower.heights.shape:
-        raise ValueError(f"upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}")
+        raise ValueError(
+            f"the bodies upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
+        )
     spacing = upper.spacings
     cell_area = math.prod(spacing)  # the product of the spacings may overflow
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
@@ -389,8 +391,8 @@ def make_problem(
     max_gap = MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape)
     if not gap.max() <= max_gap:
         raise ValueError(
-            f"upper and lower must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} times their "
-            f"length), got {gap.max():.3g} µm"
+            f"the bodies upper and lower must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} "
+            f"times their length), got {gap.max():.3g} µm"
         )
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
     return HalfSpaceProblem(
@@ -499,7 +501,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the linear response of the contact points that a mask selects."""
+        """Compute the pressures due to a mean pressure of 1 and due to tilts, with contact at the points of a mask."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -521,7 +523,7 @@ class TiltResponse:
         )
         slope_pressures = []
         for arm in arms:
-            small_slope = TILT_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
+            small_slope = TILT_OVER_MEAN_DISPLACEMENT * mean_displacement / float(np.abs(arm).max())
             slope_pressures.append(
                 (solve_linear_response(small_slope * np.broadcast_to(arm, problem.gap.shape).copy())[0] - pressure)
                 / small_slope
@@ -574,7 +576,7 @@ class ContactSolver:
             value, near=near, threads=solver_thread_count(), progress=self.report, counter=self.counter
         )
         if problem.missing is not None and solution.pressure.reshape(problem.gap.shape)[problem.missing].any():
-            raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
+            raise self._missing_contact_error(step)
         if not solution.error * self.scale <= self.tolerance:
             raise self._no_solution_error(step, solution.error * self.scale, solution.iterations)
         return solution
@@ -597,7 +599,7 @@ class ContactSolver:
         result["error"] *= self.scale
         if problem.missing is not None and (is_missing := problem.missing.ravel()[result["points"]]).any():
             step = np.repeat(steps[: result["num_points"].size], result["num_points"])[is_missing][0]
-            raise NoSolutionError(f"no solution at {step:g}: missing points would come into contact")
+            raise self._missing_contact_error(step)
         last_index = result["error"].size - 1
         if last_index + 1 < steps.size or not result["error"][last_index] <= self.tolerance:
             raise self._no_solution_error(
@@ -610,9 +612,18 @@ class ContactSolver:
 
     def _no_solution_error(self, step: float, error: float, iterations: int) -> NoSolutionError:
         return NoSolutionError(
-            f"no solution at {step:g} {'mN' if self.name == 'loads' else 'µm'}: error {error:.2g} after {iterations} "
-            f"iterations, above the tolerance {self.tolerance:g}"
+            f"no solution at {self._format_step(step)}: error {error:.2g} after {iterations} iterations, above the "
+            f"tolerance {self.tolerance:g}"
         )
+
+    def _missing_contact_error(self, step: float) -> NoSolutionError:
+        return NoSolutionError(
+            f"no solution at {self._format_step(step)}: points without a measured height would come into contact; "
+            "interpolate these points, or crop the scans"
+        )
+
+    def _format_step(self, step: float) -> str:
+        return f"a load of {step:g} mN" if self.name == "loads" else f"an approach of {step:g} µm"
 
 
 @dataclass(frozen=True, eq=False)

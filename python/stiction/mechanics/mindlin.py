@@ -91,7 +91,7 @@ class AsperityTangentialProblem:
                 "limit; use HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
-            raise ValueError("index must select an approach with contact, got an approach without contact")
+            raise ValueError("the argument index must select an approach at which the bodies touch")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
         ratio = compliance_ratio(poisson, compliance_share, transverse_load_fraction(contacts.axes, relative_angle))
@@ -249,7 +249,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # Surfaces in full contact do not move before a point slips, so a computed approach is round-off.
+        # Surfaces in full contact do not slide before a point slips, so any displacement computed before is round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         displacement = 0.0 if is_at_rest else solution.approach * self.ratio
         has_displacements = solution.potential.size == self.points.size

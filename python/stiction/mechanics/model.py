@@ -282,13 +282,15 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
             reject_missing_points(body, "every model except half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
-            f"upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
+            f"the bodies upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
             f"{type(lower).__name__}"
         )
     if isinstance(upper, Surface) and upper.heights.size > MAX_POINTS:
-        raise ValueError(f"upper and lower must have at most {MAX_POINTS} points, got {upper.heights.size}")
+        raise ValueError(f"the bodies upper and lower must have at most {MAX_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
-        raise ValueError(f"upper and lower must have equal spacings, got {upper.spacing} and {lower.spacing} µm")
+        raise ValueError(
+            f"the bodies upper and lower must have equal spacings, got {upper.spacing} and {lower.spacing} µm"
+        )
 
 
 def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> None:

@@ -417,7 +417,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
     if not limit > 0:
         raise ValueError(
             "displacements must not be given for flat surfaces in full contact, because such surfaces do not move "
-            "before they slide; give `steps` instead"
+            "before they slide; give steps instead"
         )
     min_displacement = MIN_SLIDING_FRACTION * limit
     if not (displacement_array[0] >= min_displacement and displacement_array[-1] <= limit):

@@ -522,7 +522,9 @@ def spectral_resolution(
     bodies = [upper] if lower is None else [upper, lower]
     for body in bodies:
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
-            raise ValueError("upper and lower must be ScaleDependentRoughness objects computed from surfaces")
+            raise ValueError(
+                "the bodies upper and lower must be ScaleDependentRoughness objects computed from surfaces"
+            )
     p = validate_number("pressure", pressure, unit="GPa", above=0)
     max_pressure = np.inf if hardness is None else validate_number("hardness", hardness, unit="GPa", above=p)
     modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)

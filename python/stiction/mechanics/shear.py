@@ -141,14 +141,14 @@ class ShearBox:
         rounded = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
         offsets: NDArray[np.int64] = rounded[np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))]
         if len(offsets) < 2:
-            raise ValueError(f"path must be at least the distance between two grid points, got {path:g} µm")
+            raise ValueError(f"the sliding path must be at least the distance between two grid points, got {path:g} µm")
         if self.boundary == "free":
             overlaps = [self._find_overlap(offset) for offset in offsets]
             overlap = min(int(np.min(shape)) for _, _, shape in overlaps)
             if overlap < MIN_OVERLAP_POINTS:
                 raise ValueError(
-                    f"path must leave an overlap of at least {MIN_OVERLAP_POINTS} points along each axis, got "
-                    f"{path:g} µm, which leaves {max(overlap, 0)}"
+                    f"the sliding path must leave an overlap of at least {MIN_OVERLAP_POINTS} points along each axis, "
+                    f"got {path:g} µm, which leaves {max(overlap, 0)} points"
                 )
         return offsets
 
@@ -465,7 +465,7 @@ def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which the excess of the normal load is 0, and return the status of the search.
+    """Find the elastic load at which the normal load equals its target, and return the status of the search.
 
     The method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """

@@ -423,7 +423,9 @@ class HalfSpaceSettings(CommonContactSettings):
                 "computed with pressures up to the hardness",
             )
         if self.indent is not None and self.yield_exponent is None:
-            raise make_key_error("indent", "must not be given without yield_exponent, which yielding contacts need")
+            raise make_key_error(
+                "indent", "requires yield_exponent, because the size effect is computed only for contacts that yield"
+            )
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",

@@ -410,7 +410,7 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
         if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
-            raise ValueError(f"about must have names of other entries as keys, got {short_repr(key)}")
+            raise ValueError(f"the argument about must have names of other entries as keys, got {short_repr(key)}")
         header[key] = printable_text(text, len(text))
     file_text = io.StringIO()
     file_text.write(

@@ -529,7 +529,7 @@ def assess_ensemble_points(
 
 
 def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
-    """Return the assessment, such as "Quote it", that follows from the most severe of some caveats or failed checks."""
+    """Return the assessment, such as "Quote it", that follows from the most severe of the given reasons."""
     severities = {reason.severity for reason in reasons}
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
@@ -662,7 +662,7 @@ def _find_unlimited_caveats(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected or unresolved adhesion, and about inputs whose effect the interval leaves out."""
+    """Yield caveats about neglected or unresolved adhesion, and about an attraction whose uncertainty is left out."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.

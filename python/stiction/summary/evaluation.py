@@ -310,7 +310,7 @@ class Evaluation(MemberSums):
                 f"load_definition must be 'elastic' if height_scale is given, got {short_repr(load_definition)}"
             )
         if self.stored is None:
-            raise ValueError("height_scale needs a stored result, as returned by `pair` or `open_result`")
+            raise ValueError("height_scale needs a stored result, as returned by pair() or open_result()")
         factors = parse_height_factors(factors)
         loads = self.default_loads if load is None else self._to_forces(load)
         strengths = to_core_units("tau0", tau0, "pressure")

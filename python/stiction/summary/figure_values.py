@@ -66,7 +66,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at all height factors with stored results, for the first load and one mu0 and tau0.
+    """Evaluate friction at every height factor that has stored results, for the first load and one mu0 and tau0.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """

@@ -57,7 +57,7 @@ MAX_FORM_FRACTION = 0.6
 The fraction is about one half for a surface without form error if the longest wavelengths dominate its heights.
 """
 
-MAX_STEP_FRACTION = 0.65
+MAX_STEP_MEAN_SQUARE_FRACTION = 0.65
 """Largest fraction of the mean square height due to a straight step without a caveat about a step.
 
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
@@ -438,7 +438,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
             text, "check the unit of heights", "fault" if height > MAX_HEIGHT_OVER_EXTENT * extent else "caution"
         )
     dominant_step = find_dominant_step(body) if step else None
-    if dominant_step is not None and dominant_step.fraction > MAX_STEP_FRACTION:
+    if dominant_step is not None and dominant_step.fraction > MAX_STEP_MEAN_SQUARE_FRACTION:
         text = (
             f"a step of {format_with_unit(dominant_step.height, 'um')} contributes "
             f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of it carries the load"

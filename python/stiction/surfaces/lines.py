@@ -24,7 +24,7 @@ MAX_POWER_LAW_MISFIT = 1.5  # maximum rms factor between a spectral density and 
 # Two wavelength bands agree if both their lower limits and their upper limits differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
-_LOG_MODEL_VARIANCE = 0.04
+_VARIANCE_OF_LOG_MODEL = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point slope formula
 
 
@@ -234,7 +234,7 @@ def power_law_misfit(
         return math.nan
     log_ratio = np.log(bins.density[is_in_band] * bins.wave_number[is_in_band] ** (dimensions + 2 * exponent))
     chance_variance = chance / bins.count[is_in_band]
-    weight = 1 / (chance_variance + _LOG_MODEL_VARIANCE)
+    weight = 1 / (chance_variance + _VARIANCE_OF_LOG_MODEL)
     squared_deviation = np.square(log_ratio - np.average(log_ratio, weights=weight)) - chance_variance
     return math.exp(math.sqrt(max(0.0, float(np.average(squared_deviation, weights=weight)))))
 

@@ -142,7 +142,7 @@ def compare_repeated_scans(
     body_class: Any = type(first)
     if _are_identical(first, second, outliers):
         raise ValueError(
-            "first and second must be different scans to estimate noise, got identical scans"
+            "the scans first and second must be different scans to estimate noise, got identical scans"
             f"{'' if outliers is None else ' (except at outliers)'}"
         )
     trend: Any = "line" if body_class is Profile else "plane"
@@ -163,7 +163,7 @@ def compare_repeated_scans(
     correlation = float(np.corrcoef(first_heights.ravel(), second_heights.ravel())[0, 1])
     if not correlation > MIN_CORRELATION:
         raise ValueError(
-            f"first and second must be scans of the same area, "
+            f"the scans first and second must be scans of the same area, "
             f"got scans with a correlation of {correlation:.2f} at best"
         )
     history_entry = (
@@ -219,7 +219,7 @@ def _check_scans(first: Any, second: Any) -> None:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
-            "first and second must be two profiles or two surfaces with equal spacings, "
+            "the scans first and second must be two profiles or two surfaces with equal spacings, "
             f"got a {type(first).__name__} with a spacing of {first.spacing} µm and "
             f"a {type(second).__name__} with a spacing of {second.spacing} µm"
         )
@@ -364,7 +364,7 @@ def _slice_overlap(
             math.floor(second_points + axis_shift) - (_OVERLAP_MARGIN if second_points + axis_shift < points else 0),
         )
         if end - start <= min(points, second_points) / 2:
-            raise ValueError("first and second must be scans of the same area that overlap by more than half")
+            raise ValueError("the scans first and second must be scans of the same area that overlap by more than half")
         selected_slices.append(slice(start, end))
         positions.append(np.clip(np.arange(start, end) - axis_shift, 0, second_points - 1))
     return tuple(selected_slices), positions

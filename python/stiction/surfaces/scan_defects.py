@@ -144,7 +144,7 @@ class ScanDefects:
 
         Raises a `ValueError` if the body is flat.
         """
-        return self._find_limit_with_tip(0.0)
+        return self._find_instrument_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
         """Return the fraction of the mean square slope that noise contributes after a low-pass filter.
@@ -170,12 +170,12 @@ class ScanDefects:
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
         `ValueError` if the body is flat.
         """
-        limit = self._find_limit_with_tip(cut_off)
+        limit = self._find_instrument_limit_with_tip(cut_off)
         if limit is None or limit.reason != "tip":
             return None
         return limit if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else None
 
-    def _find_limit_with_tip(self, cut_off: float) -> InstrumentLimit | None:
+    def _find_instrument_limit_with_tip(self, cut_off: float) -> InstrumentLimit | None:
         if self.tip_radius is None:
             return None
         if cut_off not in self._limits_with_tip:

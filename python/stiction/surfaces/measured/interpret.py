@@ -176,7 +176,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         )
     given, other = options.spacing
     if given != other:
-        raise FormatError("contains a profile, which has one spacing, but two spacings are given")
+        raise FormatError("contains a profile, which has one spacing, but the option spacing has two lengths")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _profile_spacing(raw, _choose_position_unit(raw, options), given)
@@ -214,7 +214,10 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
             0.0,
         )  # the file does not specify whether the spacing applies to rows or to columns
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
-            raise FormatError(f"declares a spacing of {declared:g} µm, but {dy:g} µm and {dx:g} µm are given")
+            raise FormatError(
+                f"declares a spacing of {declared:g} µm, but the option spacing is {dy:g} µm along y and {dx:g} µm "
+                "along x"
+            )
         _reject_contradicting_spacing(raw, (dy, dx))
     else:
         raise FormatError(f"{_NO_MAP_SPACING_MESSAGE}{_describe_unclear_spacing(raw)}")
@@ -289,7 +292,7 @@ def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None
         )
     caller_unit = None if of_caller is None else parse_length_unit(of_caller)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
-        raise FormatError(f"declares its {quantity_name} in {of_file}, but the given unit is {of_caller}")
+        raise FormatError(f"declares its {quantity_name} in {of_file}, but the option unit is {of_caller}")
     unit = file_unit if file_unit is not None else caller_unit
     if unit is None:
         raise FormatError(f'does not contain the unit of its {quantity_name}; give the unit, as in "um" (--unit um)')
@@ -403,7 +406,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
         raise FormatError(
-            f"declares two spacings in its header line {unclear.line[:80]!r}, which differ from the given spacings of "
+            f"declares two spacings in its header line {unclear.line[:80]!r}, which differ from the option spacing, "
             f"{' and '.join(f'{item:g}' for item in given)} µm"
         )
     if raw.bare_spacing is None:
@@ -414,7 +417,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
     if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
             f"declares a spacing of {' and '.join(f'{item:g}' for item in bare_spacing)} without a unit in its header, "
-            f"but the given spacing is {' and '.join(f'{item:g}' for item in given)} µm"
+            f"but the option spacing is {' and '.join(f'{item:g}' for item in given)} µm"
         )
 
 
@@ -448,7 +451,7 @@ def _spacings_from_size(
         tolerance = max(0.51 * declared_size.digit_in_micrometres / num_points, MAX_STEP_UNEVENNESS * spacing)
         if given_spacing is not None and abs(given_spacing - spacing) > tolerance:
             raise FormatError(
-                f"declares a size that implies a spacing of {spacing:.7g} µm, but the given spacing is "
+                f"declares a size that implies a spacing of {spacing:.7g} µm, but the option spacing is "
                 f"{given_spacing.text}"
             )
         spacings.append(spacing if given_spacing is None else float(given_spacing))
@@ -470,7 +473,7 @@ def _profile_spacing(
             return _validate_spacing_agreement(own_spacing, given), [], []
         if declared is not None:
             if given is not None and abs(given - declared[0]) > declared[1]:
-                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the given spacing is {given.text}")
+                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the option spacing is {given.text}")
             return given if given is not None else declared[0], [], []
         if given is None and (unclear := raw.unclear_spacing) is not None and len(unclear.lengths) == 1:
             text = f"its header line {unclear.line[:80]!r} is used as the distance between points"
@@ -500,7 +503,7 @@ def _profile_spacing(
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
-                    f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the given spacing is "
+                    f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the option spacing is "
                     f"{given.text}{numbering_hint}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
@@ -535,7 +538,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
         ends["last"] = float(raw.heights[-1])
     for place, number in ends.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
-            text = f"the {place} number, {number:g}, equals the given spacing"
+            text = f"the {place} number, {number:g}, equals the option spacing"
             return [
                 FileCaveat("first-number", text, "delete it if it is the spacing instead of a height, or accept it")
             ]
@@ -614,7 +617,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionRes
 
 def _validate_spacing_agreement(actual: float, given: Quantity | None) -> float:
     if given is not None and not abs(actual - given) <= MAX_STEP_UNEVENNESS * abs(actual):
-        raise FormatError(f"has a spacing of {actual:.7g} µm, but the given spacing is {given.text}")
+        raise FormatError(f"has a spacing of {actual:.7g} µm, but the option spacing is {given.text}")
     return actual
 
 

@@ -473,8 +473,9 @@ def _read_binary_file(path: Path) -> ReaderResult:
             return read_instrument_file(path)
         except FormatError as error:
             raise FormatError(f"is binary, not text, and {error}") from None
+    kind_text = f", although its file name ends in {path.suffix}" if path.suffix else " without a file name extension"
     raise FormatError(
-        f"is a binary file, although its file name extension is {path.suffix or 'missing'}; the package "
+        f"is a binary file{kind_text}; the package "
         "SurfaceTopography may be able to read it (pip install SurfaceTopography)"
     )
 

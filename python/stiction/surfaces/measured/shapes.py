@@ -360,7 +360,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number has fewer decimals than the others, or if one of the last may be a count."""
+    """Return a caveat if the first of the heights may be a step or a size, or if one of the last may be a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1

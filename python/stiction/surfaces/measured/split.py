@@ -436,14 +436,14 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_DASH_PAIR = int.from_bytes(b"--", "little")  # the bytes of "--" as an integer, equal in both byte orders
+_TWO_DASHES = int.from_bytes(b"--", "little")  # the bytes of "--" as an integer, equal in both byte orders
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number with a blank between its digits
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes. The test is faster than a text search."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
-    return len(blob) >= 2 and any((pair == _DASH_PAIR).any() for pair in pairs)
+    return len(blob) >= 2 and any((pair == _TWO_DASHES).any() for pair in pairs)
 
 
 def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:

@@ -119,8 +119,8 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
         steps = (positions[0] - row[0]) / (positions[1] - positions[0]) if positions[1] != positions[0] else np.nan
         if row.size == 2 and 0.9 < steps < start - line + 0.1 and abs(steps - round(steps)) < 0.1:
             raise FormatError(
-                f"{text.describe_line(line)} has a position that continues in line {start + 1}, but words are between "
-                "both lines; remove the words, or the first row"
+                f"{text.describe_line(line)} looks like a point of the profile that starts in line {start + 1}, but "
+                "there is text between the two lines; remove the text, or this point"
             )
 
 

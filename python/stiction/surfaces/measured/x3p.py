@@ -286,5 +286,5 @@ def _parse_float(text: str) -> float:
 
 def _parse_count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 12):
-        raise FormatError(f"has {text[:40]!r} instead of a number of points")
+        raise FormatError(f"has {text[:40]!r} where the count of points is expected")
     return int(text)
