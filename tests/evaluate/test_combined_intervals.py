@@ -14,6 +14,7 @@ from stiction.evaluate.combined_intervals import (
     UPPER_SCANS_INPUT_NAME,
     CombinedIntervals,
     InputSampler,
+    compute_quantiles,
 )
 from stiction.evaluate.contact_area import AreaFunction
 from stiction.evaluate.response import ContactResponse, InputValues
@@ -210,3 +211,19 @@ def test_interval_of_a_friction_coefficient_of_zero_starts_at_zero():
     value, lower, upper = at_zero.estimate_zero_coefficient()
     assert (value, lower) == (0.0, 0.0)
     assert upper == pytest.approx(0.0975 - 0.01, rel=QUANTILE_ERROR)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 41, 1000])
+def test_quantiles_of_finite_samples_have_the_bits_of_numpy_quantile(size):
+    probabilities = np.array([0.0, 0.025, 0.05, 0.25, 0.5, 0.95, 0.975, 1.0])
+    samples = np.random.default_rng(size).lognormal(size=size)
+    for values in (samples, samples.round(1)):  # without and with equal samples
+        np.testing.assert_array_equal(compute_quantiles(probabilities, values), np.quantile(values, probabilities))
+
+
+def test_quantiles_above_the_median_are_infinite_if_enough_upper_values_are_infinite():
+    samples = np.random.default_rng(1).lognormal(size=1000)
+    upper_samples = np.where(samples > np.quantile(samples, 0.9), np.inf, samples)
+    lower, upper = compute_quantiles(np.array([0.025, 0.975]), samples, upper_samples)
+    assert lower == np.quantile(samples, 0.025)
+    assert upper == math.inf
