@@ -45,6 +45,9 @@ MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a 
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
+# Maximum number of contact solutions for one contact load during the search for the pull-off load. The attraction of
+# soft bodies converges slowly; energy minimizations at given external loads take less time.
+MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # maximum number of successive contact solutions that do not reduce the residual of the attraction
 MAX_STALLED_SOLVES = 20
 # Largest relative residual of the attraction at which the iteration has converged, as a multiple of the solver
@@ -176,12 +179,14 @@ class AdhesionSolver:
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def solve_at_contact_pressure(
-        self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState
-    ) -> AdhesionState:
+        self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState,
+        max_solves: int = MAX_SOLVES_PER_CONTACT_LOAD,
+    ) -> AdhesionState:  # fmt: skip
         """Compute the equilibrium at a mean contact pressure (GPa), by iteration from the nearby state `near`.
 
         Nowhere may the attraction exceed the attraction in `earlier_state`: the bodies then support the load when they
-        are pulled apart. Otherwise, or if the iteration fails, `EquilibriumNotFoundError` is raised.
+        are pulled apart. Otherwise, or if the iteration has not converged after `max_solves` contact solutions,
+        `EquilibriumNotFoundError` is raised.
         """
 
         def solve() -> StepResult:
@@ -197,7 +202,7 @@ class AdhesionSolver:
                 if residual < iteration.best_residual:
                     iteration.best_residual, iteration.best_state_number = residual, iteration.num_states
                 num_worse = iteration.num_states - iteration.best_state_number
-                if num_worse > MAX_STALLED_SOLVES or iteration.num_states == MAX_SOLVES_PER_CONTACT_LOAD:
+                if num_worse > MAX_STALLED_SOLVES or iteration.num_states == max_solves:
                     break
                 iteration.num_states += 1
             raise EquilibriumNotFoundError("the computation of the attraction did not converge")
@@ -461,15 +466,25 @@ class AdhesionSolver:
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
         """Return the lowest external load (GPa) that the bodies support on a grid of twice the spacing.
 
-        Returns 0 if the grid is small or no such load is found.
+        The energy minimization on this grid starts from the contact `start`. Returns 0 if the grid is small or no such
+        load is found.
         """
         if min(self.problem.gap.shape) < MIN_COARSENED_POINTS:
             return 0.0
+        every_second = (slice(None, None, 2),) * self.problem.gap.ndim
         solver = AdhesionSolver(
             coarsen_problem(self.problem), tolerance=self.solver_tolerance, report=None, record=self.record
         )
+        pressure, attraction = (
+            np.ascontiguousarray(values.reshape(self.problem.gap.shape)[every_second])
+            for values in (start.pressure, start.attraction)
+        )
+        near = AdhesionState(pressure.ravel(), attraction, float(pressure.mean()), start.load)
         try:
-            return min(state_of_lowest_load(solver.trace_separation(solver.at(start.load, None))).load, 0.0)
+            coarse_start = solver.minimize_energy(near, start.load)
+            if coarse_start is None:
+                return 0.0
+            return min(state_of_lowest_load(solver.trace_separation(coarse_start)).load, 0.0)
         except EquilibriumNotFoundError:
             return 0.0
 
@@ -483,7 +498,10 @@ class AdhesionSolver:
             try:
                 states.append(
                     self.solve_at_contact_pressure(
-                        states[-1], CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact_load, earlier_state=states[0]
+                        states[-1],
+                        CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact_load,
+                        earlier_state=states[0],
+                        max_solves=MAX_SOLVES_PER_TRIAL_CONTACT_LOAD,
                     )
                 )
             except EquilibriumNotFoundError:
@@ -539,7 +557,12 @@ class AdhesionSolver:
             try:
                 states.insert(
                     first_index + 1,
-                    self.solve_at_contact_pressure(states[first_index], contact_load, earlier_state=states[0]),
+                    self.solve_at_contact_pressure(
+                        states[first_index],
+                        contact_load,
+                        earlier_state=states[0],
+                        max_solves=MAX_SOLVES_PER_TRIAL_CONTACT_LOAD,
+                    ),
                 )
             except EquilibriumNotFoundError:
                 break
