@@ -164,6 +164,6 @@ def test_documented_table_of_materials_is_up_to_date():
     num_unseen = sum("not verified" in source for source in sources)
     message = (
         f"Each of the {len(sources)} values is a range with its source. "
-        f"The source of {num_unseen} values was not available"
+        f"Of these values, {num_unseen} were written from memory, because their sources were not available."
     )
     assert message in " ".join((docs / "reference/materials.md").read_text(encoding="utf-8").split())
