@@ -1,5 +1,6 @@
 import contextlib
 import functools
+import gc
 import os
 import signal
 from pathlib import Path
@@ -15,6 +16,15 @@ from stiction.study.input_distributions import NUM_INPUT_SAMPLES
 from support.command import disable_companion_files, disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
 from support.input_samples import use_input_samples, use_nuisance_points
+
+# Spare the garbage collector modules and test items, which live until the end, during collection and all tests.
+gc.disable()
+
+
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
+
 
 # Restore the handler of SIGINT, which background jobs of a shell ignore, but which some tests send to themselves.
 signal.signal(signal.SIGINT, signal.default_int_handler)
