@@ -600,7 +600,7 @@ def compute_quantiles(
         return _find_quantiles(probabilities, values, axis, method)
     is_upper = probabilities > 0.5
     lower_quantiles = _find_quantiles(probabilities[~is_upper], values, axis, method)
-    upper_quantiles = np.quantile(upper_values, probabilities[is_upper], axis=axis, method="inverted_cdf")
+    upper_quantiles = _find_quantiles(probabilities[is_upper], upper_values, axis, "inverted_cdf")
     quantiles = np.empty((probabilities.size, *np.shape(lower_quantiles)[1:]))
     quantiles[~is_upper], quantiles[is_upper] = lower_quantiles, upper_quantiles
     return quantiles
@@ -609,16 +609,24 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    if axis is None and method == "linear":
-        return np.array([_interpolate_quantile(probability, values.ravel()) for probability in probabilities])
-    return np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
-
-
-def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
-    """Return a quantile of finite samples, with the bits of `numpy.quantile`, in a fifth of its time.
+    """Return quantiles with the bits of `numpy.quantile`, without an axis in a fifth of the time.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """
+    if axis is not None:
+        return np.asarray(np.quantile(values, probabilities, axis=axis, method=method))
+    find_quantile = _interpolate_quantile if method == "linear" else _select_quantile
+    return np.array([find_quantile(probability, values.ravel()) for probability in probabilities])
+
+
+def _select_quantile(probability: float, values: NDArray[Any]) -> float:
+    """Return the quantile at which the empirical distribution function of samples reaches the probability."""
+    index = max(math.ceil(probability * values.size - 1), 0)
+    return float(np.partition(values, index)[index])
+
+
+def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
+    """Return a quantile that is interpolated linearly between samples, which must be finite."""
     position = probability * (values.size - 1)
     index = int(position)
     weight = position - index
