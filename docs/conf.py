@@ -214,8 +214,12 @@ class PublicNameLinkTransform(SphinxPostTransform):
             link += literal
 
 
-MIN_WIDE_ASPECT_RATIO = 1.7
-"""Ratio of width to height above which an image scrolls on a narrow screen instead of shrinking."""
+MIN_WIDE_ASPECT_RATIO, MIN_PAGE_WIDE_ASPECT_RATIO = 1.7, 1.4
+"""Ratios of width to height above which an image scrolls on a narrow screen instead of shrinking.
+
+The second ratio is for figures that are as wide as a printed page.
+"""
+MIN_PAGE_WIDE_PIXELS = 1500
 
 
 class WideImageTransform(SphinxPostTransform):
@@ -226,7 +230,10 @@ class WideImageTransform(SphinxPostTransform):
     def run(self, **_: Any) -> None:
         for image in self.document.findall(nodes.image):
             size = get_image_size(Path(self.env.srcdir) / image["uri"])
-            if size is not None and size[0] > MIN_WIDE_ASPECT_RATIO * size[1]:
+            if size is None:
+                continue
+            is_page_wide = size[0] > MIN_PAGE_WIDE_PIXELS
+            if size[0] > (MIN_PAGE_WIDE_ASPECT_RATIO if is_page_wide else MIN_WIDE_ASPECT_RATIO) * size[1]:
                 image["classes"].append("wide")
 
 

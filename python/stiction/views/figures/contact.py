@@ -134,7 +134,11 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        axes.text(0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment)
+        # In dark mode, a report shows light labels, but bodies with many points keep light colours as pixels.
+        axes.text(
+            0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment,
+            bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
+        )  # fmt: skip
 
 
 def _make_room_for_arrows(axes: Axes, highest: float) -> float:

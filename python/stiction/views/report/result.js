@@ -427,7 +427,7 @@ function connect() {
     redraw(...FRICTION);
   };
   choice("rule", hasBothRules && !drawings.map ? [] : facts.rules.map(ruleName), state.rule, set("rule"));
-  choice("way", facts.ways.map(({words}) => words), state.way, set("way"));
+  choice("way", facts.ways.map(({words}) => words.replace(/^the (mean over .*?)( all round| along [xy])?$/, "$1")), state.way, set("way"));
   choice("kind", facts.kinds, state.kind, set("kind"));
   byId("amplitude-label").textContent = `Amplitude (${facts.measure})`;
   choice("amplitude", facts.amplitudes, state.amplitude, set("amplitude"));
