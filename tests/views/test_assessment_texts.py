@@ -563,14 +563,15 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
 )
 def test_caveats_call_members_positions_or_pairs_of_surrogates_as_the_study_does(study, members):
     expected_texts = {
-        ("half_width_ratio", np.nan): f"there is no interval; an interval requires at least 3 different {members}",
+        ("half_width_ratio", np.nan): "the coefficient has no interval; an interval "
+        f"requires at least 3 different {members}",
         ("half_width_ratio", 0.55): f"the interval of the mean is wider than ±50 %; use more {members}",
         ("contact_count", 0.6): f"all {members} together have fewer than 10 contacts, on average 0.6 per "
         f"{study.member_names.singular}; use a higher load, larger surfaces or more {members}",
         ("share_of_pull_off_bounds", 0.25): f"the pull-off force is a lower bound: 25 % of the {members} have only a "
         "bound; call half_space to see the reason as a warning",
         ("ok", 7): f"only 7 of 16 {members} have a coefficient; check the statuses, and try another load",
-        ("all_contacts", np.nan): f"there is no coefficient; check how many {members} have a value",
+        ("all_contacts", np.nan): f"there is no coefficient; check how many {members} have a coefficient",
     }  # fmt: skip
     for (name, value), expected_text in expected_texts.items():
         caveats = summarize_single_point(measured_result(**{name: value}), study).caveats

@@ -273,9 +273,9 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
     are_neighbours = study.is_measured and not study.is_areal
     min_members = MIN_NEIGHBOURING_VALUES if are_neighbours else MIN_SAMPLE_SIZE
     return (
-        LimitCheck("deficit", 0.0, "the mean is below 0", "check the units of heights and spacing"),
+        LimitCheck("deficit", 0.0, "the mean coefficient is below 0", "check the units of heights and spacing"),
         LimitCheck(
-            "missing_interval", MAX_AFFECTED_FRACTION, "there is no interval",
+            "missing_interval", MAX_AFFECTED_FRACTION, "the coefficient has no interval",
             f"an interval requires at least {min_members} different {members}",
         ),
         LimitCheck(
@@ -320,7 +320,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
     """Return the caveat for the status of a result point that lacks a coefficient or an upper limit."""
-    other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a value"
+    other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a coefficient"
     return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
 
 
@@ -471,7 +471,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         return (
             (
                 build_pressure_check(yield_limit, yielded_text, remedy, "fault"),
-                build_pressure_check(high, hardness_text, "give its hardness", "caution"),
+                build_pressure_check(high, hardness_text, remedy, "caution"),
             ),
         )
     text = "the mean pressure in contact is {}, at which almost no material is still elastic"
@@ -698,7 +698,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             else "E* and the hardness"
         )
         text = f"the interval does not include the effect of {input_text} on the attraction"
-        yield Caveat(text, "compute both limits of the ranges", "caution")
+        yield Caveat(text, "compute the pair at both limits of the ranges", "caution")
 
 
 def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:

@@ -145,18 +145,20 @@ def find_input_caveats(
     interface = find_interface(study)
     if interface is not None and interface.has_unknown_range:
         text = (
-            f"the interval does not include the uncertainty of μ0 and τ0, because the range of the interface "
-            f"{study.friction.interface.name if study.friction.interface else ''} is unknown"
+            f"the interval does not include the uncertainty of μ0 and τ0, because the interface "
+            f"{study.friction.interface.name if study.friction.interface else ''} has no known range"
         )
         caveats.append(
-            Caveat(text, "measure it (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution")
+            Caveat(
+                text, "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution"
+            )
         )
     area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
         if load / area > MAX_PRESSURE_OVER_MODULUS * modulus:
             pressure = format_with_unit(load / area, "GPa")
-            text = f"{format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
+            text = f"the load {format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
     caveats += _find_mirror_caveats(upper, lower, study)
     caveats += _find_fit_caveats(upper, lower, study)
@@ -187,7 +189,7 @@ MIN_GAP_REDUCTION = 2.0
 """Minimum factor by which a mirrored upper map must reduce the rms gap for a caveat about mirrored faces."""
 
 _MIRROR_ALTERNATIVES = (
-    ("with its columns reversed instead of its rows", "--rotate {rotation:g} does this", np.s_[::-1, ::-1]),
+    ("with its columns reversed instead of its rows", "use --rotate {rotation:g}", np.s_[::-1, ::-1]),
     ("with neither rows nor columns reversed", "reverse the rows of the upper file", np.s_[::-1, :]),
     ("with rows and columns reversed", "reverse the columns of the upper file", np.s_[:, ::-1]),
 )
@@ -215,8 +217,8 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
         description, remedy, _ = _MIRROR_ALTERNATIVES[smallest_gap_index]
         gap_text, mirrored_gap_text = (format_with_unit(each, "um") for each in (height, gaps[smallest_gap_index]))
         text = (
-            f"the rms height of the gap at the position (0, 0) is {gap_text}; for the upper map {description}, "
-            f"{mirrored_gap_text}"
+            f"the rms height of the gap at the position (0, 0) is {gap_text}, but {mirrored_gap_text} for the upper "
+            f"map {description}"
         )
         yield Caveat(text, remedy.format(rotation=(surfaces.rotate + 180) % 360), "caution")
 
@@ -414,7 +416,7 @@ def _find_instrument_caveats(
         text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"
         yield Caveat(
             text,
-            f"--cutoff '{format_with_unit(CUTOFF_WAVELENGTH_RATIO * peak[0], 'um')}' removes it",
+            f"--cutoff '{format_with_unit(CUTOFF_WAVELENGTH_RATIO * peak[0], 'um')}' removes the peak",
             "caution",
             peak[0],
         )
@@ -441,7 +443,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
     if dominant_step is not None and dominant_step.fraction > MAX_STEP_MEAN_SQUARE_FRACTION:
         text = (
             f"a step of {format_with_unit(dominant_step.height, 'um')} contributes "
-            f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of it carries the load"
+            f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of the step carries the load"
         )
         yield Caveat(text, "press one side of the step only (--crop)", "caution")
     elif form and (parabola_fraction := _compute_parabola_fraction(body)) > MAX_FORM_FRACTION:
