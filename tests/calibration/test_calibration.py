@@ -595,7 +595,10 @@ def test_calibration_with_a_given_mu0_or_tau0_leaves_it_unchanged() -> None:
         (lambda: FrictionTest(BALL, 1, coefficient=1e-310, uncertainty=1e-311), "must be at least 1e-15"),
         (lambda: calibrate(simulate_ball_tests(), common=2), "below 1"),
         (lambda: calibrate(simulate_ball_tests(), tau0="3 um"), "tau0"),
-        (lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]), "all tests or for none"),
+        (
+            lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]),
+            "all have an uncertainty",
+        ),
     ],
 )
 def test_calibration_rejects_invalid_input(call, pattern: str) -> None:

@@ -1076,7 +1076,7 @@ def test_small_point_list_that_declares_a_huge_map_is_rejected(tmp_path):
     with pytest.raises(FormatError, match="declares a map of 9000 rows of 9000 points in line 4, but lists"):
         read_measurement(path, missing="mask")
     path.write_text("1e-5 1e308 1\n1e-5 1e-5 2\n1e7 1e308 3\n-1e308 -1e308 4\n")
-    with pytest.raises(FormatError, match="lists a point without a usable x"):
+    with pytest.raises(FormatError, match="lists a point without a usable position along x"):
         read_measurement(path, unit="um", missing="mask")
 
 

@@ -229,8 +229,10 @@ class Server:
 
     async def add_menu_entry(self, _: Request) -> Response:
         """Add the app to the applications menu of the desktop, so that it starts without a terminal."""
-        if re.search(r'["`$\\%\n]', f"{sys.executable}{self.working_directory}"):
-            raise RejectedRequestError(f"{sys.executable}: a menu entry cannot contain this path")
+        for path in (sys.executable, self.working_directory):
+            if re.search(r'["`$\\%\n]', str(path)):
+                reason = 'it has a line break or one of the characters " ` $ \\ %'
+                raise RejectedRequestError(f"{path}: a menu entry cannot contain this path, because {reason}")
         applications_directory = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / "applications"
         applications_directory.mkdir(parents=True, exist_ok=True)
         with replace_file_atomically(
@@ -349,9 +351,13 @@ class Server:
             if name not in ALLOWED_OPTIONS_BY_COMMAND[command] or not isinstance(value, str) or len(value) > 200:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(value):
-                raise HTTPException(400, f"set must be one of the settings on the page, got {short_repr(value)}")
+                raise HTTPException(
+                    400, f"the field set must be one of the settings on the page, got {short_repr(value)}"
+                )
             if name == "interface" and value not in interfaces() and value not in self.scans:
-                raise HTTPException(400, f"interface must be one of those on the page, got {short_repr(value)}")
+                raise HTTPException(
+                    400, f"interface must be one of the interfaces on the page, got {short_repr(value)}"
+                )
         options = [
             (name, str(self.scans[value]) if name == "interface" and value in self.scans else value)
             for name, value in options

@@ -98,7 +98,7 @@ def calibrate(
         raise ValueError(f"the argument common must be at least 0 and below 1, got {short_repr(common)}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
-        raise ValueError("uncertainty must be given for all tests or for none")
+        raise ValueError("the tests must all have an uncertainty, or none of them")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_SLIDING_TESTS:
         raise ValueError(
             f"uncertainty must be given if there are fewer than {MIN_SLIDING_TESTS} tests with sliding, "
@@ -111,7 +111,7 @@ def calibrate(
         else validate_number("tau0", to_core_units("tau0", tau0, "pressure"), below=MAX_INPUT_NUMBER),
     )
     if any(value is not None and value < 0 for value in known_strengths):
-        raise ValueError("mu0 and tau0 must not be negative")
+        raise ValueError(f"mu0 and tau0 must not be negative, got mu0 {short_repr(mu0)} and tau0 {short_repr(tau0)}")
     available_rules = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
         # a ball has one contact, for which both sliding rules give the same friction

@@ -226,7 +226,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
     if width is not None:
         if result.study.surfaces.press != "lines":
             raise ArgumentError(
-                "{width} must be omitted, because the result is not of two measured profiles in contact, got {got}",
+                "{width} must be omitted, because the result is not from two measured profiles, got {got}",
                 got=repr(width),
             )
         width_factor = PROFILE_WIDTH / float(parse_quantity("width", width, "length"))

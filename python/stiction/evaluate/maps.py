@@ -275,7 +275,7 @@ def evaluate_ensemble_quantities(
         quantities.step_dimension,
     )
     if not count:
-        raise ValueError("no member of the result could be computed at all loads")
+        raise ValueError("no member of the result has a solution at every load")
     cells = list(np.ndindex(quantities.cells))
     num_curve_values = quantities.mu0.size * quantities.tau0.size * dataset.sizes[quantities.step_dimension]
     batch_size = max(1, MAX_VALUES_IN_MEMORY // max(1, num_curve_values))

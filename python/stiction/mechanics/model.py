@@ -208,7 +208,7 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
     if not parameters:
         return model
     if unknown_keywords := parameters.keys() - ContactModelArguments.__annotations__.keys():
-        raise TypeError(f"unknown keyword argument {min(unknown_keywords)!r}")
+        raise TypeError(f"a contact model has no parameter {min(unknown_keywords)!r}")
     # Both `shear` and `direction` specify the direction of motion, so giving one resets the other.
     if "shear" in parameters and parameters.get("direction") is None:
         parameters["direction"] = None

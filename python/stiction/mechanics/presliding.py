@@ -165,12 +165,14 @@ def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuG
 
 def _check_curve(displacement: Floats, load: Floats, min_points: int) -> None:
     if not np.isfinite(displacement).all():
-        raise ValueError("a fit requires displacements, which are undefined for a free half-plane")
+        raise ValueError("displacement must be finite for a fit, but displacements of a free half-plane are infinite")
     if not displacement[0] > 0:
-        raise ValueError("a fit requires displacements, but surfaces in full contact do not move before they slide")
+        raise ValueError(
+            "displacement must be above 0 for a fit, but surfaces in full contact do not move before they slide"
+        )
     if load.size < min_points:
         raise ValueError(
-            f"a curve must have at least {min_points} loads for a fit, got {load.size}; specify more steps"
+            f"a fit requires a curve with at least {min_points} loads, got {load.size}; specify more steps"
         )
 
 

@@ -953,7 +953,9 @@ def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
     if "status" in arrays:
         check_values("status", arrays["status"], dtype=int, bounds=(0, len(STATUSES) - 1))
         if not np.array_equal(arrays["status"] != STATUSES.index(STATUS_OK), is_missing):
-            raise DamagedFileError("has values of status that contradict normal_elastic")
+            raise DamagedFileError(
+                "has a status that contradicts normal_elastic, which is NaN exactly at loads without a solution"
+            )
 
 
 @contextmanager

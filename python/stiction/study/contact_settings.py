@@ -652,7 +652,9 @@ def parse_contact_settings(
     if isinstance(contact, MeasuredMapContactSettings):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
-            raise make_key_error("direction", f"must be 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}")
+            raise make_key_error(
+                "direction", f"must have from 1 to {MAX_DIRECTIONS} directions, got {short_repr(direction)}"
+            )
         contact = contact.model_copy(update={"direction": tuple(contact.direction_angles().tolist())})
     is_profile = isinstance(surfaces, GeneratedProfileSettings)
     if (

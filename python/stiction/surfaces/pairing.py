@@ -430,8 +430,8 @@ class SquarePiecePairs:
         points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
         if points < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
-                f"at least {MIN_PIECE_SIDE_POINTS} rows and columns are required, got {points} at a spacing of "
-                f"{self._grid_spacing:g} µm"
+                f"pressed pieces must have at least {MIN_PIECE_SIDE_POINTS} rows and columns, got {points} at a "
+                f"spacing of {self._grid_spacing:g} µm"
             )
         return points, points
 

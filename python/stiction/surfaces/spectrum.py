@@ -425,7 +425,11 @@ class SurfaceSpectrum(TextReprMixin):
         per_decade = validate_whole_number("per_decade", per_decade, minimum=1)
         q, _, density = self.waves()
         if not q.size:
-            raise ValueError(f"surface must have more than {self.density.shape} points for a mean over directions")
+            rows, columns = self.density.shape
+            raise ValueError(
+                "a mean over directions requires a spectrum with more harmonics than that of a surface of "
+                f"{rows} × {columns} points"
+            )
         return RadialSpectrum(*_average_in_bins(per_decade, q, density, np.ones(q.size)))
 
 

@@ -77,7 +77,7 @@ def _find_step_and_node_indices(
 ) -> tuple[float, np.ndarray]:
     """Return the grid step along one axis, and the index of the grid node at which each point lies."""
     if not (np.abs(positions) <= MAX_DECLARED_NUMBER).all():
-        raise FormatError(f"lists a point without a usable {name}")
+        raise FormatError(f"lists a point without a usable position along {name}")
     step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
     if step is None:
         raise FormatError(
@@ -103,8 +103,8 @@ def _find_step_and_node_indices(
     if deviations[worst_index] > allowed_deviation or (last_node > 1 and deviations[worst_index] > 0.3 * step):
         raise FormatError(
             f"lists points that are not on a grid: point {worst_index}, counted from 0, is at {name} "
-            f"{positions[worst_index]:g}, and its distance from a node is {deviations[worst_index] / step:.2g} times "
-            f"the grid step of {step:g}; interpolate the points onto a grid, or export a matrix"
+            f"{positions[worst_index]:g}, and its distance from a node is {deviations[worst_index] / step:.2g} grid "
+            f"steps of {step:g} (in the unit of the file); interpolate the points onto a grid, or export a matrix"
         )
     return step, nodes.astype(np.int64)
 
