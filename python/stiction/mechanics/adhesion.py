@@ -45,8 +45,8 @@ MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a 
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-# Maximum number of contact solutions for one contact load during the search for the pull-off load. The attraction of
-# soft bodies converges slowly; energy minimizations at given external loads take less time.
+# Maximum number of contact solutions for one contact load of maps during the search for the pull-off load. The
+# attraction of soft bodies converges slowly, and energy minimizations at given external loads take less time.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # maximum number of successive contact solutions that do not reduce the residual of the attraction
 MAX_STALLED_SOLVES = 20
@@ -171,6 +171,9 @@ class AdhesionSolver:
         self.relative_range = self.range / float(problem.gap.std() or 1)
         self.tolerance = max(
             min(tolerance, MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance * self.relative_range), MIN_SOLUTION_TOLERANCE
+        )
+        self.max_trial_solves = (
+            MAX_SOLVES_PER_TRIAL_CONTACT_LOAD if problem.gap.ndim == 2 else MAX_SOLVES_PER_CONTACT_LOAD
         )
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
@@ -501,7 +504,7 @@ class AdhesionSolver:
                         states[-1],
                         CONTACT_LOAD_REDUCTION_RATIO * states[-1].contact_load,
                         earlier_state=states[0],
-                        max_solves=MAX_SOLVES_PER_TRIAL_CONTACT_LOAD,
+                        max_solves=self.max_trial_solves,
                     )
                 )
             except EquilibriumNotFoundError:
@@ -558,10 +561,7 @@ class AdhesionSolver:
                 states.insert(
                     first_index + 1,
                     self.solve_at_contact_pressure(
-                        states[first_index],
-                        contact_load,
-                        earlier_state=states[0],
-                        max_solves=MAX_SOLVES_PER_TRIAL_CONTACT_LOAD,
+                        states[first_index], contact_load, earlier_state=states[0], max_solves=self.max_trial_solves
                     ),
                 )
             except EquilibriumNotFoundError:
