@@ -91,8 +91,8 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // Whether a pair of ellipses overlaps matters only at approaches at which at least one of both ellipses overlaps
-      // no other ellipse.
+      // The overlap of two ellipses matters only at approaches at which at least one of the ellipses overlaps no other
+      // ellipse.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {
