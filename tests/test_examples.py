@@ -423,9 +423,13 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
                 pending_commands = command_lines(block)
             case "text":
                 outputs = [check_stiction(*shlex.split(line)[1:], cwd=tmp_path).stdout for line in pending_commands]
-                assert outputs[-1].split() == block.text.split()
+                shown_words = block.text.split()
+                if shown_words[-1] == "...":  # only the beginning of the output is shown
+                    assert outputs[-1].split()[: len(shown_words) - 1] == shown_words[:-1]
+                else:
+                    assert outputs[-1].split() == shown_words
                 num_compared += 1
-    assert num_compared == 3
+    assert num_compared == 4
     shown_figure = ROOT / "docs/images/pmma_glass.png"
     difference = compare_images(str(shown_figure), str(tmp_path / "pmma_glass.png"), MAX_GREY_DIFFERENCE)
     assert difference is None, f"{difference}; copy the new figure to {shown_figure}"
