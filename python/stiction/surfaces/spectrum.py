@@ -426,10 +426,7 @@ class SurfaceSpectrum(TextReprMixin):
         q, _, density = self.waves()
         if not q.size:
             rows, columns = self.density.shape
-            raise ValueError(
-                "a mean over directions requires a spectrum with more harmonics than that of a surface of "
-                f"{rows} × {columns} points"
-            )
+            raise ValueError(f"surface must have more than {rows} × {columns} points for a mean over directions")
         return RadialSpectrum(*_average_in_bins(per_decade, q, density, np.ones(q.size)))
 
 
