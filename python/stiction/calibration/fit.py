@@ -215,10 +215,10 @@ class CalibrationProblem:
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
-        factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
+        area_factors = np.stack([area_factors_of_test(test) for test in range(len(self._friction))], axis=1)
         return (
             mu0_coefficient,
-            tau0_coefficient.reshape(*tau0_coefficient.shape, *(1 for _ in grid_shape)) * factors,
+            tau0_coefficient.reshape(*tau0_coefficient.shape, *(1 for _ in grid_shape)) * area_factors,
             right_side,
         )
 
@@ -549,15 +549,15 @@ class CalibrationProblem:
             low, high = _find_tau0_range_at_fixed_mu0(self.fixed_strengths[0], robust_triangle, deviance_range)
         else:
             low, high = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
-        limits = _GridLimits(robust_triangle, deviance_range, low, high)
+        grid_limits = _GridLimits(robust_triangle, deviance_range, low, high)
         if self.has_growing_contacts:
-            limits = self._find_grid_limits_with_growth(limits, scores, scale, spread, columns)
+            grid_limits = self._find_grid_limits_with_growth(grid_limits, scores, scale, spread, columns)
         num_tau0_cells = 1 if self.fixed_strengths[1] is not None else NUM_TAU0_CELLS
-        tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
-            limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
+        tau0 = grid_limits.min_tau0[:, np.newaxis] + np.multiply.outer(
+            grid_limits.max_tau0 - grid_limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
         mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(
-            limits, np.arange(len(points))[:, np.newaxis], np.arange(num_tau0_cells), tau0
+            grid_limits, np.arange(len(points))[:, np.newaxis], np.arange(num_tau0_cells), tau0
         )
         mu0 = mu0_start[..., np.newaxis] + mu0_step[..., np.newaxis] * (np.arange(self._num_mu0_cells) + 0.5)
         tau0 = tau0[..., np.newaxis]
@@ -606,12 +606,12 @@ class CalibrationProblem:
                 if value is None
             )
         if self.fixed_strengths[1] is None:
-            log_volume = log_volume + np.log((limits.max_tau0 - limits.min_tau0) / num_tau0_cells)
+            log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
         # The logarithm is infinite or NaN if the interface seizes in all cells.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
-        return _ProbabilityGrid(limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
+        return _ProbabilityGrid(grid_limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 
     @property
     def _num_mu0_cells(self) -> int:
@@ -694,10 +694,10 @@ class CalibrationProblem:
 
         If `freedom` is given, all errors share an unknown factor.
         """
-        count = len(self.nuisances)
-        active_indices = [*range(count), *([count] if freedom is not None else [])]
+        nuisance_count = len(self.nuisances)
+        active_indices = [*range(nuisance_count), *([nuisance_count] if freedom is not None else [])]
         mean, covariance = self._build_first_proposal(scale, freedom)
-        points, grid, log_weight = self._draw_nuisance_points(
+        nuisance_points, grid, log_weight = self._draw_nuisance_points(
             mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND if active_indices else 1
         )
         for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
@@ -713,15 +713,17 @@ class CalibrationProblem:
             ):
                 power *= 0.7
             weight = np.exp(power * (log_weight - log_weight.max()))
-            mean = np.average(points[:, active_indices], axis=0, weights=weight)
-            covariance = np.cov(points[:, active_indices].T, aweights=weight, ddof=0).reshape(len(active_indices), -1)
+            mean = np.average(nuisance_points[:, active_indices], axis=0, weights=weight)
+            covariance = np.cov(nuisance_points[:, active_indices].T, aweights=weight, ddof=0).reshape(
+                len(active_indices), -1
+            )
             covariance = covariance + 1e-6 * np.eye(len(active_indices))
-            points, grid, log_weight = self._draw_nuisance_points(
+            nuisance_points, grid, log_weight = self._draw_nuisance_points(
                 mean, covariance, active_indices, NUM_NUISANCE_POINTS_PER_ROUND, seed
             )
         num_points = min(FINAL_NUISANCE_POINT_COUNTS[0] << len(active_indices), FINAL_NUISANCE_POINT_COUNTS[1])
         while active_indices:
-            points, grid, log_weight = self._draw_nuisance_points(
+            nuisance_points, grid, log_weight = self._draw_nuisance_points(
                 mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
             )
             if (
@@ -731,7 +733,7 @@ class CalibrationProblem:
             ):
                 break
             num_points *= 2
-        return self._draw_samples_from_grids(points, grid, log_weight)
+        return self._draw_samples_from_grids(nuisance_points, grid, log_weight)
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return mean and covariance of the initial proposal distribution from which nuisance parameters are drawn."""

@@ -122,8 +122,8 @@ def calibrate(
         error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
-    pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
-    pair_caveats, lays = tested_pair_notes(pairs, tests)
+    bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
+    pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
     print_output(
         calibration_json(interface, pair_caveats, lays) if as_json else calibration_text(interface, pair_caveats + lays)
     )

@@ -222,9 +222,9 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
     if pressure is not None:
         largest_contact = int(np.argmax(table.force))
         window_slices = []
-        for centre, size in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
-            window_size = min(max(size // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), size)
-            first_index = int(np.clip(centre - window_size / 2, 0, size - window_size))
+        for centre, side_points in ((table.y[largest_contact] / dy, rows), (table.x[largest_contact] / dx, columns)):
+            window_size = min(max(side_points // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), side_points)
+            first_index = int(np.clip(centre - window_size / 2, 0, side_points - window_size))
             window_slices.append(slice(first_index, first_index + window_size))
         variables["zoom_pressure"] = (("zoom_y", "zoom_x"), pressure[*window_slices], {"units": "GPa"})
         variables["zoom_height"] = (("zoom_y", "zoom_x"), lower.heights[*window_slices], length_attributes)

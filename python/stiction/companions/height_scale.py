@@ -417,11 +417,11 @@ def _interpolate_between_factors(
     is_available = finite_mask[lower] & finite_mask[upper]
     log_factors = np.log(solved_factors)
     for is_finite in np.unique(finite_mask[:, is_available], axis=1).T:
-        mask = is_available & (finite_mask == is_finite[:, np.newaxis]).all(axis=0)
-        is_positive = mask & (flat_values[is_finite] > 0).all(axis=0)
+        is_interpolated = is_available & (finite_mask == is_finite[:, np.newaxis]).all(axis=0)
+        is_positive = is_interpolated & (flat_values[is_finite] > 0).all(axis=0)
         for is_selected, transform, inverse in (
             (is_positive, np.log, np.exp),
-            (mask & ~is_positive, np.asarray, np.asarray),
+            (is_interpolated & ~is_positive, np.asarray, np.asarray),
         ):
             if is_selected.any():
                 curve = PchipInterpolator(

@@ -89,12 +89,12 @@ class AreaFunction:
 
         Above and below the computed loads, the area is proportional to the load.
         """
-        equivalent_load = self._contact_load(load) / np.asarray(modulus)
+        equivalent_load = self._compute_contact_load(load) / np.asarray(modulus)
         loads = self.loads if self.attractions is None else self.loads + self.attractions
         log_area_per_load = np.interp(np.log(equivalent_load), np.log(loads), np.log(self.elastic_areas / loads))
         return np.asarray(np.minimum(np.exp(log_area_per_load) * equivalent_load, self.nominal_area))
 
-    def _contact_load(self, load: ArrayLike) -> Floats:
+    def _compute_contact_load(self, load: ArrayLike) -> Floats:
         """Return the load (mN) that the contacts carry: the applied load plus the attraction."""
         loads = np.asarray(load, dtype=np.float64)
         if self.attractions is None:
@@ -122,18 +122,18 @@ class AreaFunction:
             Length h* of the indentation size effect.
         """
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
-        return self._area_at_pressure(
+        return self._compute_area_at_pressure(
             self.contact_hardness(load, hardness, size_effect), load, elastic_area, yield_exponent
         )
 
-    def _area_at_pressure(
+    def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
         """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or the elastic area if it is None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
-        area = yielded_area(elastic_area, self._contact_load(load), pressure, exponent)
+        area = yielded_area(elastic_area, self._compute_contact_load(load), pressure, exponent)
         return np.minimum(area, self.nominal_area)
 
     def onset(
@@ -148,7 +148,7 @@ class AreaFunction:
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 
         def area_at_pressure(pressure: Floats | None) -> Floats:
-            return self._area_at_pressure(pressure, load, elastic_area, yield_exponent)
+            return self._compute_area_at_pressure(pressure, load, elastic_area, yield_exponent)
 
         hardness = self.contact_hardness(load, hardness, size_effect)
         return law.onset(load, hardness, self.nominal_area, area_at_pressure, yield_pressure)
@@ -170,7 +170,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
     first_index = study.surfaces.first_scan_member_index
     first_index = first_index if (result.members >= first_index).any() else 0
     shape = 3, study.surfaces.cell_coordinates()["cut_off"].size, study.contact.loading_steps().size
-    sums, counts = np.zeros(shape), np.zeros(shape)
+    sums, member_counts = np.zeros(shape), np.zeros(shape)
     for piece in result.pieces(["contact_area", *(["elastic_area"] if has_elastic_areas else [])]):
         is_used = piece["repetition"].values >= first_index
         areas, elastic_areas = (
@@ -184,9 +184,9 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             ((areas, is_solved), (areas, has_elastic), (elastic_areas, has_elastic))
         ):
             sums[index] += np.where(mask, values, 0.0).sum(axis=1)
-            counts[index] += mask.sum(axis=1)
+            member_counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        all_members, elastic_members, elastic = sums / counts
+        all_members, elastic_members, elastic = sums / member_counts
     # An unfinished result may lack all members with a stored elastic area. Estimate their elastic areas.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():

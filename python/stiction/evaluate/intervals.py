@@ -453,13 +453,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     from scipy.special import stdtr
 
     # Divide deviations from the mean by their standard deviation, because squares of large values would overflow.
-    count, deviations = values.shape[1], values - mean[:, np.newaxis]
-    deviation = np.sqrt(np.square(deviations).sum(axis=1) / (count - 1))
+    value_count, deviations = values.shape[1], values - mean[:, np.newaxis]
+    deviation = np.sqrt(np.square(deviations).sum(axis=1) / (value_count - 1))
     has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
-    y[~has_spread] = np.linspace(-1.0, 1.0, count)
+    y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over y.
-    weight_sums, inflation, quantile, density = _compute_mixture_constants(count)
+    weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
@@ -468,18 +468,18 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     )  # shape (c, rho)
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
-    weights = (count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)
+    weights = (value_count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
     weights /= weights.sum(axis=1, keepdims=True)
-    errors = np.sqrt(squares / (count - 1) * inflation)
+    errors = np.sqrt(squares / (value_count - 1) * inflation)
 
     # Above 0, the distribution function of the mean is concave, so Newton steps from below never exceed its quantile.
     quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
         row_weights, row_errors = weights[moving_rows], errors[moving_rows]
         t = quantile_estimate[moving_rows, np.newaxis] / row_errors
-        slope = density * (row_weights * (1 + t * t / (count - 1)) ** (-count / 2) / row_errors).sum(axis=1)
-        step = (0.5 + CONFIDENCE_LEVEL / 2 - (row_weights * stdtr(count - 1, t)).sum(axis=1)) / slope
+        slope = density * (row_weights * (1 + t * t / (value_count - 1)) ** (-value_count / 2) / row_errors).sum(axis=1)
+        step = (0.5 + CONFIDENCE_LEVEL / 2 - (row_weights * stdtr(value_count - 1, t)).sum(axis=1)) / slope
         quantile_estimate[moving_rows] += step
         moving_rows = moving_rows[step > 1e-15 * quantile_estimate[moving_rows]]
         if not moving_rows.size:
@@ -546,9 +546,9 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
             pair_values[np.isfinite(pair_values)].mean() if np.isfinite(pair_values).any() else np.nan
         )
     scan_means = pair_means[np.ix_(np.isfinite(pair_means).any(axis=1), np.isfinite(pair_means).any(axis=0))]
-    sizes = np.array(scan_means.shape)
-    count = int(sizes.prod())
-    if count < 2:
+    scan_counts = np.array(scan_means.shape)
+    pair_count = int(scan_counts.prod())
+    if pair_count < 2:
         return None
     row_means, column_means, mean = (
         np.nanmean(scan_means, axis=1),
@@ -556,9 +556,13 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
         float(np.nanmean(scan_means)),
     )
     residual_sum = np.nansum((scan_means - row_means[:, np.newaxis] - column_means + mean) ** 2)
-    freedoms = np.array([*(sizes - 1), (sizes - 1).prod()], float)
+    freedoms = np.array([*(scan_counts - 1), (scan_counts - 1).prod()], float)
     sums = np.array(
-        [sizes[1] * np.square(row_means - mean).sum(), sizes[0] * np.square(column_means - mean).sum(), residual_sum]
+        [
+            scan_counts[1] * np.square(row_means - mean).sum(),
+            scan_counts[0] * np.square(column_means - mean).sum(),
+            residual_sum,
+        ]
     )
     mean_squares = sums / np.maximum(freedoms, 1)
     is_separate = (freedoms > 0) & (mean_squares > mean_squares[2]) & [True, True, False]
@@ -566,19 +570,21 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
     # Weights of the mean squares in the variance, in which the residual is subtracted once per unpooled mean square.
-    weights = np.append(np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance)
+    component_weights = np.append(
+        np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
+    )
     component_freedoms = np.maximum([*freedoms[:2], freedom], 1.0)
     deviations_in_pairs = (flat_values - pair_means[upper, lower][:, np.newaxis]).ravel()
     deviations_in_pairs = deviations_in_pairs[np.isfinite(deviations_in_pairs)]
-    freedom_in_pairs = max(deviations_in_pairs.size - count, 1)
-    scan_mean_variances = variance_components[:2] / sizes[::-1]
+    freedom_in_pairs = max(deviations_in_pairs.size - pair_count, 1)
+    scan_mean_variances = variance_components[:2] / scan_counts[::-1]
     new_test_variances = np.append(
-        scan_mean_variances * (1 + 1 / sizes),
-        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual_variance * (1 + 1 / count),
+        scan_mean_variances * (1 + 1 / scan_counts),
+        float(deviations_in_pairs @ deviations_in_pairs) / freedom_in_pairs + residual_variance * (1 + 1 / pair_count),
     )
     return ScanPairMean(
-        mean, tuple(variance_components / count),
-        _satterthwaite_degrees_of_freedom(variance_components.sum(), weights, component_freedoms),
+        mean, tuple(variance_components / pair_count),
+        _satterthwaite_degrees_of_freedom(variance_components.sum(), component_weights, component_freedoms),
         math.sqrt(new_test_variances.sum()),
         _single_test_degrees_of_freedom(new_test_variances, np.append(component_freedoms[:2], freedom_in_pairs)),
     )  # fmt: skip

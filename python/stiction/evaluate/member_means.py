@@ -221,13 +221,15 @@ def include_interpolation_error(
         is_known = np.isfinite(below) & np.isfinite(above) & np.isfinite(values)
         is_positive = (~is_known | ((below > 0) & (above > 0) & (values > 0))).all(axis=0)
         change = np.where(is_known, np.where(is_positive, np.log(above / below), above - below), np.nan)
-        count = np.maximum(is_known.sum(axis=0), 1)
-        mean_change = np.where(is_known, change, 0.0).sum(axis=0) / count
+        known_count = np.maximum(is_known.sum(axis=0), 1)
+        mean_change = np.where(is_known, change, 0.0).sum(axis=0) / known_count
         deviation = (change - mean_change) * np.where(is_positive, values / mean, 1.0)
-        limits = mean_with_interval(deviation)
-        half_width = np.where((deviation == 0).all(axis=0), 0.0, (limits[..., 2] - limits[..., 1]) / 2)
+        deviation_limits = mean_with_interval(deviation)
+        half_width = np.where(
+            (deviation == 0).all(axis=0), 0.0, (deviation_limits[..., 2] - deviation_limits[..., 1]) / 2
+        )
         random_error = np.sqrt(3 * position * (1 - position)) * half_width
-        power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / count
+        power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / known_count
         error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
         is_logarithmic = is_positive & (lower > 0)
         absolute_error = np.where(is_positive, mean * error, error)

@@ -153,17 +153,17 @@ def _sample_test(
     """
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
-    sums = {name: curves.sample(partial(_divide, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
+    sums = {name: curves.sample(partial(_divide_values, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
     normal, tangential = (law.load(load, sums) for load in ("normal", "tangential"))
     with np.errstate(invalid="ignore"):
         coefficient = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
     coefficient = np.where(curves.has_no_solution, np.inf, coefficient)
     dilation = curves.sample(lambda each: each["dilation"].values)
-    stress = coefficient * curves.sample(lambda each: _divide(each, "normal_load", "overlap_area"))
+    stress = coefficient * curves.sample(lambda each: _divide_values(each, "normal_load", "overlap_area"))
     return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape))
 
 
-def _divide(test: xr.Dataset, name: str, divisor: str) -> Floats:
+def _divide_values(test: xr.Dataset, name: str, divisor: str) -> Floats:
     return np.asarray((test[name] / test[divisor]).values)
 
 
@@ -210,7 +210,7 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     The peak of a strip is found among the displacements at which the strip has a solution.
     """
     coefficient = np.stack(
-        [_divide(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
+        [_divide_values(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
     )
     coefficient = np.where(np.isfinite(coefficient), coefficient, np.nan)
     stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))

@@ -81,7 +81,7 @@ MAX_BULK_SHEAR_EFFECT = 0.05
 """Largest relative reduction of the friction force by shear of the softer body that is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Smallest mean pressure in the table of `_fraction_below`, as a fraction of the largest pressure.
+"""Smallest mean pressure in the table of `_compute_fraction_below`, as a fraction of the largest pressure.
 
 The second constant is the number of entries of the table along each axis.
 """
@@ -212,12 +212,14 @@ class FrictionLaw:
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
-        fraction = self._limited_fraction(load, area_at_onset, np.maximum(pressure, load / nominal_area), hardness)
+        fraction = self._compute_limited_fraction(
+            load, area_at_onset, np.maximum(pressure, load / nominal_area), hardness
+        )
         fraction = np.where(can_shear, fraction, 1.0)
         limited_coefficient = np.minimum(plastic_coefficient, 2 / self.junction_growth)
         return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
 
-    def _limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
+    def _compute_limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
         """Return the fraction of the friction force that remains if the body's shear strength limits local tractions.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
@@ -231,9 +233,9 @@ class FrictionLaw:
             # At the limit pressure, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
-            limited_traction = frictional * _fraction_below(relative_limit, mean_pressure / pressure) + np.minimum(
-                adhesive, strength
-            )
+            limited_traction = frictional * _compute_fraction_below(
+                relative_limit, mean_pressure / pressure
+            ) + np.minimum(adhesive, strength)
             fraction = limited_traction / (frictional + adhesive)
         return np.where(fraction < 1 - MAX_BULK_SHEAR_EFFECT, fraction, 1.0)
 
@@ -283,7 +285,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
 
 
-def _fraction_below(limit: Any, mean: Any) -> Floats:
+def _compute_fraction_below(limit: Any, mean: Any) -> Floats:
     """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution that is limited at 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.

@@ -171,7 +171,7 @@ class Onset(PlotReprMixin):
         ValueError
             If the index is invalid.
         """
-        return make_read_only(self._values_at_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
+        return make_read_only(self._spread_over_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
         """Return the smallest tangential load (mN) at which each grid point slips, or NaN if the point never slips.
@@ -181,7 +181,7 @@ class Onset(PlotReprMixin):
         first_slip_load = np.full(self._tangential_problem.bound.size, np.nan)
         for slip in reversed(self._slips):
             first_slip_load[slip.traction >= self._tangential_problem.bound] = slip.load
-        return make_read_only(self._values_at_all_points(first_slip_load, np.nan))
+        return make_read_only(self._spread_over_all_points(first_slip_load, np.nan))
 
     def energy_lost(self, amplitude: ArrayLike) -> Floats:
         """Return the energy (mN µm) that a load cycle dissipates, for each amplitude of the tangential load.
@@ -274,7 +274,7 @@ class Onset(PlotReprMixin):
     def _resolve_load_index(self, index: Any) -> int:
         return resolve_index(index, len(self._slips), "tangential loads")
 
-    def _values_at_all_points(self, values: Floats, value_elsewhere: float) -> Floats:
+    def _spread_over_all_points(self, values: Floats, value_elsewhere: float) -> Floats:
         all_values = np.full(self._tangential_problem.size, value_elsewhere)
         all_values[self._tangential_problem.points] = values
         return all_values

@@ -129,7 +129,7 @@ class ShearBox:
     @property
     def initial_overlap_area(self) -> float:
         """Area (µm²) of the initial overlap that was measured on both faces."""
-        return _measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
+        return _compute_measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
         """Return the offsets of the upper face in grid points along the path, with shape (count, axes).
@@ -267,7 +267,7 @@ class ShearBox:
                     line[end] = 0.0 if lower_excess > 0 else 1.0
         return edges
 
-    def _interface_slopes(self, offset: NDArray[np.int64], tilt: Floats) -> list[Floats]:
+    def _compute_interface_slopes(self, offset: NDArray[np.int64], tilt: Floats) -> list[Floats]:
         """Return the slopes of the deformed interface along each axis, at the grid points of the overlap.
 
         An edge of a face that touches the other face is pushed along the normal of the other face.
@@ -313,7 +313,7 @@ class ShearBox:
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
-        overlap_area = _measured_area(upper, lower)
+        overlap_area = _compute_measured_area(upper, lower)
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
@@ -326,10 +326,10 @@ class ShearBox:
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first_row is None:
-                return self._normal_load(rows[-1]) - self.load, self.load
+                return self._compute_normal_load(rows[-1]) - self.load, self.load
             rise = float(rows[-1]["height"]) - float(first_row["height"])
             target = self.load + (self.stiffness * rise if self.stiffness else 0.0)
-            return self._normal_load(rows[-1]) - target, target
+            return self._compute_normal_load(rows[-1]) - target, target
 
         guess = self.load if previous_row is None else float(previous_row["elastic_load"])
         guess = guess if math.isfinite(guess) else self.load
@@ -349,7 +349,7 @@ class ShearBox:
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
-        slopes = [slope.ravel() for slope in self._interface_slopes(offset, curve.tilt[0])]
+        slopes = [slope.ravel() for slope in self._compute_interface_slopes(offset, curve.tilt[0])]
         forces, areas = solution.values * problem.cell_area, solution.share * problem.cell_area
         is_at_edge = np.isfinite(self._find_edges(offset)).ravel()[solution.points]
         directions = ContactModel(direction=self.direction).directions()
@@ -365,7 +365,7 @@ class ShearBox:
             "elastic_load": elastic_load,
         }
 
-    def _normal_load(self, row: StepResult) -> float:
+    def _compute_normal_load(self, row: StepResult) -> float:
         return float(self.law.load("normal", row))
 
     def solve_closure(self, record: SolutionRecord) -> BandisLaw:
@@ -456,7 +456,7 @@ def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
     return replace(upper, heights=lower.heights), lower
 
 
-def _measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
+def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -> float:
     missing = combine_missing_masks(upper, lower)
     count = lower.heights.size if missing is None else int((~missing).sum())
     return count * math.prod(lower.spacings)

@@ -324,8 +324,8 @@ def _describe_remaining_work(
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
-    size = unfinished_members.count * compute_bytes_per_member(study)
-    space_text = f", with {format_bytes(free_bytes)} free" if size > free_bytes / 2 else ""
+    result_bytes = unfinished_members.count * compute_bytes_per_member(study)
+    space_text = f", with {format_bytes(free_bytes)} free" if result_bytes > free_bytes / 2 else ""
     writer_text = "" if is_visible else "; the workers cannot reach the directory, so this process writes the files"
     seconds = unfinished_members.count * estimate_member_time(study)
     elapsed_time = seconds / min(workers, unfinished_members.count)
@@ -341,8 +341,9 @@ def _describe_remaining_work(
         else ""
     )
     return (
-        f"computing {study.member_names.with_count(unfinished_members.count)}: {time_text}, {format_bytes(size)} in "
-        f"{num_files} {'file' if num_files == 1 else 'files'}{space_text}{writer_text}{advice}"
+        f"computing {study.member_names.with_count(unfinished_members.count)}: {time_text}, "
+        f"{format_bytes(result_bytes)} in {num_files} {'file' if num_files == 1 else 'files'}"
+        f"{space_text}{writer_text}{advice}"
     )
 
 

@@ -243,13 +243,14 @@ class StoredResult:
 
         `names` lists the variables of the dataset; by default, the dataset has all variables.
         """
-        version, numbers = self.version, self.finished_members[first:last]
+        version, member_numbers = self.version, self.finished_members[first:last]
         axis = len(self.study.surfaces.cell_coordinates())
         arrays: ArraysByName = {
-            name: np.empty(spec.shape, spec.dtype) for name, spec in variable_specs(self.study, numbers, names).items()
+            name: np.empty(spec.shape, spec.dtype)
+            for name, spec in variable_specs(self.study, member_numbers, names).items()
         }
         if self.study.is_measured:
-            arrays |= {name: np.empty(numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
+            arrays |= {name: np.empty(member_numbers.size, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
         block_start = num_copied = 0
         for block, block_first, block_last in self._block_ranges:
             block_end = block_start + block_last - block_first
@@ -266,7 +267,7 @@ class StoredResult:
                 num_copied += end_in_block - first_in_block
             block_start = block_end
         bodies = self.first_block_content.bodies
-        return build_dataset(self.study, numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
+        return build_dataset(self.study, member_numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
         """Read the arrays of a block of members, at least the arrays in `names`.
@@ -886,19 +887,20 @@ def decode_members(content: bytes) -> BlockFileContent:
         if not isinstance(version, str):
             raise DamagedFileError("has no attribute 'stiction_version'")
         study = _parse_stored_study(text)
-        numbers = _read_variable(file, "repetition")
-        check_values("repetition", numbers, dtype=int, bounds=(0, np.iinfo(np.int64).max))
-        if numbers.ndim != 1 or np.unique(numbers).size < numbers.size:
+        repetitions = _read_variable(file, "repetition")
+        check_values("repetition", repetitions, dtype=int, bounds=(0, np.iinfo(np.int64).max))
+        if repetitions.ndim != 1 or np.unique(repetitions).size < repetitions.size:
             raise DamagedFileError("contains a repetition more than once")
         arrays = {
-            name: _read_member_array(file, name, spec.shape) for name, spec in variable_specs(study, numbers).items()
+            name: _read_member_array(file, name, spec.shape)
+            for name, spec in variable_specs(study, repetitions).items()
         }
         check_member_arrays(study, arrays)
         arrays = {name: values.astype(QUANTITIES[name].dtype, copy=False) for name, values in arrays.items()}
         bodies = BodyAttributes()
         if study.is_measured:
             for name, dtype in MEMBER_COORDINATE_TYPES.items():
-                coordinate = _read_variable(file, name, numbers.shape)
+                coordinate = _read_variable(file, name, repetitions.shape)
                 # The positions x and y of surrogates are NaN.
                 check_values(
                     name, coordinate, dtype=QUANTITIES[name].dtype, bounds=QUANTITIES[name].stored_bounds,
@@ -920,7 +922,7 @@ def decode_members(content: bytes) -> BlockFileContent:
             if name != "repetition"
         }
         is_exact = [np.array_equal(_read_variable(file, name), values) for name, (_, values) in coordinates.items()]
-    return BlockFileContent(study, version, numbers, arrays, bodies, all(is_exact))
+    return BlockFileContent(study, version, repetitions, arrays, bodies, all(is_exact))
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:

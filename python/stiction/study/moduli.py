@@ -125,8 +125,8 @@ def parse_elasticity(
     if "effective_modulus" in inputs:
         return elasticity, UncertainModulus(value, inputs["effective_modulus"][0])
     if "young" in inputs:
-        pairs = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
-        bodies = [{"young": e, "poisson": nu} for e, nu in pairs]
+        pairs_of_moduli = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
+        bodies = [{"young": e, "poisson": nu} for e, nu in pairs_of_moduli]
         if upper_material or lower_material:
             bodies[0 if upper_material else 1] = find_material_moduli(material(str(upper_material or lower_material)))
         return elasticity, UncertainModulus(value, bodies=tuple(bodies))

@@ -117,16 +117,16 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     """
     heights = body.heights_with_nan
     max_blocks = MAX_BLOCKS if heights.ndim == 2 else MAX_BLOCKS**2
-    sizes = [-(-points // max_blocks) for points in heights.shape]
-    counts = [points // size for points, size in zip(heights.shape, sizes, strict=True)]
-    if min(counts) < MIN_BLOCKS:
+    block_sizes = [-(-points // max_blocks) for points in heights.shape]
+    block_counts = [points // size for points, size in zip(heights.shape, block_sizes, strict=True)]
+    if min(block_counts) < MIN_BLOCKS:
         return None
-    heights = heights[tuple(slice(count * size) for count, size in zip(counts, sizes, strict=True))]
+    heights = heights[tuple(slice(count * size) for count, size in zip(block_counts, block_sizes, strict=True))]
     missing = np.isnan(heights)
     has_missing = bool(missing.any())
-    split_shape = [length for pair in zip(counts, sizes, strict=True) for length in pair]
+    split_shape = [length for pair in zip(block_counts, block_sizes, strict=True) for length in pair]
     split_axes = tuple(range(1, 2 * heights.ndim, 2))
-    measured_counts = np.prod(sizes) - missing.reshape(split_shape).sum(axis=split_axes)
+    measured_counts = np.prod(block_sizes) - missing.reshape(split_shape).sum(axis=split_axes)
 
     def average(values: Floats) -> Floats:
         kept_values = np.where(missing, 0.0, values) if has_missing else values
@@ -138,7 +138,7 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     if has_missing:
         coordinates = [average(axis) for axis in grid]
     else:
-        block_axes = [axis.reshape(-1, size).mean(axis=1) for axis, size in zip(axes, sizes, strict=True)]
+        block_axes = [axis.reshape(-1, size).mean(axis=1) for axis, size in zip(axes, block_sizes, strict=True)]
         coordinates = [axis.ravel() for axis in np.meshgrid(*block_axes, indexing="ij")][::-1]
     means = average(heights)
     trend, *_ = np.linalg.lstsq(np.stack([np.ones_like(means), *coordinates], axis=1), means, rcond=None)

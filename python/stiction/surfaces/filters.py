@@ -361,13 +361,15 @@ def _solve_constant_terms(
     reach, it is the height of the point.
     """
     term_indices = range(len(basis))
-    total = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
+    total_weight = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
     # Row k of the normal equations belongs to polynomial term k.
     # Only the lower triangle is stored, because the equations remain symmetric during elimination.
     rows = {
-        (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total for k in term_indices for m in range(k + 1)
+        (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total_weight
+        for k in term_indices
+        for m in range(k + 1)
     }
-    values = [side / total for side in right_sides]
+    values = [side / total_weight for side in right_sides]
     constant_terms = values[0]
     is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     is_covered = is_regular.copy()

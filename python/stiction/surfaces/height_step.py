@@ -50,16 +50,19 @@ def find_height_step(heights: Floats) -> float:
     if not tolerance > 0:
         return 0.0
     differences = np.concatenate([_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
-    numbers, counts = _count_whole_numbers(np.rint(differences / tolerance))
-    is_repeated = counts >= _MIN_REPETITIONS
-    if counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
+    whole_numbers, repetition_counts = _count_whole_numbers(np.rint(differences / tolerance))
+    is_repeated = repetition_counts >= _MIN_REPETITIONS
+    if repetition_counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
         return 0.0
-    positive, negative = numbers[is_repeated & (numbers > 0)], -numbers[is_repeated & (numbers < 0)]
+    positive, negative = (
+        whole_numbers[is_repeated & (whole_numbers > 0)],
+        -whole_numbers[is_repeated & (whole_numbers < 0)],
+    )
     has_both_signs = np.isin(positive, np.concatenate([negative - 1, negative, negative + 1]))
     if not has_both_signs.any():
         return 0.0
-    number = float(positive[has_both_signs].min())
-    step = float(np.median(differences[np.rint(differences / tolerance) == number]))
+    repeated_number = float(positive[has_both_signs].min())
+    step = float(np.median(differences[np.rint(differences / tolerance) == repeated_number]))
     if step > _MAX_STEP_RATIO * tolerance / _TOLERANCE_RATIO:
         return 0.0
     multiples = differences / step

@@ -305,10 +305,10 @@ def estimate_hurst_exponent(
             ),
             None,
         )
-        if (count := int(selection.sum())) < MIN_BAND_HARMONICS:
+        if (harmonic_count := int(selection.sum())) < MIN_BAND_HARMONICS:
             raise ValueError(
                 f"band must contain at least {MIN_BAND_HARMONICS} harmonics, "
-                f"got {short_repr(band)} µm with {count} harmonics"
+                f"got {short_repr(band)} µm with {harmonic_count} harmonics"
             )
     q, power = wave_number[selection], power[selection]
     bins = _SpectrumBins.from_harmonics(q, power)

@@ -78,7 +78,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
     """Extract heights (µm) and spacing from an object of SurfaceTopography, in which x is the first array axis."""
-    factor = _unit_factor(name, other.unit or unit, type_name)
+    factor = _parse_unit_factor(name, other.unit or unit, type_name)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):
         raise ValueError(
@@ -105,9 +105,9 @@ def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | 
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         coordinate = other.coords[axis]
-        factor = _unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
+        factor = _parse_unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
         spacing.append(_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * factor)
-    factor = _unit_factor(name, other.attrs.get("units", unit), type_name)
+    factor = _parse_unit_factor(name, other.attrs.get("units", unit), type_name)
     extracted_heights = _make_extracted_heights(
         name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, type_name
     )
@@ -127,7 +127,7 @@ def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
     return first_step if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
-def _unit_factor(name: str, unit: Any, type_name: str) -> float:
+def _parse_unit_factor(name: str, unit: Any, type_name: str) -> float:
     if unit not in LENGTH_UNITS:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(

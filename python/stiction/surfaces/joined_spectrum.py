@@ -256,7 +256,7 @@ def joined_spectrum(
     radii = _parse_values_of_scans("tip_radii", tip_radii, len(bodies))
     binned_scans, bands, reasons = [], [], []
     for body, shortest_limit, tip_radius in zip(bodies, shortest_limits, radii, strict=True):
-        band, reason = _reliable_band(body, shortest_limit, tip_radius)
+        band, reason = _find_reliable_band(body, shortest_limit, tip_radius)
         binned_scans.append(_average_in_bins(body, band, per_decade))
         bands.append(band)
         reasons.append(reason)
@@ -297,7 +297,9 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, siz
     return [None if value is None else validate_number(name, value, unit="µm", above=0) for value in values]
 
 
-def _reliable_band(body: Profile | Surface, limit: float | None, tip: float | None) -> tuple[tuple[float, float], str]:
+def _find_reliable_band(
+    body: Profile | Surface, limit: float | None, tip: float | None
+) -> tuple[tuple[float, float], str]:
     """Return the wavelength band (µm) in which a scan is reliable, and the reason for its shortest wavelength."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:

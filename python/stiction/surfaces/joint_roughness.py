@@ -64,7 +64,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     if not steps.any():
         steps[int(np.argmax(np.abs(motion / spacing)))] = 1 if motion[np.argmax(np.abs(motion / spacing))] > 0 else -1
     interval = float(np.hypot.reduce(steps * spacing))
-    slopes = _height_differences(face, steps) / interval
+    slopes = _compute_height_differences(face, steps) / interval
     rising_slopes, falling_slopes = slopes[slopes > 0], -slopes[slopes < 0]
     return JointRoughness(
         interval, float(np.sqrt(np.mean(slopes**2))), float(rising_slopes.mean()) if rising_slopes.size else 0.0,
@@ -72,7 +72,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     )  # fmt: skip
 
 
-def _height_differences(face: Any, steps: Any) -> Floats:
+def _compute_height_differences(face: Any, steps: Any) -> Floats:
     """Return the height differences (µm) of all pairs of measured points at a given offset (in points)."""
     starts, ends = [], []
     for step, count in zip(steps.tolist(), face.heights.shape, strict=True):

@@ -143,7 +143,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
     typical_deviations: list[_NeighbourDeviations] = []
     step = find_height_step(heights) if height_step is None else height_step
     for _ in range(_MAX_OUTLIER_PASSES):
-        mean_deviations, line_deviations, at_edge = _deviations_from_neighbours(heights, remaining_heights)
+        mean_deviations, line_deviations, at_edge = _compute_deviations_from_neighbours(heights, remaining_heights)
         if not typical_deviations:
             typical_deviations = [
                 _find_neighbour_deviations(mean_deviations, is_measured, np.zeros_like(is_measured), heights, step),
@@ -238,7 +238,9 @@ def _find_neighbour_deviations(
     return _NeighbourDeviations(typical_values, ratio)
 
 
-def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _compute_deviations_from_neighbours(
+    heights: Floats, remaining_heights: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return the deviations of heights from means and from lines through their neighbours, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
@@ -248,7 +250,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
     padded_heights = np.pad(remaining_heights, reach, constant_values=np.nan)
     strip_length = heights.size if heights.ndim == 1 else max(_MAX_STRIP_POINTS // heights.shape[1], 1)
     strips = [
-        _deviations_in_strip(
+        _compute_deviations_in_strip(
             heights[start : start + strip_length], padded_heights[start : start + strip_length + 2 * reach], reach
         )
         for start in range(0, len(heights), strip_length)
@@ -257,7 +259,7 @@ def _deviations_from_neighbours(heights: Floats, remaining_heights: Floats) -> t
     return mean_deviations, line_deviations, at_edge
 
 
-def _deviations_in_strip(
+def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return the deviations of heights from their neighbours for a strip of rows, or for a profile."""
@@ -282,17 +284,17 @@ def _deviations_in_strip(
         else [*extrapolations[0], *extrapolations[1]]
     )
     line_deviations = [np.abs(heights - estimate) for estimate in extrapolated_heights]
-    count = np.sum([np.isfinite(deviation) for deviation in line_deviations], axis=0)
-    at_edge = count < len(line_deviations)
+    estimate_count = np.sum([np.isfinite(deviation) for deviation in line_deviations], axis=0)
+    at_edge = estimate_count < len(line_deviations)
     smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_COINCIDENT_LINES + 1)
     if heights.ndim == 1:
-        return mean_deviations, np.where(count > 0, smallest_deviations[0], np.nan), at_edge
+        return mean_deviations, np.where(estimate_count > 0, smallest_deviations[0], np.nan), at_edge
     line_deviation = np.where(
-        count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1,
+        estimate_count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1,
         smallest_deviations[_MAX_COINCIDENT_LINES],
         smallest_deviations[0],
     )
-    return mean_deviations, np.where(count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
+    return mean_deviations, np.where(estimate_count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
 
 
 def _find_smallest(values: list[Floats], number: int) -> list[Floats]:

@@ -76,7 +76,7 @@ class LinePairs:
         """Return the number of different line pairs, or None for surrogates, whose number is unlimited."""
         if self.surrogates != "none":
             return None
-        line_counts = [self._line_count(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
+        line_counts = [self._count_lines(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
@@ -84,7 +84,7 @@ class LinePairs:
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
-        return self._line_number(self.upper, index) * line_distance
+        return self._choose_line_number(self.upper, index) * line_distance
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """Return the line pair with a given index, as two profiles with equal spacing."""
@@ -128,14 +128,14 @@ class LinePairs:
         if isinstance(body, Profile):
             return body
         extract_line = body.row if self.along == "x" else body.column
-        return extract_line(self._line_number(body, index, shifted=shifted))
+        return extract_line(self._choose_line_number(body, index, shifted=shifted))
 
-    def _line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
+    def _choose_line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
         """Return the row or column number of a map's line in the pair with a given index.
 
         Every line is used once before a line is used again.
         """
-        line_count = self._line_count(surface)
+        line_count = self._count_lines(surface)
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
@@ -146,7 +146,7 @@ class LinePairs:
             step += 1
         return (start + index * step) % line_count
 
-    def _line_count(self, surface: Surface) -> int:
+    def _count_lines(self, surface: Surface) -> int:
         return int(surface.heights.shape[0 if self.along == "x" else 1])
 
     def _surrogate_line(self, profile: Profile, index: int, side: Side) -> Profile:
@@ -223,8 +223,10 @@ def paired_lines(
         as_body(name, body)
     max_count = LinePairs(upper, lower, along=along, surrogates=surrogates).max_pair_count()
     count = count if max_count is None else min(count, max_count)
-    pairs = LinePairs(upper, lower, travel, level, along, surrogates, seed, has_several_pairs=count > 1, count=count)
-    profiles = [pairs.pair(index) for index in range(count)]
+    line_pairs = LinePairs(
+        upper, lower, travel, level, along, surrogates, seed, has_several_pairs=count > 1, count=count
+    )
+    profiles = [line_pairs.pair(index) for index in range(count)]
     return [upper_line for upper_line, _ in profiles], [lower_line for _, lower_line in profiles]
 
 

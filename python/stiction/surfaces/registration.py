@@ -81,16 +81,16 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
     """
     rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
     factor = _find_coarsening(upper, lower)
-    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
-    position = _refine(coarse_upper, coarse_lower, _find_coarse_position(coarse_upper, coarse_lower))
+    coarse_upper, coarse_lower = _coarsen_face(upper, factor), _coarsen_face(lower, factor)
+    position = _refine_position(coarse_upper, coarse_lower, _find_coarse_position(coarse_upper, coarse_lower))
     if factor > 1:
-        position = _refine(upper, lower, _to_full_grid(position, upper, lower, factor))
+        position = _refine_position(upper, lower, _to_full_grid(position, upper, lower, factor))
     offset = _find_grid_offset(upper, lower, position)
     if offset is None:
         upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     else:
         upper_part, lower_part = _cut_overlap(upper, lower, offset)
-        position = _FacePosition(_offset_to_shift(offset, upper, lower), 0.0)
+        position = _FacePosition(_convert_offset_to_shift(offset, upper, lower), 0.0)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
     registration = Registration(
@@ -106,7 +106,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
     factor = _find_coarsening(upper, lower)
-    coarse_upper, coarse_lower = _coarsen(upper, factor), _coarsen(lower, factor)
+    coarse_upper, coarse_lower = _coarsen_face(upper, factor), _coarsen_face(lower, factor)
     if min(*coarse_upper.heights.shape, *coarse_lower.heights.shape) < _MIN_COARSE_POINTS[lower.heights.ndim]:
         return 0.0
     correlations = _correlate_slopes(coarse_upper, coarse_lower)
@@ -170,7 +170,7 @@ def _find_coarsening(upper: Any, lower: Any) -> int:
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
 
-def _coarsen(body: Any, factor: int) -> Any:
+def _coarsen_face(body: Any, factor: int) -> Any:
     """Return a body on a coarser grid, with the mean heights of blocks of `factor` points per side."""
     if factor == 1:
         return body
@@ -216,9 +216,12 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
     correlations = np.divide(product, power, out=np.zeros(shape), where=power > 1e-12 * power.max(initial=0.0))
     overlaps = [
         np.array(
-            [max(0, min(b, _to_offset(index, count) + a) - max(0, _to_offset(index, count))) for index in range(count)]
+            [
+                max(0, min(b, _to_offset(index, shift_count) + a) - max(0, _to_offset(index, shift_count)))
+                for index in range(shift_count)
+            ]
         )
-        for a, b, count in zip(*shapes, shape, strict=True)
+        for a, b, shift_count in zip(*shapes, shape, strict=True)
     ]
     has_min_overlap = [
         overlap >= MIN_OVERLAP_FRACTION * min(a, b) for overlap, a, b in zip(overlaps, *shapes, strict=True)
@@ -229,17 +232,17 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
     """Find the position at which two coarse bodies fit best, in steps of `ROTATION_STEP` and of one point."""
     if isinstance(upper, Profile):
-        return _FacePosition(_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
+        return _FacePosition(_convert_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     fits = []
     for angle in np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP).tolist():
         rotated_upper = rotated(upper, angle) if angle else upper
         correlation, offset = find_best_fit(rotated_upper, lower)
-        position = _FacePosition(_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
+        position = _FacePosition(_convert_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
         fits.append((correlation, position))
     return max(fits, key=lambda fit: fit[0])[1]
 
 
-def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
+def _convert_offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
     """Convert an offset (in points) between the first points of two faces to a shift (µm) between their middles."""
     return tuple(
         (step + (count - other) / 2) * spacing
@@ -249,7 +252,7 @@ def _offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[f
     )
 
 
-def _shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
+def _convert_shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
     """Convert a shift (µm) between the middles of two faces to an offset between their first points, in points."""
     return [
         distance / spacing - (count - other) / 2
@@ -272,7 +275,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
     """Return a position as an offset in whole points, or None if it is not within `GRID_TOLERANCE` of whole points."""
-    steps = _shift_to_steps(position.shift, upper, lower)
+    steps = _convert_shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
     return tuple(round(step) for step in steps) if is_on_grid else None
@@ -328,7 +331,7 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
     return upper.changed(heights, "overlap", missing=missing), lower_part
 
 
-def _refine(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
+def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
     """Refine the position of the upper face by the Gauss-Newton method, which minimises the rms gap.
 
     The derivatives of the gap are the slopes of the lower face, so the noise of the upper face does not favour
@@ -384,7 +387,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
     return all(
         min(other, step + count) - max(0.0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
         for step, count, other in zip(
-            _shift_to_steps(position.shift, upper, lower), upper.heights.shape, lower.heights.shape, strict=True
+            _convert_shift_to_steps(position.shift, upper, lower), upper.heights.shape, lower.heights.shape, strict=True
         )
     )
 

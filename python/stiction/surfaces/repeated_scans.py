@@ -285,7 +285,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             second_heights = map_coordinates(
                 smoothed_second, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False
             )
-            slopes = _slopes_along_axes(second_heights)
+            slopes = _compute_slopes_along_axes(second_heights)
             basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
             columns = np.stack([function.ravel() for function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
@@ -294,7 +294,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
         # aligned scans. The Gaussian filter correlates this difference at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
-            for first_slope, slope in zip(_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
+            for first_slope, slope in zip(_compute_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
         ]
         shift_variance = sum(
             float(np.square(slope).mean()) / slope_covariance**2 if slope_covariance**2 > 0 else math.inf
@@ -320,7 +320,7 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5)
 
 
-def _slopes_along_axes(heights: Floats) -> list[Floats]:
+def _compute_slopes_along_axes(heights: Floats) -> list[Floats]:
     """Compute the slopes of heights along each axis, as height differences per point."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 

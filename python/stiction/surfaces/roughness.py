@@ -271,7 +271,7 @@ def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, flo
 
 
 def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]:
-    shortest_decay, longest_decay = _decay_lengths(deviation, surface.spacing)
+    shortest_decay, longest_decay = _find_decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
     is_resolved = q > 2.5 * 2 * math.pi / max(surface.extent)
     sector_index = np.rint(angle[is_resolved] * _NUM_SECTORS / 180).astype(np.intp) % _NUM_SECTORS
@@ -312,12 +312,13 @@ def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
     """Compute the root-mean-square gradient Sdq of a height map."""
     z = surface.heights - surface.heights.mean()
     mean_squares = (
-        float(np.mean(_slopes_along_axis(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2 for axis in (0, 1)
+        float(np.mean(_compute_slopes_along_axis(z, axis, derivative) ** 2)) / surface.spacing[axis] ** 2
+        for axis in (0, 1)
     )
     return math.sqrt(sum(mean_squares))
 
 
-def _slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
+def _compute_slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
     """Compute the slopes of heights along an axis, as height difference per point."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
@@ -343,7 +344,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     return area_sum
 
 
-def _decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
+def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
     """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
 
     The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it

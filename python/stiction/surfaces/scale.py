@@ -256,9 +256,9 @@ def scale_dependent_roughness(
     q, mean_squares = mean_square_height_spectrum(body, periodic=periodic)
     dimensions, curvature_factor = (1, 1.0) if isinstance(body, Profile) else (2, 0.25)
     index = np.floor(_ROUGHNESS_BINS_PER_DECADE * np.log10(q / q.min()) + 1e-9).astype(np.intp)
-    count = np.bincount(index)
-    is_occupied = count > 0
-    max_wave_number = np.zeros(count.size)
+    wave_count = np.bincount(index)
+    is_occupied = wave_count > 0
+    max_wave_number = np.zeros(wave_count.size)
     np.maximum.at(max_wave_number, index, q)
     cumulative_sums = [np.bincount(index, q**power * mean_squares)[is_occupied].cumsum() for power in (2, 4)]
     return ScaleDependentRoughness(
@@ -482,15 +482,18 @@ def instrument_limit(
     if noise_kind == "noise floor" and noise_wavelength > 0 and _is_quantised(body):
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
-    limits = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
+    limits_by_reason = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
     # The scale-dependent roughness is required only if noise or the tip may limit the reliable wavelengths.
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
         if radius is not None and (is_too_sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
-            limits["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
-    reason = max((name for name in limits if not math.isnan(limits[name])), key=lambda name: limits[name])
-    limit, fractions, cut_off_wavelength = limits[reason], (0.0, 0.0), 2 * spacing
+            limits_by_reason["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
+    reason = max(
+        (name for name in limits_by_reason if not math.isnan(limits_by_reason[name])),
+        key=lambda name: limits_by_reason[name],
+    )
+    limit, fractions, cut_off_wavelength = limits_by_reason[reason], (0.0, 0.0), 2 * spacing
     if roughness is not None and reason != "pixels":
         curvature_fraction = float(roughness.curvature_at(limit) / roughness.curvature[-1])
         is_noise = reason == noise_kind
@@ -505,9 +508,8 @@ def instrument_limit(
     along_x, along_y = noise_wavelengths if len(noise_wavelengths) == 2 else (math.nan, math.nan)
     axis: LineAxis = "" if reason != noise_kind or is_common else "x" if noisier_axis == 0 else "y"
     return InstrumentLimit(
-        limit, reason, limits["pixels"], noise_wavelength, limits["tip"], along_x, along_y, *fractions,
-        cut_off_wavelength,
-        origin if reason == noise_kind else "instrument", period, axis,
+        limit, reason, limits_by_reason["pixels"], noise_wavelength, limits_by_reason["tip"], along_x, along_y,
+        *fractions, cut_off_wavelength, origin if reason == noise_kind else "instrument", period, axis,
     )  # fmt: skip
 
 
@@ -554,11 +556,11 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
         transform = np.fft.rfft((lines - lines.mean(axis=1, keepdims=True)) * window)[:, 1:]
         power = np.square(np.abs(transform)).mean(axis=0)
         q = 2 * math.pi * np.arange(1, power.size + 1) / (points * spacing)
-        spectra.append((q, power * (spacing / points), _independent_line_counts(transform, periodic=periodic), spacing))
+        spectra.append((q, power * (spacing / points), _count_independent_lines(transform, periodic=periodic), spacing))
     return spectra
 
 
-def _independent_line_counts(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
+def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
     """Estimate the number of statistically independent lines of a map, at each wave number along the lines.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
@@ -700,11 +702,11 @@ def _find_noise_wavelength(
     if q.size < _NOISE_BINS_PER_OCTAVE:
         return no_noise
     _, index = np.unique(np.floor(_NOISE_BINS_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
-    counts = np.bincount(index, count)
-    density = np.bincount(index, count * density) / counts
-    wavelengths = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / counts)
+    counts_in_bins = np.bincount(index, count)
+    density = np.bincount(index, count * density) / counts_in_bins
+    wavelengths = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / counts_in_bins)
     density = np.maximum(density, 1e-12 * density.max())
-    chance_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts
+    chance_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts_in_bins
     window_fits = [
         list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance_variance, width))
         for width in _WINDOW_OCTAVES

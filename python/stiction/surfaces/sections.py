@@ -218,13 +218,13 @@ def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
     """Compute R- and W-parameters with the filters of the setting class to which the resulting Ra and RSm belong."""
-    lengths = [setting.section_length for setting in SETTING_CLASSES]
-    if lengths[0] > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionLengthError(_too_short_message(profile, lengths[0]))
+    section_lengths = [setting.section_length for setting in SETTING_CLASSES]
+    if section_lengths[0] > profile.extent * ROUND_OFF_FACTOR:
+        raise SectionLengthError(_too_short_message(profile, section_lengths[0]))
     min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
     possible_classes = [
         index
-        for index, length in enumerate(lengths)
+        for index, length in enumerate(section_lengths)
         if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
     ]
     if not possible_classes:
@@ -254,7 +254,7 @@ def _compute_with_setting_class(
             remedy = _too_short_remedy(profile) if matching_class > index else _too_coarse_message(profile)
             raise SectionLengthError(
                 f"{_format_setting_class_reasons(results_by_class[index])} require a section length of "
-                f"{_format_length(lengths[matching_class])}; {remedy}"
+                f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
     if matching_class != index:  # no setting class is consistent, because two classes require each other
@@ -333,15 +333,18 @@ def _compute_with_cutoff(
     roughness = (primary_profile.heights - waviness)[evaluation_range]
     section_ends = [min(round(index * lc / spacing), points) for index in range(section_count + 1)]
     values = {
-        f"R{stem}": value for stem, value in _roughness_values(roughness, section_ends, spacing, derivative).items()
-    } | {f"W{stem}": value for stem, value in _waviness_values(waviness, spacing, derivative).items()}
+        f"R{stem}": value
+        for stem, value in _compute_roughness_values(roughness, section_ends, spacing, derivative).items()
+    } | {f"W{stem}": value for stem, value in _compute_waviness_values(waviness, spacing, derivative).items()}
     names = [parameter.name for letter in "RW" for parameter in PROFILE_PARAMETERS[letter]]
     reason = f"lc{' and ls' * is_ls_given} given"
     filters = SectionFilters(lc, ls or None, section_count, robust, start, start + points, reason)
     return SectionParameters({name: values[name] for name in names}, describe_levelling(profile.history), filters)
 
 
-def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
+def _compute_roughness_values(
+    z: Floats, ends: list[int], spacing: float, derivative: DerivativeFormula
+) -> dict[str, float]:
     section_heights = [z[start:stop] for start, stop in itertools.pairwise(ends)]
     peak, pit = (float(np.mean([(sign * heights).max() for heights in section_heights])) for sign in (1, -1))
     mean_spacing, mean_height = mean_profile_element(z, peak, pit)
@@ -355,6 +358,6 @@ def _roughness_values(z: Floats, ends: list[int], spacing: float, derivative: De
     return height_and_slope_parameters(z, spacing, derivative) | values
 
 
-def _waviness_values(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
+def _compute_waviness_values(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
     mean_spacing, mean_height = mean_profile_element(z, float(z.max()), float(-z.min()))
     return height_and_slope_parameters(z, spacing, derivative) | {"Sm": mean_spacing * spacing, "c": mean_height}

@@ -274,8 +274,8 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     edges = np.append(wave_number[first_harmonics] - resolution / 2, nyquist_wave_number)
     bin_index = np.searchsorted(edges, wave_number, side="right") - 1
     bin_index = np.minimum(bin_index, edges.size - 2)
-    count = np.bincount(bin_index, spectrum.count).astype(np.float64)
-    measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / count
+    wave_count = np.bincount(bin_index, spectrum.count).astype(np.float64)
+    measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / wave_count
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
     # Add rings for the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
@@ -284,18 +284,18 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )
     ring_responses = np.diff(transverse_wave_number, axis=1) / math.pi
-    response = np.zeros((count.size, edges.size - 1))
+    response = np.zeros((wave_count.size, edges.size - 1))
     np.add.at(response, bin_index, spectrum.count[:, np.newaxis] * ring_responses)
-    response /= count[:, np.newaxis]
+    response /= wave_count[:, np.newaxis]
     density = np.full(edges.size - 1, 1.0)
     density[: measured_density.size] = measured_density / np.sqrt(edges[:-2] * edges[1:-1])
     density[-1] = density[-2]
-    density = _fit_densities(response, measured_density, count, density)
+    density = _fit_densities(response, measured_density, wave_count, density)
     predicted_density = response @ density
     # Scale the densities so that the surrogate has exactly the mean square slope of the profile.
     slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
     density *= float(slope_weights @ measured_density / (slope_weights @ predicted_density))
-    return edges, density, np.append(count, 0.0)
+    return edges, density, np.append(wave_count, 0.0)
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:

@@ -44,15 +44,15 @@ def friction_table_csv(table: xarray.Dataset) -> str:
     Tables that an earlier version computed have no column of assessments.
     """
     names = [name for name in (*_LOAD_QUANTITIES, "assessment") if name in table]
-    return _table_csv(table[names], _COORDINATE_COLUMNS)
+    return _format_law_table(table[names], _COORDINATE_COLUMNS)
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
     """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, one row per H and Sq."""
-    return _table_csv(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
+    return _format_law_table(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
-def _table_csv(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
+def _format_law_table(law_table: xarray.Dataset, columns_by_name: tuple[str, ...]) -> str:
     import xarray
 
     columns: dict[str, Any] = {}

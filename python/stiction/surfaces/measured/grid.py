@@ -78,7 +78,7 @@ def _find_step_and_node_indices(
     """Return the grid step along one axis, and the index of the grid node at which each point lies."""
     if not (np.abs(positions) <= MAX_DECLARED_NUMBER).all():
         raise FormatError(f"lists a point without a usable position along {name}")
-    step = _step_of_rounded_positions(positions, digits) or estimate_step(positions)
+    step = _find_step_of_rounded_positions(positions, digits) or estimate_step(positions)
     if step is None:
         raise FormatError(
             f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
@@ -109,7 +109,7 @@ def _find_step_and_node_indices(
     return step, nodes.astype(np.int64)
 
 
-def _step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
+def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
     """Estimate the grid step of positions that were rounded when they were printed. Each grid node must have a point.
 
     Returns None if the positions do not fit a grid.

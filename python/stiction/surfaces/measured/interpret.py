@@ -179,7 +179,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         raise FormatError("contains a profile, which has one spacing, but the option spacing has two lengths")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, coded = _convert_heights(raw, options)
-    dx, steps, spacing_caveats = _profile_spacing(raw, _choose_position_unit(raw, options), given)
+    dx, steps, spacing_caveats = _determine_profile_spacing(raw, _choose_position_unit(raw, options), given)
     caveats += _find_spacing_as_height(raw, given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
@@ -198,7 +198,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, steps = _convert_heights(raw, options)
     if raw.size is not None and raw.spacing is None:
-        (dy, dx), size_history = _spacings_from_size(raw.size, heights.shape, options.spacing)
+        (dy, dx), size_history = _compute_spacings_from_size(raw.size, heights.shape, options.spacing)
         steps += size_history
     elif raw.spacing is not None:
         length_unit = _resolve_unit("positions", raw.position_unit, _choose_position_unit(raw, options))
@@ -209,7 +209,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         _reject_contradicting_grid(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
-        declared, tolerance = _declared_spacing(raw) or (
+        declared, tolerance = _find_declared_spacing(raw) or (
             dx,
             0.0,
         )  # the file does not specify whether the spacing applies to rows or to columns
@@ -438,7 +438,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
             )
 
 
-def _spacings_from_size(
+def _compute_spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
     """Compute the spacings of a map from the size that its header declares, and return them with a history entry.
@@ -459,14 +459,14 @@ def _spacings_from_size(
     return (spacings[0], spacings[1]), [f"its size is {width} along x and {height} along y (header)"]
 
 
-def _profile_spacing(
+def _determine_profile_spacing(
     raw: RawHeights, unit: str | None, given: Quantity | None
 ) -> tuple[float, list[str], list[FileCaveat]]:
     """Return the spacing of a profile (µm), with history entries and caveats.
 
     The spacing is negative if the positions decrease.
     """
-    declared = _declared_spacing(raw)
+    declared = _find_declared_spacing(raw)
     if raw.positions is None:
         if raw.spacing is not None:
             own_spacing = _to_micrometres(raw.spacing[0], _resolve_unit("positions", raw.position_unit, unit))
@@ -545,7 +545,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     return []
 
 
-def _declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
+def _find_declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
     """Return the spacing (µm) that the header of a profile declares, and its tolerance (µm) due to rounding."""
     if raw.declared_spacing is None:
         return None

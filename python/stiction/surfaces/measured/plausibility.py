@@ -211,29 +211,29 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
         return
     heights = scan.non_missing_heights
     step = max(1, heights.size // MAX_SAMPLED_HEIGHTS)
-    values, counts = np.unique(heights[:: step + (step + 1) % 2], return_counts=True)
-    if values.size < MIN_COMPARED_HEIGHTS:
+    distinct_heights, repeat_counts = np.unique(heights[:: step + (step + 1) % 2], return_counts=True)
+    if distinct_heights.size < MIN_COMPARED_HEIGHTS:
         return
-    total = int(counts.sum())
-    if text := _describe_frequent_zeros(values, counts):
+    height_count = int(repeat_counts.sum())
+    if text := _describe_frequent_zeros(distinct_heights, repeat_counts):
         yield text
-    places = np.flatnonzero(counts >= MIN_REPEAT_FRACTION * total)
-    for place in places[np.argsort(counts[places])[::-1][:MAX_MISSING_CODES]].tolist():
+    places = np.flatnonzero(repeat_counts >= MIN_REPEAT_FRACTION * height_count)
+    for place in places[np.argsort(repeat_counts[places])[::-1][:MAX_MISSING_CODES]].tolist():
         neighbours = np.delete(
-            counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
+            repeat_counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
         )
         usual_count = float(np.median(neighbours))
-        fraction = counts[place] / total
+        repeated_fraction = repeat_counts[place] / height_count
         if (
-            values[place] != 0
-            and counts[place] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
-            and fraction <= MAX_REPEAT_FRACTION
+            distinct_heights[place] != 0
+            and repeat_counts[place] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
+            and repeated_fraction <= MAX_REPEAT_FRACTION
         ):
-            number = float(f"{values[place] / scan.factor:.12g}")
+            repeated_number = float(f"{distinct_heights[place] / scan.factor:.12g}")
             yield (
-                f"{100 * fraction:.2g} % of the heights are exactly {number:.12g}, which is "
-                f"{counts[place] / usual_count:.2g} times as frequent as similar heights, like a code for missing "
-                f"points|{number:.12g}"
+                f"{100 * repeated_fraction:.2g} % of the heights are exactly {repeated_number:.12g}, which is "
+                f"{repeat_counts[place] / usual_count:.2g} times as frequent as similar heights, like a code for "
+                f"missing points|{repeated_number:.12g}"
             )
 
 
@@ -273,9 +273,9 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
         # Compute the fraction of points whose height equals the height of the previous point, without the longest run.
-        fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
+        equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
-            scan.heights.size * fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
+            scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
         ):
             yield f"{longest_run} heights in a row are equal, like points that were not measured"
     if (copies := _count_copies(scan.heights)) > 1:
@@ -290,14 +290,14 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
             continue
         rows = np.flatnonzero((lines[1:, :8] == lines[:-1, :8]).all(axis=1))
         is_repeated = (lines[rows + 1] == lines[rows]).all(axis=1) & (np.ptp(lines[rows + 1], axis=1) > 0)
-        count = int(is_repeated.sum())
-        if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
-            text = f"{count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
+        line_count = int(is_repeated.sum())
+        if 0 < line_count <= MAX_REPEATED_ROWS * lines.shape[0]:
+            text = f"{line_count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
             yield f"{text}, like {kind} that were not measured"
         flat_rows = np.flatnonzero((lines[:, :8] == lines[:, :1]).all(axis=1))
-        count = int((np.ptp(lines[flat_rows], axis=1) == 0).sum())
-        if 0 < count <= MAX_REPEATED_ROWS * lines.shape[0]:
-            yield f"{count} of {lines.shape[0]} {kind} have equal heights, like {kind} that were not measured"
+        line_count = int((np.ptp(lines[flat_rows], axis=1) == 0).sum())
+        if 0 < line_count <= MAX_REPEATED_ROWS * lines.shape[0]:
+            yield f"{line_count} of {lines.shape[0]} {kind} have equal heights, like {kind} that were not measured"
 
 
 def _count_copies(heights: Floats) -> int:

@@ -103,7 +103,7 @@ def select_heights(
         raise FormatError(f"has no channels, but channel {channel!r} was selected")
     if isinstance(content, ColumnTable):
         table = _apply_flag_column(_replace_words_by_missing(content, columns), columns)
-        raw = _heights_of_selected_columns(table, columns) if columns is not None else _read_by_layout(table)
+        raw = _select_heights(table, columns) if columns is not None else _read_by_layout(table)
         return replace(raw, history=(*table.history, *raw.history), caveats=(*table.caveats, *raw.caveats))
     if columns is not None:
         raise FormatError("has no columns, but columns were selected")
@@ -128,7 +128,7 @@ def _find_column_or_channel_index(
     normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
     # "Height (trace)" ends with a remark, not with a unit
     if "(" not in text or is_unit(unit_in_column_name(text) or ""):
-        normalisers.append(_name_without_unit)
+        normalisers.append(_remove_unit_from_name)
     for normaliser in normalisers:
         matches = [index for index, name in enumerate(names) if normaliser(name.strip()) == normaliser(text) and text]
         if len(matches) > 1:
@@ -148,7 +148,7 @@ def _find_column_or_channel_index(
     )
 
 
-def _name_without_unit(name: str) -> str:
+def _remove_unit_from_name(name: str) -> str:
     """Remove the unit from a column name."""
     return re.sub(r"\s*[(\[{<].{0,40}$|\s*/\s*\S{0,12}$", "", name).casefold()
 
@@ -168,7 +168,7 @@ def _column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
-def _heights_of_selected_columns(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
+def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
     """Return the heights in the columns that the caller selects: z alone, positions and z, or x, y and z."""
     numbers = _column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
@@ -239,7 +239,7 @@ def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
 
-def _common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
+def _choose_common_unit(table: ColumnTable, units: Sequence[str | None]) -> str | None:
     """Return the unit of several columns of heights: their common unit, or the unit that the header declares."""
     unit = units[0] if len(set(units)) == 1 else None
     declared = table.declared
@@ -605,7 +605,7 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
     caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
-    raw = _to_raw_heights(table, table.values, _common_unit(table, _column_units(table)), history=history)
+    raw = _to_raw_heights(table, table.values, _choose_common_unit(table, _column_units(table)), history=history)
     raw = replace(
         raw, declared_spacing=raw.declared_spacing or table.declared.row_spacing, caveats=(*raw.caveats, *caveats)
     )
@@ -670,10 +670,10 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
         return False
     # Measured positions and heights of a tilted surface both rise in unequal steps.
     # Heights of a tilted surface rise in every line.
-    return any(_correlation_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
+    return any(_correlate_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
 
 
-def _correlation_with_index(values: Floats) -> float:
+def _correlate_with_index(values: Floats) -> float:
     """Return the absolute correlation coefficient between heights and point index."""
     filled_rows = np.flatnonzero(np.isfinite(values))
     if filled_rows.size < 3 or np.ptp(values[filled_rows]) == 0:
@@ -729,7 +729,7 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
     return _to_raw_heights(
-        table, np.ascontiguousarray(heights), _common_unit(table, _column_units(table)[1:]),
+        table, np.ascontiguousarray(heights), _choose_common_unit(table, _column_units(table)[1:]),
         spacing=(abs(dy), abs(dx)), position_unit=_column_units(table)[0],
         history=("the first row and column are positions along x and y",),
     )  # fmt: skip

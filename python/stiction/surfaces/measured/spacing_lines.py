@@ -193,22 +193,27 @@ def _parse_spacing_line(
             start[2] or bracket
         )
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
-    items = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
-    if any("," in item[0] and text.count(",") > len(items) * 2 - 1 for item in items):
+    declared_numbers = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
+    if any("," in item[0] and text.count(",") > len(declared_numbers) * 2 - 1 for item in declared_numbers):
         return UnclearSpacing(line.strip())  # the comma may separate two spacings, or may be a decimal mark
-    if any(item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I) for item in items):
+    if any(
+        item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I)
+        for item in declared_numbers
+    ):
         return None  # the length may be a height resolution in nm per bit
-    if is_resolution and not any(item[2] for item in items):
+    if is_resolution and not any(item[2] for item in declared_numbers):
         return None  # the line declares the resolution of the instrument, not the spacing
-    units = [item[1] or items[-1][1] or bracket for item in items]
-    lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(items, units, strict=True)]
+    units = [item[1] or declared_numbers[-1][1] or bracket for item in declared_numbers]
+    lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(declared_numbers, units, strict=True)]
     parsed_lengths = [length for length in lengths if length is not None]
-    if len(parsed_lengths) < len(items):
-        return _parse_bare_number(items[0][0]) if len(items) == 1 and not any(units) else None
-    axes = [(item[3] or ("y" if re.match("line|row", item[2] or "", re.I) else "")).casefold() for item in items]
-    if len(items) == 2 and sorted(axes) == ["", "y"]:
+    if len(parsed_lengths) < len(declared_numbers):
+        return _parse_bare_number(declared_numbers[0][0]) if len(declared_numbers) == 1 and not any(units) else None
+    axes = [
+        (item[3] or ("y" if re.match("line|row", item[2] or "", re.I) else "")).casefold() for item in declared_numbers
+    ]
+    if len(declared_numbers) == 2 and sorted(axes) == ["", "y"]:
         axes = [axis or "x" for axis in axes]
-    if len(items) == 2:
+    if len(declared_numbers) == 2:
         if (
             parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit]
             == parsed_lengths[1].length * LENGTH_UNITS[parsed_lengths[1].unit]

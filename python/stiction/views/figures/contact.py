@@ -380,7 +380,9 @@ def _draw_profile_contacts(
         picture["contact_x"].values,
         picture["contact_patch_area"].values,
     )  # profiles are assumed to be 1 µm wide, so a contact area in µm² equals the contact width in µm
-    zoom_slice = slice(*np.searchsorted(x, _zoom_range(x, centre_positions, width, picture["contact_force"].values)))
+    zoom_slice = slice(
+        *np.searchsorted(x, _choose_zoom_range(x, centre_positions, width, picture["contact_force"].values))
+    )
     for axes, point_slice in zip(panels, (slice(None), zoom_slice), strict=True):
         draw_bodies(axes, x[point_slice], *bodies[:, point_slice])
         axes.set(xlim=x[point_slice][[0, -1]], ylabel=axis_label("height_nm"))
@@ -403,7 +405,7 @@ def _draw_profile_contacts(
             panels[1].plot(positions, heights, color=line_colour, linewidth=line_width, solid_capstyle="round")
 
 
-def _zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
+def _choose_zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
     """Return the limits of the magnified part of a profile, around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))

@@ -243,7 +243,10 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     panel = panel.transpose("load", "fractal_dimension", "statistic")
     friction, status = panel["friction_coefficient"].values, panel["status"].values
     values = friction[..., 0]
-    edges = _cell_edges(panel["fractal_dimension"].values), np.exp(_cell_edges(np.log(panel["load"].values)))
+    edges = (
+        _compute_cell_edges(panel["fractal_dimension"].values),
+        np.exp(_compute_cell_edges(np.log(panel["load"].values))),
+    )
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
@@ -332,7 +335,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     return handles
 
 
-def _cell_edges(centres: Floats) -> Floats:
+def _compute_cell_edges(centres: Floats) -> Floats:
     if centres.size == 1:
         return np.array([centres[0] - 0.5, centres[0] + 0.5])
     midpoints = (centres[1:] + centres[:-1]) / 2

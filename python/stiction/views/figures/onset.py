@@ -60,7 +60,9 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         if np.isfinite(low).all():
             axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
         for amplitude, colour in zip(CYCLE_AMPLITUDES, LOAD_CYCLE_COLOURS, strict=True):
-            load_cycle = _masing_cycle(displacement, load, float(mean_onset["tangential_load"].sel(fraction=amplitude)))
+            load_cycle = _build_masing_cycle(
+                displacement, load, float(mean_onset["tangential_load"].sel(fraction=amplitude))
+            )
             energy_loss = 1e3 * float(mean_onset["energy_lost"].sel(fraction=amplitude))
             text = f"cycle of {amplitude:g}: {format_with_unit(energy_loss, 'pJ')}"
             axes.plot(1e3 * load_cycle[0], load_cycle[1], color=colour, linewidth=0.8, label=text)
@@ -109,7 +111,7 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
     return np.asarray(PchipInterpolator(load, displacement)(fine_loads)), fine_loads
 
 
-def _masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
+def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
     """Return displacements and loads of a load cycle, whose branches are doubled loading curves (Masing's rule)."""
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
