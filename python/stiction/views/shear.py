@@ -286,8 +286,9 @@ def _closure_text(attributes: Mapping[Any, Any]) -> str:
     stiffness = STIFFNESS_PER_AREA_FACTOR * float(attributes["closure_initial_stiffness_GPa_per_um"])
     maximum = format_with_unit(float(attributes["maximum_closure_um"]), "um")
     return (
-        f"closure at the start: initial stiffness {format_significant(stiffness, 2)} {STIFFNESS_PER_AREA_UNIT}, "
-        f"maximum closure {maximum} (Bandis' law, within {format_percent(float(attributes['closure_misfit']))})"
+        f"closure at the start: Bandis' law fitted up to the load, K = {format_significant(stiffness, 2)} "
+        f"{STIFFNESS_PER_AREA_UNIT}, V = {maximum} "
+        f"(closure within {format_percent(float(attributes['closure_misfit']))})"
     )
 
 
