@@ -19,7 +19,7 @@ struct PassSums {
   double lower_max_abs[lanes] = {};
 };
 
-// Accumulate the largest |heights| over all points, and write the smallest gap of each block to `block_min_gap`.
+// Compute the largest |height| of each profile, and write the smallest gap of each block to `block_min_gap`.
 STICTION_MULTIVERSION
 PassSums scan_blocks(const double* upper, const double* lower, std::size_t size, double* block_min_gap) {
   constexpr std::size_t lanes = PassSums::lanes;

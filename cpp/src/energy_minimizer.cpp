@@ -205,7 +205,7 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. Points that close stop at a gap of 0, and store the remainder of their step.
+// Change the gaps by a step. A point that closes stops at a gap of 0, and the remainder of its step is stored.
 // Return whether there is a remainder.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,

@@ -40,9 +40,9 @@ class LazyPattern:
         return self.compiled.findall(text)
 
     def split(self, text: str) -> list[str]:
-        """Split a text at all matches."""
+        """Split a text at all matches of the pattern."""
         return self.compiled.split(text)
 
     def sub(self, replacement: str | Callable[[re.Match[str]], str], text: str) -> str:
-        """Replace all matches in a text."""
+        """Replace all matches of the pattern in a text."""
         return self.compiled.sub(replacement, text)

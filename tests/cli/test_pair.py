@@ -346,7 +346,10 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_lo
         ([*PROFILE_FILES, "--load", "10 nm"], ["--load must be a force or a pressure", "mN", "MPa"]),
         ([*PROFILE_FILES, "--mu0", "-1"], ["--mu0 must be at least 0"]),
         ([*MAP_ARGUMENTS, "--hardness", "150 HB"], ["--hardness", "'HB'"]),
-        ([*MAP_ARGUMENTS, "--load", "1 GPa", "--hardness", "0.5 GPa"], ["--load must be below the hardness (0.5 GPa)"]),
+        (
+            [*MAP_ARGUMENTS, "--load", "1 GPa", "--hardness", "0.5 GPa"],
+            ["--load must give a pressure below the hardness (0.5 GPa)"],
+        ),
         (
             [*PROFILE_FILES, "--mu0", ",".join(f"{index / 1000}" for index in range(101))],
             ["--mu0 must have at most 100 values, got 101"],
@@ -1078,7 +1081,7 @@ def test_declared_texture_of_a_scan_prevents_filtering_and_unknown_textures_are_
     assert not any(
         item.severity == "fault" for item in find_input_caveats(profile_with_line, clean_profile, study_with_texture)
     )
-    with pytest.raises(ValueError, match="must be turned, milled"):
+    with pytest.raises(ValueError, match="must be one or two of turned, milled"):
         stiction.pair(profile_with_line, clean_profile, texture="shiny", **options)
 
 

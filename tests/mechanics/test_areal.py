@@ -517,9 +517,9 @@ class TestSlidingRulesOnProfiles:
             assert all_contacts_curve.tangential_elastic[0] == pytest.approx((table.force * n[:, 0]).sum(), rel=1e-9)
             assert all_contacts_curve.normal_frictional[0] == pytest.approx((table.force * t[:, 2]).sum(), rel=1e-9)
             assert all_contacts_curve.tangential_adhesive[0] == pytest.approx((table.area * t[:, 0]).sum(), rel=1e-9)
-            with pytest.raises(ValueError, match="direction on profiles"):
+            with pytest.raises(ValueError, match="direction for profiles"):
                 press(upper, lower, [0.05], direction=90)
-            with pytest.raises(ValueError, match="direction on profiles"):
+            with pytest.raises(ValueError, match="direction for profiles"):
                 press(upper, lower, [0.05], direction=["+x", "-x"])
             curve = press(upper, lower, [0.05], detection=detection, direction="-x", sliding="all")
             assert (curve.tangential_elastic == all_contacts_curve.tangential_elastic).all()

@@ -592,7 +592,7 @@ def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles()
         max_friction = 0.3 * curve.normal_elastic[0] + 0.05 * curve.contact_area[0]
         assert onset.sliding_load == pytest.approx(max_friction, rel=1e-9)
     assert onset.direction == 180.0
-    with pytest.raises(ValueError, match="direction on profiles"):
+    with pytest.raises(ValueError, match="direction for profiles"):
         curve.onset(0, mu0=0.3, direction=90.0)
     curve = press(*bodies, [0.03], law=HertzCylinder())
     with pytest.raises(ValueError, match="HertzCylinder"):

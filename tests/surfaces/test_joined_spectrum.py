@@ -127,7 +127,7 @@ def test_surface_generated_from_a_joined_spectrum_has_this_spectrum(complete_sur
         ([], {}, "scans must contain at least one"),
         (None, {"tip_radii": [1.0, 2.0]}, "tip_radii must have one entry for each of the 1 scans, got 2"),
         (None, {"shortest_wavelengths": [-1.0]}, "shortest_wavelengths must be a finite number above 0 µm"),
-        (None, {"shortest_wavelengths": [50.0]}, "is reliable only above 50 µm"),
+        (None, {"shortest_wavelengths": [50.0]}, "has none: reliable wavelengths are above 50 µm"),
         (None, {"names": []}, "names must have one entry for each of the 1 scans, got 0"),
         (None, {"per_decade": 2}, "per_decade must be a whole number of at least 4"),
         ([Surface(np.ones((9, 9)), spacing=1.0)], {}, "surface must not be flat"),

@@ -30,7 +30,7 @@ struct Prefilter {
   void add(Values upper, Values lower);
 };
 
-/// Compute the smallest gaps of two profiles.
+/// Compute the smallest gap of two profiles in each block of points.
 Prefilter run_prefilter(Values upper, Values lower);
 
 /// Range of indices from `begin` to `end`, excluding `end`.

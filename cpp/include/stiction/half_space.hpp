@@ -114,7 +114,7 @@ class HalfSpaceSolver {
 
   /// Return the finest grid.
   const Grid& grid() const { return grids_->levels()[0]; }
-  /// Return the largest relative error of an accepted solution.
+  /// Return the largest relative error with which a solution is accepted.
   double tolerance() const { return tolerance_; }
 
   /// Solve the contact problem for a given mean pressure [GPa] on the grid.

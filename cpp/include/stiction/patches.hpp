@@ -41,7 +41,7 @@ struct ContactView {
 };
 
 /// Sums over each patch of several contacts. The contacts may be contacts of the same bodies at successive loads.
-/// The patches of a contact follow the patches of the contact before it.
+/// Patches are stored contact by contact, in one array.
 /// Sums that depend on the direction are matrices of shape (directions, patches).
 struct PatchSums {
   std::vector<double> force;              ///< Σ F n_z [mN]

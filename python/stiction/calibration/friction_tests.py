@@ -66,7 +66,7 @@ class Ball:
     lower_material: str | None = field(default=None, kw_only=True)
     # Comparisons use `lost_fraction` instead.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
-    # Elastic constants at the central moduli of both bodies.
+    # Elastic constants for the central values of the moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
     lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
@@ -99,7 +99,7 @@ class Ball:
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
-        """Return the true area per load A/F (1/GPa) before shear, at a load (mN) and the central moduli."""
+        """Return the true area per load A/F (1/GPa) before shear at a load (mN), for central values of the moduli."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -180,7 +180,7 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the area at the onset of sliding divided by the area at central moduli, and 1 as friction fraction."""
+        """Return the area at the onset of sliding divided by that for central moduli, and 1 as friction fraction."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 

@@ -162,7 +162,7 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:
-    """Compute a measured pair, and write a joint table for each mu0 and tau0."""
+    """Compute a measured pair, and write one table of the joint for each pair of mu0 and tau0."""
     import pandas
 
     from stiction.cli.execution import compute_result_in_directory, open_executor

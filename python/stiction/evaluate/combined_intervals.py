@@ -527,9 +527,10 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Replace mu0 and tau0 in input samples by joint samples, which are sorted by the resulting coefficient.
+        """Replace independent samples of mu0 and tau0 by samples of their joint distribution.
 
-        Quantiles of the joint samples are therefore also quantiles of the coefficient.
+        The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
+        quantiles of the coefficient.
         """
         mu0, tau0, hardness, growth = self.strengths[strength_index]
         central = self.response.central

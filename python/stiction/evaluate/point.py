@@ -282,7 +282,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the shear strength of the interface of yielding contacts exceeds that of the softer body."""
+    """Return whether the softer body shears before the interface of yielding contacts slides."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))

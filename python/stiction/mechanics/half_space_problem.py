@@ -330,7 +330,7 @@ def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> Pat
 
 
 def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArray[Any]]:
-    """Return load, approach and the other fields of `HalfSpaceCurve` that do not depend on friction, from solved loads.
+    """Return the fields of `HalfSpaceCurve` that do not depend on friction, such as load and approach.
 
     The solutions are for one pair at several loads, and may differ in its tilt.
     """

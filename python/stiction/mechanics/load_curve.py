@@ -1,4 +1,4 @@
-"""Load curves: contact sums at each approach, from which loads and friction are computed.
+"""Load curves: sums of forces and areas over all contacts at each approach, from which friction is computed.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """

@@ -126,7 +126,7 @@ class ContactModel:
     def for_profiles(self) -> ContactModel:
         """Return the model with the defaults for profiles. Raise a `ValueError` if its direction is not along x."""
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
-            raise ValueError(f'direction on profiles must be "+x" or "-x", got {short_repr(self.direction)}')
+            raise ValueError(f'direction for profiles must be "+x" or "-x", got {short_repr(self.direction)}')
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:

@@ -32,8 +32,8 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 class PatchSums:
     """Sums over each patch of k contacts, from which normal and tangential load follow for any mu0 and tau0.
 
-    The patches of a contact follow the patches of the contact before it. Arrays have the shape (patches,) or, if they
-    depend on the direction, (directions, patches).
+    Patches are stored contact by contact. Arrays have the shape (patches,) or, if they depend on the direction,
+    (directions, patches).
     """
 
     force: Floats  # vertical component of the contact forces, Σ F n_z (mN)

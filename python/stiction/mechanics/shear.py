@@ -465,9 +465,10 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
 ) -> Status:
-    """Find the elastic load at which the normal load equals its target, and return the status of the search.
+    """Search for the elastic load that gives the target normal load, and return the status of the search.
 
-    The method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
+    `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
+    method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
     lower_load, upper_load = 0.0, max_load  # elastic loads between which the solution lies
     trial_load, last_trial = min(guess, 0.9 * max_load), None

@@ -42,7 +42,7 @@ MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200  # maximum number of cutting planes in the search for the tilt of rigid surfaces
-# accepted error of the energy of rigid surfaces, as a fraction of (load) · (range of the gap)
+# accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap)
 RIGID_TILT_TOLERANCE = 1e-12
 
 

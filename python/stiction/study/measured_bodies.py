@@ -116,7 +116,7 @@ def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int =
             return None if value is None else read(value)
         if not 2 <= len(value) <= max_count:
             allowed = "two" if max_count == 2 else f"two to {max_count}"
-            raise ValueError(f"must be one value or a list of {allowed}, got {short_repr(value)}")
+            raise ValueError(f"must be one value or a list of {allowed} values, got {short_repr(value)}")
         return tuple(map(read, value))
 
     return PlainValidator(parse_one_or_list)

@@ -216,8 +216,7 @@ class MeasuredPair:
     def _validate_machining_process(self, name: Any) -> Any:
         if name not in MACHINING_PROCESSES:
             raise ArgumentError(
-                f"{{texture}} must be {', '.join(MACHINING_PROCESSES)} or two of these processes, got {{got}}",
-                got=repr(name),
+                f"{{texture}} must be one or two of {', '.join(MACHINING_PROCESSES)}, got {{got}}", got=repr(name)
             )
         return name
 
@@ -840,7 +839,9 @@ class MeasuredPair:
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
             if any(per_area and load >= hardness for load, per_area in self._given_loads):
-                raise ArgumentError("{load} must be below the hardness ({hardest:.4g} GPa)", hardest=float(hardness))
+                raise ArgumentError(
+                    "{load} must give a pressure below the hardness ({hardest:.4g} GPa)", hardest=float(hardness)
+                )
             max_load = float(hardness) * self._nominal_area
             if not self.loads[-1] < max_load:
                 is_line_pair = self.are_profiles and self.press_mode == "lines"

@@ -143,4 +143,4 @@ def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np
     """
     further_axes = tuple(range(is_missing.ndim - 1, values.ndim - 1))
     if not np.array_equal(np.isnan(values), np.broadcast_to(np.expand_dims(is_missing, further_axes), values.shape)):
-        raise DamagedFileError(f"has {name} and normal_elastic with NaN at different loads")
+        raise DamagedFileError(f"has NaN at different loads in {name} and in normal_elastic")

@@ -195,7 +195,7 @@ class SettingsSectionVariant(SettingsSection):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys that select this variant of a section, with the value that selects the variant."""
+        """Return the keys whose values choose this variant of a section, each with the value that chooses it."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)

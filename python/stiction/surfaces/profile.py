@@ -237,8 +237,8 @@ def reject_missing_points(body: Any, operation: str) -> None:
     """Raise a `ValueError` if a body has missing points, which the named operation does not accept."""
     if body.missing is not None:
         raise ValueError(
-            f"{operation} requires complete scans, got {int(body.missing.sum())} masked points; use the half-space "
-            "solver, which accepts missing points, crop the scan, or interpolate"
+            f"{operation} requires complete scans, got {int(body.missing.sum())} missing points; crop the scan, "
+            "interpolate, or use the half-space solver, which accepts missing points"
         )
 
 

@@ -691,7 +691,7 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
 def _find_noise_wavelength(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool
 ) -> tuple[float, str]:
-    """Return the wavelength (µm) below which a spectrum without texture contains noise, and the kind of the noise.
+    """Return the wavelength (µm) below which noise dominates a spectrum without texture, and the kind of noise.
 
     The limit is NaN if there is no noise.
     """

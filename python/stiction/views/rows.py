@@ -161,7 +161,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            # A single direction has the same coefficients as the mean over all directions.
+            # If there is only one direction, its coefficients equal the mean over all directions.
             continue
         selected_rows = _quantity_rows(dataset, name)
         coordinate_names = coordinate_names or [each for each in _POINT_COORDINATES if each in selected_rows]

@@ -200,7 +200,7 @@ def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or failed check for the page scripts: text, remedy, severity, and the number in the text."""
+    """Return a caveat or failed check for the page scripts: text, remedy, severity, and the key of its number."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
