@@ -14,8 +14,8 @@ ARCHITECTURE_PAGE = ROOT / "ARCHITECTURE.md"
 def test_architecture_page_has_a_table_row_for_each_subpackage():
     text = ARCHITECTURE_PAGE.read_text("utf-8")
     packages = {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")}
-    listed = re.search(r"^\| package \|.*?\n\n", text, re.DOTALL | re.MULTILINE)[0]
-    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| \S", listed, re.MULTILINE)
+    package_table = re.search(r"^\| package \|.*?\n\n", text, re.DOTALL | re.MULTILINE)[0]
+    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| \S", package_table, re.MULTILINE)
     assert {name for row in rows for name in re.findall(r"\w+", row)} == packages
 
 

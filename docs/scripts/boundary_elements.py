@@ -85,7 +85,7 @@ def render_load_rows(results: dict) -> list[str]:
     ]
     for (bandwidth, hurst), values in results.items():
         for k in TABLE_LOAD_INDICES:
-            half_space_values, model_values, interacting_values = (
+            half_space_values, model_values, interacting_model_values = (
                 values[:, k, model_index] for model_index in range(3)
             )
             cells = [
@@ -96,7 +96,7 @@ def render_load_rows(results: dict) -> list[str]:
                 f"{half_space_values[:, COUNT_COLUMN].mean():.3g}, {model_values[:, COUNT_COLUMN].mean():.3g}",
                 *(
                     format_ratios(compared_values[:, quantity] / half_space_values[:, quantity])
-                    for compared_values in (model_values, interacting_values)
+                    for compared_values in (model_values, interacting_model_values)
                     for quantity in (FRACTION_COLUMN, STIFFNESS_COLUMN)
                 ),
             ]

@@ -42,7 +42,7 @@ def lag_one_corrected_interval(values):
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
-def cosine_coefficient_interval(values):
+def cosine_transform_interval(values):
     """Return Student's interval of the mean from the first cosine coefficients, which are nearly independent."""
     count = values.size
     num_coefficients = max(4, round(0.41 * count ** (2 / 3)))
@@ -59,7 +59,7 @@ INTERVAL_METHODS = {
     "this project": average_correlated_values,
     "independent": uncorrelated_interval,
     "lag one": lag_one_corrected_interval,
-    "cosines": cosine_coefficient_interval,
+    "cosines": cosine_transform_interval,
 }
 
 

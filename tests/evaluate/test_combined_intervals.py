@@ -125,7 +125,7 @@ def test_combined_interval_of_the_true_area_is_limited_to_the_nominal_area():
     assert combined["contact_area_fraction"][0] == 0.9
 
 
-def test_combined_interval_of_a_quantity_contains_its_interval_of_the_mean():
+def test_combined_interval_of_a_quantity_contains_the_interval_of_the_mean():
     intervals = build_intervals({"friction.tau0": "0.0499..0.0501 GPa"}, half_width=1e-6)
     skewed = np.array([20.0, 19.0, 30.0])
     combined = intervals.extend_quantity_intervals({"contact_area": skewed})["contact_area"]

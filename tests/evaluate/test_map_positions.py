@@ -61,7 +61,7 @@ def pair_levelled_maps(upper, lower):
     return MapPairs(flipped(levelled(flipped(upper), "plane")), levelled(lower, "plane"))
 
 
-def test_map_pairs_are_overlaps_of_shifted_maps():
+def test_map_pairs_are_cut_from_overlaps_of_shifted_maps():
     """Compare with the middle 48 by 48 points of the overlap, cut by hand."""
     upper, lower = surface_pair()
     pairs = MapPairs(upper, lower)

@@ -798,7 +798,7 @@ def test_areal_contact_candidates_include_every_minimum_of_the_gap():
     assert max_offsets.min(axis=0).max() < 1e-6
 
 
-def test_loads_along_and_across_the_motion_equal_sums_over_contacts_of_the_reference():
+def test_normal_tangential_and_lateral_loads_equal_sums_over_the_contacts():
     upper, lower = create_rough_surfaces()
     result = areal.find_contacts(upper.heights, lower.heights, upper.spacing, 0.1)
     curve = press(upper, lower, [0.1], direction=33)

@@ -145,7 +145,7 @@ def test_pressures_limited_by_bounds_agree_with_a_dense_matrix_calculation(shape
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solver_converges_for_flats_up_to_the_largest_load_with_pressure_bounds(boundary):
+def test_half_space_solver_with_pressure_bounds_converges_for_flats_up_to_the_largest_load(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.

@@ -323,7 +323,7 @@ def test_resolution_results_at_an_unsolved_load_are_nan_and_progress_reaches_the
         ({"direction": 1j}, "direction must be"),
     ],
 )
-def test_resolution_rejects_invalid_arguments(changes, message):
+def test_resolution_function_rejects_invalid_arguments(changes, message):
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)
     arguments = {"upper": upper, "lower": lower, "loads": [0.5], "hardness": 4.0} | changes
     with pytest.raises(ValueError, match=message):

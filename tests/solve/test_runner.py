@@ -174,7 +174,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
         threading.Event(),
     )
 
-    def record_and_wait(study, number):
+    def record_repetition_and_wait_for_interrupt(study, number):
         computed_repetitions.append(number)
         if number >= 200:
             interrupted.wait(60)
@@ -183,7 +183,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     def raise_interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(runner, "compute_member_arrays", record_and_wait)
+    monkeypatch.setattr(runner, "compute_member_arrays", record_repetition_and_wait_for_interrupt)
     monkeypatch.setattr(runner, "progress_bar", lambda *_: contextlib.nullcontext(raise_interrupt))
     monkeypatch.setattr(runner, "SHUTDOWN_TIMEOUT", 0.1)
     interrupt_error = None

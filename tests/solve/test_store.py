@@ -652,7 +652,7 @@ def test_interrupt_during_a_write_leaves_no_partial_file(tmp_path, monkeypatch):
     assert_no_partial_files(tmp_path)
 
 
-SCRIPT_WITH_KILLS = """
+SCRIPT_THAT_KILLS_RUNS = """
 import os, signal, sys
 from concurrent.futures import Future
 from pathlib import Path
@@ -697,7 +697,7 @@ def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninter
     """Kill each run at its first, second, ... disk operation, with half of the file written; the next run resumes."""
     (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", SCRIPT_WITH_KILLS],
+        [sys.executable, "-W", "ignore", "-c", SCRIPT_THAT_KILLS_RUNS],
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -92,7 +92,7 @@ def test_study_of_generated_surfaces_rejects_an_uncertain_input():
 
 
 @pytest.mark.parametrize("name", ["mild steel", "copper", "silicon", "PTFE"])
-def test_elastic_constants_of_two_materials_give_the_same_elasticity_as_their_names(name):
+def test_elastic_constants_of_two_materials_give_the_same_modulus_and_compliance_share_as_the_material_names(name):
     for other in materials():
         elasticity = determine_elasticity(upper_material=name, lower_material=other.name)
         body, counterface = (material(each) for each in (name, other.name))

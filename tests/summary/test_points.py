@@ -72,7 +72,7 @@ def test_tau0_near_the_shear_strength_of_the_body_has_a_caveat(tau0, has_caveat)
 
 
 @pytest.mark.parametrize(("pressure", "has_caveat"), [(0.85, False), (0.95, True)])
-def test_area_of_pressures_limited_to_the_hardness_has_a_caveat_near_half_the_hardness(pressure, has_caveat):
+def test_contact_area_has_a_yielding_caveat_if_the_mean_pressure_is_near_half_the_hardness(pressure, has_caveat):
     study = measured_study(hardness=2.0).with_changes({"contact.yield_exponent": None})
     point = summarize_point(measured_result(mean_pressure=pressure), study)
     assert bool(caveats_with(point, "yielding below the surface is neglected")) == has_caveat

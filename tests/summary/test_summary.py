@@ -209,7 +209,7 @@ def test_means_of_values_per_pair_equal_the_mean_values_of_the_result(surface_di
         result.at("20 MPa", per_member=True, budget=True)
 
 
-def test_commands_info_and_at_report_the_same_assessment_and_caveats(
+def test_info_command_and_at_command_print_the_same_assessment_and_caveats(
     surface_directory, call_counts, monkeypatch, capsys
 ):
     records = []

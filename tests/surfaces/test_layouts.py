@@ -804,8 +804,8 @@ def test_counts_of_missing_points_are_not_read_as_codes_for_missing_points(tmp_p
         missing = read_scan_or_none(path, **options).missing
         assert (missing is not None) == is_code, line
         assert not is_code or np.array_equal(missing, integer_heights == number)
-    heights_with_code = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
-    path.write_text("\n".join(["No data: 32767", *format_rows(heights_with_code)]))
+    heights_with_missing_code = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
+    path.write_text("\n".join(["No data: 32767", *format_rows(heights_with_missing_code)]))
     assert np.array_equal(read_scan_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 

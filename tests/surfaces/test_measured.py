@@ -505,7 +505,7 @@ def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
     )
 
 
-LONG_HEIGHTS = [*HEIGHTS, *HEIGHTS, 1.5, *HEIGHTS, 0.5]
+HEIGHTS_OF_LONG_PROFILE = [*HEIGHTS, *HEIGHTS, 1.5, *HEIGHTS, 0.5]
 WORD_TABLES = {
     "words": (["x (um)", "z (um)", "state"], lambda z: [z, "OK" if z > 0 else "NG"]),
     "few words": (["x (um)", "z (um)", "state"], lambda z: [z, None if z > 0 else "NG"]),
@@ -517,7 +517,7 @@ WORD_TABLES = {
 @pytest.mark.parametrize("table", WORD_TABLES)
 def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, table):
     names, cells = WORD_TABLES[table]
-    rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS))]
+    rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(HEIGHTS_OF_LONG_PROFILE))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
     workbook, text = write_file(workbook_bytes(("one", rows)), "a.xlsx"), write_file(text, "a.csv")
     messages = [re.sub(r"\('.*'\) ", "", error_message(path)).split(": ", 1)[1] for path in (workbook, text)]
@@ -530,12 +530,14 @@ def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, 
 
 def test_workbook_columns_are_numbered_as_in_the_sheet(write_file):
     names, cells = WORD_TABLES["words"]
-    rows = [[None, None, *row] for row in (names, *([at / 4, *cells(z)] for at, z in enumerate(LONG_HEIGHTS)))]
+    rows = [
+        [None, None, *row] for row in (names, *([at / 4, *cells(z)] for at, z in enumerate(HEIGHTS_OF_LONG_PROFILE)))
+    ]
     path = write_file(workbook_bytes(("one", rows)), "a.xlsx")
     message = error_message(path)
     assert "has words in column 4 (state)" in message
     assert "(--columns 2,3)" in message
-    assert read_profile(path, columns=(2, 3)).heights.tolist() == LONG_HEIGHTS
+    assert read_profile(path, columns=(2, 3)).heights.tolist() == HEIGHTS_OF_LONG_PROFILE
 
 
 def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
@@ -628,7 +630,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
     assert isinstance(read_measurement(tmp_path / name), Surface)
 
 
-def test_surface_of_three_columns_is_written_only_to_formats_that_can_store_it(tmp_path):
+def test_map_three_points_wide_is_written_only_to_formats_that_can_store_it(tmp_path):
     with pytest.raises(FormatError, match="must have at least 4 columns, but the surface has 3"):
         write_surface(Surface(np.eye(3), spacing=1.0), tmp_path / "a.csv")
     assert not list(tmp_path.iterdir())

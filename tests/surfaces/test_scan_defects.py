@@ -87,7 +87,7 @@ def test_cached_defects_are_released_with_their_scan():
     assert reference() is None
 
 
-def test_scan_file_is_read_only_once_for_its_relative_and_absolute_paths(scan_directory):
+def test_scan_file_is_read_once_for_its_relative_and_absolute_paths(scan_directory):
     relative, absolute = (
         MeasuredBodySettings(file=str(file), unit="um", spacing="0.1 um")
         for file in ("upper.npy", scan_directory / "upper.npy")
@@ -237,7 +237,7 @@ def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
     assert (defects.periodic, periodic_defects.periodic) == (False, True)
 
 
-def test_spikes_do_not_make_pair_filter_the_scans(tmp_path):
+def test_measured_pair_does_not_filter_scans_because_of_spikes(tmp_path):
     paths = []
     for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):
         paths.append(str(tmp_path / f"{side}.npy"))

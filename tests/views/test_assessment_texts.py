@@ -302,7 +302,7 @@ def test_quotable_sentence_about_profiles_states_directions_and_nominal_pressure
         assert "(1 MPa)" in quotable_sentence(point)
 
 
-def test_quotable_sentence_states_the_definition_of_load_if_it_changes_the_coefficient():
+def test_quotable_sentence_states_the_definition_of_load_if_the_definition_changes_the_coefficient():
     for difference, is_given in (
         (2 * MIN_STATED_LOAD_DEFINITION_EFFECT, True),
         (MIN_STATED_LOAD_DEFINITION_EFFECT / 2, False),

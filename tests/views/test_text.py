@@ -153,7 +153,7 @@ def test_assessment_lists_a_remedy_only_if_it_would_change_the_printed_interval(
         assert ("the interval would be" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
-def test_verbose_text_contains_the_numbers_of_the_dataset():
+def test_verbose_text_contains_contact_count_load_on_the_largest_contact_and_solution_error():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}

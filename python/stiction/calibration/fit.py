@@ -331,13 +331,13 @@ class CalibrationProblem:
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
         robust_factors, scale = np.ones(len(self.slid)), 1.0
 
-        def to_scores(free_scores: Floats) -> Floats:
+        def insert_run_spread_score(free_scores: Floats) -> Floats:
             scores = np.zeros((len(free_scores), len(self.nuisances)))
             scores[:, score_indices] = free_scores
             return scores
 
         def build_equation_rows(free_scores: Floats) -> Floats:
-            columns = self._compute_equation_coefficients(to_scores(free_scores))
+            columns = self._compute_equation_coefficients(insert_run_spread_score(free_scores))
             rows = self._build_weighted_equations(
                 columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
             )[0]
@@ -356,7 +356,7 @@ class CalibrationProblem:
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
-                to_scores(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0
+                insert_run_spread_score(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0
             )
             return np.asarray(misfit * robust_factors[self.slid])
 

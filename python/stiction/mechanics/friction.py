@@ -81,7 +81,7 @@ MAX_BULK_SHEAR_EFFECT = 0.05
 """Largest relative reduction of the friction force by shear of the softer body that is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Smallest mean pressure in the table of `_compute_fraction_below`, as a fraction of the largest pressure.
+"""Smallest mean pressure in the table of `_compute_limited_pressure_ratio`, as a fraction of the largest pressure.
 
 The second constant is the number of entries of the table along each axis.
 """
@@ -233,7 +233,7 @@ class FrictionLaw:
             # At the limit pressure, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
-            limited_traction = frictional * _compute_fraction_below(
+            limited_traction = frictional * _compute_limited_pressure_ratio(
                 relative_limit, mean_pressure / pressure
             ) + np.minimum(adhesive, strength)
             fraction = limited_traction / (frictional + adhesive)
@@ -285,14 +285,14 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
 
 
-def _compute_fraction_below(limit: Any, mean: Any) -> Floats:
+def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
     """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution that is limited at 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
     from scipy.ndimage import map_coordinates
 
-    table = _tabulate_fractions_below()
+    table = _tabulate_limited_pressure_ratios()
     limit, mean = np.broadcast_arrays(limit, mean)
     fraction, is_limited = np.ones(limit.shape), ~(limit >= 1)
     limit, mean = limit[is_limited], mean[is_limited]
@@ -303,7 +303,7 @@ def _compute_fraction_below(limit: Any, mean: Any) -> Floats:
 
 
 @lru_cache(maxsize=1)
-def _tabulate_fractions_below() -> Floats:
+def _tabulate_limited_pressure_ratios() -> Floats:
     """Return a table of mean(min(p, limit)) / mean(p) on a grid of mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough

@@ -26,7 +26,7 @@ from stiction.surfaces.surface import Surface
 
 # Smallest approach that is computed, as a fraction of the range of the gap.
 # At an approach below 1e-6 of the range of the gap, a single contact carries the whole load.
-_MIN_APPROACH_RATIO = 1e-6
+_MIN_APPROACH_TO_GAP_RANGE = 1e-6
 # Ratio of successive approaches.
 # If the load crosses a requested load twice between two approaches, both crossings are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
@@ -34,7 +34,7 @@ _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Larger approaches take longer, so the computation stops after the batch in which all loads are reached.
 _APPROACHES_PER_BATCH = 16
 # Approach up to which contact candidates are searched for, as a multiple of the largest requested approach.
-_SEARCH_DEPTH_FACTOR = 5.0
+_CANDIDATE_APPROACH_FACTOR = 5.0
 
 
 @add_model_keywords_to_signature
@@ -156,7 +156,7 @@ class SurfacePair:
         ):
             # Search for contact candidates deeper than requested, because the next request is often deeper.
             cached_candidates = candidates(
-                self.upper, self.lower, deepest=_SEARCH_DEPTH_FACTOR * deepest, curvature=model.curvature
+                self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )
             self._cached_candidates = cached_candidates
         return function(cached_candidates.core, **arguments)
@@ -180,8 +180,10 @@ def find_approaches_at_loads(
     # Compute approaches with equal ratios, up to the approach at which all points touch. If the surfaces are parallel,
     # the range of their gap is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
-    count = round(-np.log(_MIN_APPROACH_RATIO) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
-    sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_RATIO, 1.0, count)
+    count = (
+        round(-np.log(_MIN_APPROACH_TO_GAP_RANGE) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
+    )
+    sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_TO_GAP_RANGE, 1.0, count)
     for batch_start in range(0, count, _APPROACHES_PER_BATCH):
         if not is_pending.any():
             break

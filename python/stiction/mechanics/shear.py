@@ -67,12 +67,12 @@ MAX_ROUND_OFF_GAP = 1e-9
 NUM_CLOSURE_LOADS = 8  # number of loads at which the closure of the joint is computed
 MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0  # largest to smallest load at which the closure of the joint is computed
 
-_STEP_NUMBER_NAMES = (
+_STEP_QUANTITIES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
     "load_fraction_at_edges", "height",
     "elastic_energy",
 )  # fmt: skip
-_DATASET_NUMBER_NAMES = tuple(name for name in _STEP_NUMBER_NAMES if name not in ("contact_area", "height"))
+_DATASET_QUANTITIES = tuple(name for name in _STEP_QUANTITIES if name not in ("contact_area", "height"))
 _VARIABLE_ATTRIBUTES: dict[str, dict[str, str]] = {
     "displacement": {"units": "um", "long_name": "displacement of the upper face along the path"},
     "friction_coefficient": {"units": "1", "long_name": "tangential load over normal load, against the motion"},
@@ -318,7 +318,7 @@ class ShearBox:
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
             # If the height of the first contact is unknown, the dilation and the normal load are unknown too.
-            missing_values = dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
+            missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
@@ -337,9 +337,7 @@ class ShearBox:
             status = _find_root(compare_load, guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
-        row = (
-            rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_NUMBER_NAMES, "elastic_load"), math.nan)
-        )
+        row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
         return row | {"overlap_area": overlap_area, "status": status}
 
     def _make_row(
@@ -412,7 +410,7 @@ class ShearBox:
         """Return the results of all solved steps as a dataset over the shear displacement."""
         import xarray as xr
 
-        columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_NUMBER_NAMES}
+        columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_QUANTITIES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
         # A tangential load below the tolerance of the solver counts as 0.
         tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)
@@ -424,7 +422,7 @@ class ShearBox:
             "dilation": columns["height"] - columns["height"][0],
             "contact_area_fraction": columns["contact_area"] / columns["overlap_area"],
             "normal_load": normal,
-            **{name: columns[name] for name in _DATASET_NUMBER_NAMES},
+            **{name: columns[name] for name in _DATASET_QUANTITIES},
         }
         displacement = "displacement", self.displacements(offsets), _VARIABLE_ATTRIBUTES["displacement"]
         dataset = xr.Dataset(

@@ -435,7 +435,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     }
     quoted_points = [point for point in points if point.at["cut_off"] == cut_off]
     covering_points = [
-        _include_cutoff_point(point, points_at_other_cutoff[_get_coordinates_without_cutoff(point)])
+        _extend_point_to_other_cutoff(point, points_at_other_cutoff[_get_coordinates_without_cutoff(point)])
         if _get_coordinates_without_cutoff(point) in points_at_other_cutoff
         else point
         for point in quoted_points
@@ -448,12 +448,12 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
-def _include_cutoff_point(point: PointSummary, other_point: PointSummary) -> PointSummary:
+def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
     """Return a reported result point whose intervals and caveats also cover the point at another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
-    rules = tuple(_include_cutoff_value(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    rules = tuple(_extend_value_to_other_cutoff(*each) for each in zip(point.rules, other_point.rules, strict=True))
     other_budget = {entry.label: entry for entry in other_point.budget}
     # The interval is infinite or NaN if there are only one or two positions.
     has_interval = math.isfinite(point.upper - point.lower)
@@ -489,7 +489,9 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
     )  # fmt: skip
 
 
-def _include_cutoff_value(value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient) -> SlidingRuleCoefficient:
+def _extend_value_to_other_cutoff(
+    value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient
+) -> SlidingRuleCoefficient:
     """Widen the intervals of a coefficient so that they include the intervals of the coefficient at another cutoff."""
     return replace(
         value.extended_to(other_value),
@@ -706,7 +708,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 
 
 def _find_bounds_for_finer_scans(
-    point: xarray.Dataset, study: Study, all_rub: SlidingRuleCoefficient
+    point: xarray.Dataset, study: Study, coefficient: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
     """Return the lowest and the highest coefficient that finer scans can give, to second order in the slope.
 
@@ -716,11 +718,11 @@ def _find_bounds_for_finer_scans(
     """
     hardness = study.contact.hardness
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
-    if hardness is None or not has_bracket or all_rub.rule != "all" or not math.isfinite(all_rub.value):
+    if hardness is None or not has_bracket or coefficient.rule != "all" or not math.isfinite(coefficient.value):
         return None
     mu0, plastic_friction = float(point["mu0"]), compute_plastic_friction(point, study)
     if plastic_friction is None or math.isnan(plastic_friction) or is_stronger_than_body(point, study):
         return None
-    upper = all_rub.upper if math.isfinite(all_rub.upper) else None
+    upper = coefficient.upper if math.isfinite(coefficient.upper) else None
     num_contacts = mean_over_directions(point, "contact_count") * mean_over_directions(point, "members")
-    return friction_range_for_finer_scans(all_rub.value, mu0, plastic_friction - mu0, num_contacts, upper)
+    return friction_range_for_finer_scans(coefficient.value, mu0, plastic_friction - mu0, num_contacts, upper)

@@ -33,7 +33,7 @@ _MIN_PIVOT = 1e-9  # minimum normalised pivot in the fit of a local polynomial; 
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
 # The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
-_ROBUST_TOLERANCE = 1e-4
+_ROBUST_FILTER_TOLERANCE = 1e-4
 _MAX_ITERATIONS = 200
 
 
@@ -186,7 +186,7 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
         mean_line = _fit_local_polynomials(heights, weights, cutoffs_in_points, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - mean_line)
         scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
-        if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE * scale or scale == 0:
+        if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_FILTER_TOLERANCE * scale or scale == 0:
             return np.asarray(mean_line + mean)
         weights, previous_mean_line = (
             measured_weights * np.square(np.maximum(1 - np.square(residual / scale), 0)),

@@ -252,10 +252,10 @@ def joined_spectrum(
     per_decade = validate_whole_number("per_decade", per_decade, minimum=4)
     if names is not None and len(names) != len(bodies):
         raise ValueError(f"names must have one entry for each of the {len(bodies)} scans, got {len(names)}")
-    shortest_limits = _parse_values_of_scans("shortest_wavelengths", shortest_wavelengths, len(bodies))
+    given_shortest_wavelengths = _parse_values_of_scans("shortest_wavelengths", shortest_wavelengths, len(bodies))
     radii = _parse_values_of_scans("tip_radii", tip_radii, len(bodies))
     binned_scans, bands, reasons = [], [], []
-    for body, shortest_limit, tip_radius in zip(bodies, shortest_limits, radii, strict=True):
+    for body, shortest_limit, tip_radius in zip(bodies, given_shortest_wavelengths, radii, strict=True):
         band, reason = _find_reliable_band(body, shortest_limit, tip_radius)
         binned_scans.append(_average_in_bins(body, band, per_decade))
         bands.append(band)

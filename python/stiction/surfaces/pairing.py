@@ -84,7 +84,7 @@ class LinePairs:
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
-        return self._choose_line_number(self.upper, index) * line_distance
+        return self._choose_row_or_column(self.upper, index) * line_distance
 
     def pair(self, index: int) -> tuple[Profile, Profile]:
         """Return the line pair with a given index, as two profiles with equal spacing."""
@@ -128,9 +128,9 @@ class LinePairs:
         if isinstance(body, Profile):
             return body
         extract_line = body.row if self.along == "x" else body.column
-        return extract_line(self._choose_line_number(body, index, shifted=shifted))
+        return extract_line(self._choose_row_or_column(body, index, shifted=shifted))
 
-    def _choose_line_number(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
+    def _choose_row_or_column(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
         """Return the row or column number of a map's line in the pair with a given index.
 
         Every line is used once before a line is used again.

@@ -32,7 +32,8 @@ from stiction.views.spreadsheet import frame_to_csv
 NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
 # Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-_MIN_PEAK_RATIO = 3.0  # minimum spectral density at a reported peak, relative to the density at longer wavelengths
+# minimum spectral density at a reported peak, relative to the density at longer wavelengths
+_MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
 _MIN_PEAK_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
 # Dispersion of a spectrum about its fit above which the scatter of the spectrum is reported.
@@ -294,7 +295,8 @@ class CharacterisationTable:
                 rows.append(TableRow("caution", (text,)))
         if (
             fit is not None
-            and (peak_ratio := self._density_ratio_at_longest_wavelength(fit.longest_wavelength)) > _MIN_PEAK_RATIO
+            and (peak_ratio := self._density_ratio_at_longest_wavelength(fit.longest_wavelength))
+            > _MIN_PEAK_DENSITY_RATIO
         ):
             peak_text = f"the band starts on a peak at {length_text(fit.longest_wavelength)}"
             rows.append(

@@ -216,7 +216,7 @@ _SLOPE_VALUE_PATTERN = LazyPattern(r"[:=(]\s*[-+]?[0-9]")
 to be slopes.
 """
 
-_NON_POSITION_NAME_PATTERN = LazyPattern(
+_OTHER_AXIS_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:(wave[ _-]?(?:lengths?|numbers?|vectors?)|wellenlängen?|lambda|λ|frequenc(?:y|ies)|frequenz(?:en)?|"
     r"freq|lag|load|force|kraft|(?:time|zeit)\w*)|temps|t|seconds?|sekunden?|sec|minutes?|date|angles?|winkel|theta|phi|degrees?|"
     r"grad|radians?|f|q|k|pressure|druck|temp(?:eratur\w*)?|voltage|spannung|current|strom|cycles?|zyklen|"
@@ -537,7 +537,7 @@ def find_other_axis(name: str, unit: str | None) -> str | None:
 
     The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
-    match = _NON_POSITION_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
+    match = _OTHER_AXIS_NAME_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", name))
     if match is None or (unit is not None and (match[1] is None or parse_length_unit(unit) is None)):
         return None
     return match[0].lower()

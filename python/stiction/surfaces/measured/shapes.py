@@ -821,7 +821,7 @@ def _describe_missing_information(table: ColumnTable) -> str:
     return "".join(f"; {item}" for item in requirements)
 
 
-def _has_separate_columns(table: ColumnTable) -> bool:
+def _has_ambiguous_columns(table: ColumnTable) -> bool:
     columns = table.values.shape[1]
     return not table.area and (columns < MIN_MATRIX_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
 
@@ -849,7 +849,7 @@ TABLE_LAYOUTS: tuple[TableLayout, ...] = (
         lambda table: _read_profile_columns(table, *(_find_xyz_columns(table) or ())[::2]),
     ),
     TableLayout("matrix with positions along its sides", _is_labelled_matrix, _read_labelled_matrix),
-    TableLayout("columns to choose from", _has_separate_columns, _reject_ambiguous_columns),
+    TableLayout("columns to choose from", _has_ambiguous_columns, _reject_ambiguous_columns),
     TableLayout("matrix", lambda table: True, _read_matrix),
 )
 """Layouts of tables in order of priority. A table is read by the first layout that recognises the table.

@@ -245,7 +245,7 @@ def contacts_and_pressure_figure(
     add_scale_bar(axes, map_extent(picture, "height"), fontsize=6)
     if has_pressure:
         _draw_pressure_panel(figure, panels[1], picture, hardness)
-        draw_frame(axes, map_extent(picture, "zoom"))
+        draw_zoom_border(axes, map_extent(picture, "zoom"))
     figure.legend(
         *axes.get_legend_handles_labels(),
         loc="outside lower center",
@@ -277,7 +277,7 @@ def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
             axis.set_major_formatter(lambda length, _: f"{length / 1000:g}".replace("-", "\N{MINUS SIGN}"))
 
 
-def draw_frame(axes: Axes, box: tuple[float, float, float, float]) -> None:
+def draw_zoom_border(axes: Axes, box: tuple[float, float, float, float]) -> None:
     """Draw a frame that is visible both on light and on dark colours of a map."""
     left, right, bottom, top = box
     for colour, width in (("white", 1.6), ("black", 0.6)):

@@ -19,7 +19,7 @@ from stiction.companions.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTO
 from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION
-from stiction.views.figures.contact import draw_frame, draw_height_map, label_map_axes, map_extent
+from stiction.views.figures.contact import draw_height_map, draw_zoom_border, label_map_axes, map_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
@@ -146,7 +146,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     if has_point_map:
         _draw_slip_map(panels[0], onset["slip"].values, full_extent, colour_norm)
         fraction, box = _densest_contact_window(onset)
-        draw_frame(panels[0], box)
+        draw_zoom_border(panels[0], box)
         panels[1].imshow(onset["lower_height"].values[fraction], extent=box, origin="lower", cmap="gray", alpha=0.6)
         _draw_slip_map(panels[1], onset["slip"].values[fraction], box, colour_norm)
         panels[1].set_title("region with the most contact (frame above)", loc="left", fontsize=6, pad=3)
