@@ -297,7 +297,8 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
     values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / values
-    width = np.where(np.isfinite(values), np.nan_to_num(width, nan=np.inf), MIN_FADED_WIDTH)
+    width = np.nan_to_num(width, nan=FULLY_FADED_WIDTH, posinf=FULLY_FADED_WIDTH)
+    width = np.where(np.isfinite(values), width, MIN_FADED_WIDTH)
     return np.asarray(MAX_FADING * np.clip((width - MIN_FADED_WIDTH) / (FULLY_FADED_WIDTH - MIN_FADED_WIDTH), 0, 1))
 
 
