@@ -147,6 +147,17 @@ def test_storing_a_result_preserves_values_at_loads_where_the_solver_failed_bit_
         assert stored_arrays[name].tobytes() == values.tobytes(), name
 
 
+def test_block_is_encoded_only_after_another_thread_has_imported_the_packages():
+    """Check the lock, because an import of xarray in two threads at the same time fails now and then."""
+    arrays = {name: np.ones(spec.shape, spec.dtype) for name, spec in layout.variable_specs(TINY_STUDY, [0]).items()}
+    with ThreadPoolExecutor(1) as pool:
+        with store._import_lock:
+            block = pool.submit(store.encode_members, TINY_STUDY, [0], arrays)
+            with pytest.raises(TimeoutError):
+                block.result(timeout=0.2)
+        assert block.result(timeout=60)
+
+
 def test_stored_result_that_is_read_in_pieces_equals_the_computed_dataset(
     directory_copy, uninterrupted_dataset, monkeypatch
 ):

@@ -736,6 +736,7 @@ own data, and programs that modify the file remove the checksum.
 """
 
 _template_lock = threading.Lock()  # lets only one thread create the template file
+_import_lock = threading.Lock()  # lets only one thread import the packages that encode blocks
 
 
 @dataclass(frozen=True)
@@ -755,6 +756,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
     Equal members give equal bytes.
     """
+    import_dataset_packages()
     import h5py
 
     with _template_lock:
@@ -788,10 +790,12 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 def import_dataset_packages() -> None:
     """Import the packages that encode blocks in advance, so that the first block does not wait for the import.
 
-    The import takes 0.3 s, in which other threads compute.
+    The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
+    xarray, each may need a module that the other has not finished, and one import then fails.
     """
-    import h5py  # noqa: F401
-    import xarray.conventions  # noqa: F401
+    with _import_lock:
+        import h5py  # noqa: F401
+        import xarray.conventions  # noqa: F401
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
