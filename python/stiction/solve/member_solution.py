@@ -346,15 +346,15 @@ CACHE_LINE_BYTES = 64  # size (bytes) of a cache line of the processor
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
-    "onset": 1e-3, "profile": 1.1e-8, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3, "line": 3.6e-4,
-    "half-space": 1e-3, "half-plane": 8e-4,
+    "onset": 1e-3, "generation": 1.45e-7, "profile": 6.6e-9, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3,
+    "line": 3.6e-4, "half-space": 1e-3, "half-plane": 8e-4,
 }  # fmt: skip
 """Approximate computing times (s) on one core, from which the number of members in a block is determined.
 
 "onset" is the time of one onset of sliding. "profile", "asperities" and "point" are times per grid point of generated
-profiles, of generated maps, and of measured maps with the asperity model. "area" and "line" are times per load of
-asperities on measured maps and lines. "half-space" and "half-plane" are times per load in addition to the time of the
-solution.
+profiles, of generated maps, and of measured maps with the asperity model. "generation" is the additional time per grid
+point in which profiles are generated for all cells together. "area" and "line" are times per load of asperities on
+measured maps and lines. "half-space" and "half-plane" are times per load in addition to the time of the solution.
 """
 
 SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
@@ -444,11 +444,12 @@ def estimate_member_time(study: Study) -> float:
             else MEMBER_TIME_COEFFICIENTS["line"] * num_loads
         )
     onset_time = num_cells * num_loads * MEMBER_TIME_COEFFICIENTS["onset"] if study.contact.onset else 0.0
-    return (
-        num_cells * num_points * MEMBER_TIME_COEFFICIENTS["asperities" if study.is_areal else "profile"]
-        + onset_time
-        + 1e-4
+    time_per_point = (
+        num_cells * MEMBER_TIME_COEFFICIENTS["asperities"]
+        if is_areal
+        else MEMBER_TIME_COEFFICIENTS["generation"] + num_cells * MEMBER_TIME_COEFFICIENTS["profile"]
     )
+    return num_points * time_per_point + onset_time + 1e-4
 
 
 def estimate_member_iterations(study: Study) -> float:
