@@ -34,6 +34,7 @@ from stiction.mechanics.half_space_problem import (
     HalfSpaceProblem,
     coarsen_problem,
     solver_thread_count,
+    take_every_second_point,
     to_contact_solution,
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
@@ -474,12 +475,11 @@ class AdhesionSolver:
         """
         if min(self.problem.gap.shape) < MIN_COARSENED_POINTS:
             return 0.0
-        every_second = (slice(None, None, 2),) * self.problem.gap.ndim
         solver = AdhesionSolver(
             coarsen_problem(self.problem), tolerance=self.solver_tolerance, report=None, record=self.record
         )
         pressure, attraction = (
-            np.ascontiguousarray(values.reshape(self.problem.gap.shape)[every_second])
+            take_every_second_point(values.reshape(self.problem.gap.shape))
             for values in (start.pressure, start.attraction)
         )
         near = AdhesionState(pressure.ravel(), attraction, float(pressure.mean()), start.load)

@@ -413,10 +413,7 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
     """Return the problem on every second grid point. An attraction range that this grid cannot resolve is increased."""
     spacing = tuple(2 * step for step in problem.spacing)
-    every_second = (slice(None, None, 2),) * problem.gap.ndim
-    upper, lower, gap = (
-        np.ascontiguousarray(values[every_second]) for values in (problem.upper, problem.lower, problem.gap)
-    )
+    upper, lower, gap = (take_every_second_point(values) for values in (problem.upper, problem.lower, problem.gap))
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
     # Do not cache the coarse grids: the cached grids of the problem are needed again for the next problem.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
@@ -425,6 +422,11 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
     return replace(
         problem, upper=upper, lower=lower, gap=gap, spacing=spacing, grids=grids, adhesion_range=adhesion_range
     )
+
+
+def take_every_second_point(values: Floats) -> Floats:
+    """Return the values at the points of the grid that `coarsen_problem` uses: every second point along each axis."""
+    return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
 StepKind = Literal["loads", "approaches"]
