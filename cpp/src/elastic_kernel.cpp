@@ -28,7 +28,7 @@ constexpr std::size_t rows_ahead = 16;
 // Areas with fewer values are not divided between threads, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The stencil multiplies long wavelengths by this sum, so it must be small if contact patches are many points wide.
+// The stencil multiplies long wavelengths by this sum, which must be small if contact patches are many points wide.
 constexpr double stencil_sum = 0.04;
 // Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
 // Zero padding truncates the influence of a load, so that some Fourier components could be zero or negative.
@@ -141,7 +141,7 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Prefetch the columns of a row that is copied soon.
+// Prefetch the columns of a row that will be copied soon.
 // The processor does not prefetch these columns by itself, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {

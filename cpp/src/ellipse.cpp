@@ -9,7 +9,7 @@ namespace stiction {
 namespace {
 
 // The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation.
-// K = π / (2 mean), and ratio = (K - E) / (e² K).
+// The complete elliptic integral K equals π / (2 mean), and ratio = (K - E) / (e² K).
 // The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
 // The formulas are in Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
@@ -42,7 +42,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // For e -> 0, the derivative tends to 1.5.
+    // For e -> 0, the derivative of ln(shorter / longer) tends to 1.5.
     // The error of this limit is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }

@@ -88,7 +88,7 @@ STICTION_INLINE double contact_pressure(double gap, double sum, double hardness)
   return gap > 0.0 ? 0.0 : closed;
 }
 
-// Write the residual at the points of the original grid: the net pressure that gap and contact do not balance.
+// Write the residual on the original grid: net pressure plus attraction minus contact pressure.
 STICTION_MULTIVERSION
 ResidualSums subtract_stresses(const double* net_pressure, const double* gap, const double* attraction, double hardness,
                                std::size_t size, float* __restrict residual) {
@@ -179,9 +179,9 @@ struct Edges {
   }
 };
 
-// Set the changes at closed points that would move against their residual to 0.
-// Add the change of the approach to the other changes.
-// Returns the product of changes and residual, and the largest change of small gaps.
+// At points with zero gap, set changes of the gap with the same sign as the residual to 0.
+// The change of the displacement is the change of the gap plus the change of the approach.
+// Returns the product of gap changes and residual, and the largest change of small gaps.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
                 float* __restrict direction, float* __restrict displacement_change) {
@@ -206,7 +206,7 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
 }
 
 // Change the gaps by a step. A point that closes stops at a gap of 0, and the remainder of its step is stored.
-// Return whether there is a remainder.
+// Return whether a remainder was stored for any point.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -410,7 +410,7 @@ MinimizationOutcome EnergyMinimizer::step(MinimizationState& state, double load,
   return MinimizationOutcome::unfinished;
 }
 
-// Compute the residual: at free points, the net pressure that the gap does not balance.
+// Compute the residual: at free points, the net pressure plus the attraction.
 // The residual vanishes at points in contact.
 EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationState& state, double load,
                                                             const ThreadPool& pool) {
@@ -465,7 +465,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// Set the changes at closed points that would move against their residual to 0.
+// At points with zero gap, set changes of the gap with the same sign as the residual to 0.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,

@@ -41,7 +41,7 @@ constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
 // Maximum number of evaluations of displacements in double precision.
-// A solution needs more evaluations in double precision only if round-off prevents convergence.
+// The maximum is reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Largest accepted relative difference between the displacements of contact points, which should all be equal.
 // The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.

@@ -29,7 +29,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 }
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
-// With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
+// Beyond this limit, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 

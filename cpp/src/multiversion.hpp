@@ -29,7 +29,7 @@
 #endif
 
 /// For several instruction sets, compile a function that consists of plain loops.
-/// STICTION_MULTIVERSION is empty for Clang, because some versions omit functions that a multiversioned function calls.
+/// STICTION_MULTIVERSION is empty for Clang, because some versions of Clang omit functions that a clone calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
 #else
@@ -61,7 +61,7 @@
 namespace stiction {
 
 // SIMD types of GCC and Clang, and variants of these types for unaligned memory.
-// Each width has its own definition, because compilers ignore attributes of types that depend on a template parameter.
+// Each SIMD width has its own type, because compilers ignore attributes of types that depend on a template parameter.
 template <std::size_t Width>
 struct PackOf;
 template <>

@@ -22,7 +22,7 @@ class PairDerivative {
       : fft_(static_cast<std::size_t>(points)), factors_(static_cast<std::size_t>(points)) {
     const auto count = static_cast<double>(points);
     for (Index i = 0; i < points; ++i) {
-      // A wave with the Nyquist wave number has no slope at the points.
+      // A wave with the Nyquist wave number has no slope at the grid points.
       const Index waves = 2 * i == points ? 0 : (2 * i < points ? i : i - points);
       factors_[static_cast<std::size_t>(i)] =
           2.0 * std::numbers::pi * static_cast<double>(waves) / (count * spacing) / count;

@@ -55,7 +55,7 @@ struct ThreadPool::Workers {
   Condition round_started;
   Condition round_finished;
   Round round;
-  // Number of the round in the upper 32 bits, and next task in the lower 32 bits.
+  // Number of the round in the upper 32 bits, and number of the next task in the lower 32 bits.
   std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};

@@ -23,7 +23,7 @@ const MinimizationLimits limits{residual_limit, 10 * residual_limit, 1e-7};
 Grid area(bool periodic) { return {24, 20, 0.1, 0.12, false, periodic}; }
 Grid line(bool periodic) { return {1, 64, 1.0, 0.1, true, periodic}; }
 
-// Return a gap with several summits and a lowest value of 0.
+// Return the gap [µm] between a flat and a wavy surface. The smallest gap is 0.
 std::vector<double> wavy_gap(const Grid& grid) {
   std::vector<double> gap(grid.size());
   for (std::size_t i = 0; i < gap.size(); ++i) {
@@ -38,7 +38,7 @@ std::vector<double> wavy_gap(const Grid& grid) {
   return gap;
 }
 
-// Minimisation from bodies that touch everywhere, without pressure at the start.
+// Energy minimisation that starts from zero gap and zero pressure at all points.
 struct Minimization {
   Grid grid;
   AdhesiveInterface interface;

@@ -141,7 +141,7 @@ def wait_until_finished(driver):
     """Wait until the job ends, and return its final state and its error message."""
     wait_until(lambda: read_job_state(driver), lambda current_state: current_state not in (None, "waiting", "running"))
     activity_script = "return jobs.find(({number}) => number === current).words"
-    # The text remains while the app reads the result of a stopped job.
+    # The progress text of a stopped job remains until the app has read the partial result.
     wait_until(lambda: driver.execute_script(activity_script), lambda text: not text)
     return " ".join([read_job_state(driver), driver.find_element("id", "job-wrong").text]).strip()
 

@@ -192,9 +192,9 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert upper - lower < 0.03
     unrelated_pair = pair(
         *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # The texts differ, so this hardness is independent of that of the calibrated pair.
+    )  # A hardness given by another text is independent of the hardness of the calibrated pair.
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
-    # A pair whose hardness has the text in the interface file has the same error of the hardness.
+    # A hardness given by the same text as in the interface file has the same error as in the calibration.
     write_interface(strength, tmp_path / "film.csv")
     arguments = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     shared_result, unrelated_result = (

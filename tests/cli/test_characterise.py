@@ -284,7 +284,7 @@ def test_characterise_command_reads_a_stylus_profile(find_measured_file, tmp_pat
 
 def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured_file, tmp_path, monkeypatch):
     pytest.importorskip("SurfaceTopography")
-    # Fit all lines: twelve lines have another median band along x, and thus other exponents.
+    # Fit all lines of the map, because a selection of twelve lines would give other Hurst exponents along x.
     monkeypatch.setattr("stiction.surfaces.lines.MAX_FITTED_LINES", MAX_FITTED_LINES)
     history, output_table, _ = run_characterise(find_measured_file("di-4.di"), cwd=tmp_path)
     assert history[1] == "channel 0 (ZSensor) of 0 (ZSensor), 1 (AmplitudeError), 2 (Phase)"

@@ -234,7 +234,7 @@ def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution(
             value = solved[name].sel(statistic="mean").values
             assert ((lower <= value) & (value <= upper)).all()
             assert (lower >= 0).all()
-    # Limits without interpolation error would lie on straight lines over the logarithm of the factor.
+    # Without interpolation error, the width would be linear in the logarithm of the height factor.
     areas = result.at(height_scale=[1, 2**0.25, 2**0.5])["contact_area"].squeeze()
     width = np.log(areas.sel(statistic="upper") / areas.sel(statistic="lower")).values
     assert width[1] > 1.01 * (width[0] + width[2]) / 2

@@ -82,7 +82,7 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
             np.testing.assert_allclose(
                 coefficients_at_load, intervals.average_correlated_values(coefficients), rtol=2e-3
             )
-        if load == "elastic":  # The contact area is that at the elastic load for each definition of the load.
+        if load == "elastic":  # The contact area depends on the elastic load only.
             area = np.array([curve.contact_area[0] for curve in curves])[order]
             np.testing.assert_allclose(table["contact_area"], intervals.average_correlated_values(area), rtol=1e-9)
 
@@ -155,7 +155,7 @@ GENERATED_STUDIES = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # derived from the mean load and the coefficient
+MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # computed from the mean load and the coefficient
 QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 

@@ -217,7 +217,7 @@ def test_interval_of_a_friction_coefficient_of_zero_starts_at_zero():
 def test_quantiles_of_finite_and_infinite_samples_have_the_bits_of_numpy_quantile(size):
     probabilities = np.array([0.0, 0.025, 0.05, 0.25, 0.5, 0.95, 0.975, 1.0])
     samples = np.random.default_rng(size).lognormal(size=size)
-    for values in (samples, samples.round(1)):  # without and with equal samples
+    for values in (samples, samples.round(1)):  # all samples different, and some samples equal
         np.testing.assert_array_equal(compute_quantiles(probabilities, values), np.quantile(values, probabilities))
         infinite = np.where(values > 2.0, np.inf, values)
         infinite[0] = np.inf

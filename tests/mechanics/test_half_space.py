@@ -610,7 +610,7 @@ def test_mean_slope_of_contacts_is_independent_of_the_compliance_fraction_of_the
         )
         mean_slopes.append((curve.tangential_elastic / curve.normal_elastic).mean())
     assert np.ptp(mean_slopes) < 0.05 * np.mean(mean_slopes)
-    # A patch opposes the motion with less than the mean slope of its points, most so for broad spectra.
+    # The mean slope of a patch is smaller than the mean slope magnitude of its points.
     assert 0.7 < np.mean(mean_slopes) / (slope / np.sqrt(4 * np.pi) * ratio / (1 + ratio**2)) < 1.0
 
 

@@ -415,7 +415,7 @@ def test_tangential_stiffness_is_finite_even_if_contact_pressures_reach_the_hard
     onset = curve.onset(0, mu0=0.3, tau0=0.02)
     assert onset.sliding_load == pytest.approx(0.3 * load + 0.02 * curve.contact_area[0], rel=1e-6)
     assert np.isfinite(onset.stiffness)
-    # All points carry the hardness, so the bound of the traction is uniform.
+    # The pressure equals the hardness at all points, so the limit of the traction is uniform.
     curve = half_space(
         Surface(np.zeros((9, 9)), spacing=1.0), create_paraboloid(9, 9.0, (1.0, 1.0)), [9.0], hardness=1.0
     )
@@ -458,7 +458,7 @@ def test_surfaces_in_full_contact_have_no_displacement_before_a_point_slips(shap
     onset = curve.onset(0, mu0=0.2, steps=fractions)
     assert onset.displacement[:8].tolist() == [0.0] * 8
     assert (np.diff(onset.displacement[7:]) > 0).all()
-    # Every displacement above 0 has one load, above the load of the first slip.
+    # Each displacement above 0 determines the tangential load, which exceeds the load of the first slip.
     at_displacement = curve.onset(0, mu0=0.2, displacements=onset.displacement[8:])
     np.testing.assert_allclose(at_displacement.tangential_load, onset.tangential_load[8:], rtol=1e-5)
 

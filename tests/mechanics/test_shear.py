@@ -192,7 +192,7 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
     assert result.status[0] == "self-locked"
     assert result.status[-1] == "ok"
     stiff_test = shear_test(pin, ramp, normal_stiffness="1 kPa/mm", **options)
-    assert (stiff_test.status[1:] == "not-solved").all()  # the load is unknown without a height at the start
+    assert (stiff_test.status[1:] == "not-solved").all()  # no height at the start, so the load is unknown
 
 
 def test_shear_test_of_faces_that_fit_perfectly_starts_without_force_at_zero_friction():

@@ -664,7 +664,7 @@ def test_positions_are_accepted_as_uniform_if_deviations_are_within_rounding(tmp
         read_measurement(path)
 
 
-# ---- Facts in headers of every shape ---------------------------------------------------------------------------------
+# ---- Sizes, units and spacings in headers of all table layouts -------------------------------------------------------
 
 
 def lines_in_table_shape(shape, heights):

@@ -42,9 +42,9 @@ struct SurfacePair {
   Vector2 spacing;  ///< (Δx, Δy): distance between columns, and distance between rows [µm]
 };
 
-/// Contact normal and relative curvatures at a point where two surfaces have the same slope p.
+/// Contact normal at a point where two surfaces have the same slope p, and principal curvatures of the gap there.
 /// `xx, xy, yy` [1/µm] is the Hessian matrix of the gap at the contact point.
-/// The relative curvatures are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
+/// The principal curvatures of the gap are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
 /// The eigenvalues of the Hessian are computed in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
@@ -60,7 +60,7 @@ struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap [µm] at the minimum when the first grid points come into contact.
+  /// Gap [µm] at the minimum when the approach of the surfaces is zero.
   /// The gap is slightly negative if the spline dips below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
@@ -77,7 +77,7 @@ struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
   /// Gaps [µm] at grid points where no neighbour has a smaller gap, in ascending order.
   std::vector<double> grid_minima;
-  /// Gaps [µm] at grid minima for which the four adjacent cells contain no minimum of the spline.
+  /// Gaps [µm] at grid minima in whose four adjacent cells the spline of the gap has no minimum.
   std::vector<double> unanswered;
   double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
@@ -98,7 +98,7 @@ inline constexpr double level_fraction = 0x1p-26;
 /// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
 /// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
 /// The gap between the two maps must not be the same at all points.
-/// Throws std::invalid_argument if a requirement is not met.
+/// Throws std::invalid_argument if shapes, heights or gap do not meet these requirements.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
@@ -111,7 +111,7 @@ struct ArealSums : Sums {
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   /// Number of grid minima: points whose gap is within the approach and not larger than any neighbour's gap.
   Index grid_minimum_count = 0;
-  /// Number of grid minima within the approach whose adjacent cells contain no minimum of the spline.
+  /// Number of those grid minima in whose four adjacent cells the spline of the gap has no minimum.
   Index unanswered_count = 0;
 };
 

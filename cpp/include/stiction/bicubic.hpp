@@ -10,9 +10,9 @@ namespace stiction {
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
-/// The heights are the inner elements of the array (at least 4 by 4). The outermost rows and columns are outputs only.
+/// The heights are the inner elements of the array, at least 4 by 4. The outermost rows and columns are outputs only.
 /// The round-off of the coefficients is about 1e-16 of the largest height.
-/// Throws std::invalid_argument for smaller arrays.
+/// Throws std::invalid_argument for fewer than 4 by 4 heights.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
 /// Compute slopes at every point of a map from natural cubic splines along the rows (x).

@@ -38,11 +38,11 @@ struct ProfilePair {
 /// Two asperities that face each other.
 /// The two asperities touch if the approach is at least `gap` and the rules of `classify` are met.
 struct Candidate {
-  /// Index of the grid point or, with `gap_minimum`, of the grid point to the left of the minimum.
+  /// Index of the grid point at the candidate or, with `gap_minimum`, to the left of the minimum of the gap.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap [µm] at the candidate when the first grid points come into contact.
+  /// Gap [µm] at the candidate when the approach of the profiles is zero.
   /// The gap is negative if a minimum between grid points is lower than all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
@@ -52,15 +52,15 @@ struct Candidate {
 /// Call visit(candidate) for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, candidates that cannot touch within their cells at approaches up to `deepest` may be omitted.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
-/// Throws std::invalid_argument if a requirement is not met.
+/// Throws std::invalid_argument if the profiles do not meet these requirements.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Compute the smallest gaps of a pair of profiles. Throws std::invalid_argument if their numbers of points differ.
+/// Compute the smallest gap in each block of points. Throws std::invalid_argument if the profiles differ in length.
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// Call visit(candidate) for every candidate of a pair whose smallest gaps `prefilter` already contains.
+/// Call visit(candidate) for every candidate. `prefilter` is the result of `run_prefilter` for the same profiles.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

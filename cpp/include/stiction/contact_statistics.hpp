@@ -30,7 +30,7 @@ struct ContactStatistics {
   std::vector<double> pressure_quantiles;  ///< quantiles of the weighted contact pressure [GPa]
 };
 
-/// Compute the statistics of the contacts in a table.
+/// Compute the statistics of the contacts that are listed in `table`.
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
 /// Pressure quantiles are interpolated between the centres of the intervals that the weights occupy in the cumulative
@@ -42,7 +42,7 @@ ContactStatistics contact_statistics(const ContactTable& table, Values probabili
 ContactStatistics patch_statistics(const ContactView& contact, const Grid& grid, Values probabilities,
                                    double max_small_cells);
 
-/// Return the load fraction on the points of a half-space contact that are marked on the grid.
+/// Return the fraction of the load of a half-space contact that acts on the marked grid points.
 /// Throws std::invalid_argument if a point is not on the grid.
 double load_fraction_on_marked_points(const ContactView& contact, std::span<const bool> marks);
 

@@ -81,7 +81,7 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
 
-// ---- Inline function, which runs for many intervals -----------------------------------------------------------------
+// ---- Inline function that is called for each marked interval --------------------------------------------------------
 
 inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                          double spacing, bool at_first_point) {

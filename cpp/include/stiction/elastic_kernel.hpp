@@ -127,7 +127,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision. A uniform pressure gets the largest compliance of all components.
+  /// Compute displacements in single precision. Uniform pressure is given the largest compliance of all waves.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
@@ -136,8 +136,8 @@ class StiffnessKernel {
   std::unique_ptr<const Transforms> transforms_;
 };
 
-/// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.
-/// On a periodic grid, uniform pressure displaces all points equally, and the deviation is zero.
+/// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
+/// On a periodic grid, uniform pressure displaces all points equally, and the standard deviation is zero.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

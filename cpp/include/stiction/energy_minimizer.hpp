@@ -70,8 +70,8 @@ class EnergyMinimizer {
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 
-  /// Return the state at the start of a minimisation under an external load, a mean pressure [GPa].
-  /// `pressure` and `attraction` [GPa] are the pressure and attraction of a nearby state.
+  /// Return the state from which a minimisation starts. `load` is the external load as a mean pressure [GPa].
+  /// `pressure` and `attraction` [GPa] are estimates of the solution, such as the solution at a similar load.
   MinimizationState start(Values pressure, Values attraction, double load, const ThreadPool& pool = ThreadPool());
 
   /// Perform a step, unless the minimisation ends.

@@ -41,7 +41,7 @@ class HalfSpaceGrids {
   /// Return the elastic kernels of a grid level, which are computed on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the rms deviation [µm/GPa] from the mean of the displacements that uniform pressure on a free grid causes.
+  /// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
@@ -58,7 +58,7 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Return memory that no other calculation uses.
+  /// Return a pointer to memory that no other calculation uses.
   /// After the pointer is destroyed, other calculations can use the memory.
   /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
   BorrowedMemory borrow_memory() const;
@@ -81,7 +81,7 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Gap plus displacement [µm] at the points with a pressure bound above 0, if each point has its own bound.
-  /// The array is empty if the solver did not converge, or did not compute the displacements of all these points.
+  /// The array is empty if the solver did not converge, or skipped displacements of points that cannot touch.
   std::vector<double> potential;
 };
 
@@ -109,7 +109,7 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which gaps and overlaps are divided to obtain a relative error.
-  /// The length is the larger of two rms deviations: of the gap, and of displacements at `mean_pressure` [GPa].
+  /// The length is the standard deviation of the gap or, if larger, of the displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
   /// Return the finest grid.

@@ -36,13 +36,13 @@ std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, Step
                                              const StepProgress& progress = {});
 
 /// Elastic response of a fixed set of contact points to the pressures that displace all points of the set equally.
-/// The sum of these pressures is 1.
+/// The pressures are scaled so that their sum is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact
   double weighted_displacement = 0.0;  ///< Σ pressure · uniform-pressure displacement [µm/GPa]
 };
 
-/// Compute the elastic response of each contact, given by the indices of its points.
+/// Compute the elastic response of each contact. `contacts` contains the indices of the points of each contact.
 /// `uniform_displacement` is the displacement of each grid point under a pressure of 1 GPa on all grid points.
 /// Throws std::invalid_argument in the same cases as `linear_response`, and if a point is not on the grid.
 std::vector<FixedContactResponse> fixed_contact_responses(const HalfSpaceGrids& grids,

@@ -29,7 +29,7 @@ struct HarmonicGrid {
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm], with the group profiles G_n, to row d, column j of `profiles`.
-/// The number of rows of `profiles` is that of weights, and the number of columns is the number of points.
+/// `profiles` has one row for each row of `weights`, and one column for each grid point.
 /// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
 /// Phases are stored as 64-bit fractions of a turn, which wrap exactly for any number of turns.
 /// The only error of an aliased harmonic's phase is the round-off of wavenumber times position in long double.

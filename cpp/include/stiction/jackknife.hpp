@@ -20,7 +20,7 @@ struct CurveView {
   Index step_stride;   ///< number of values from one step to the next
 };
 
-/// Points on curves at which the mean load reaches a given load. All members have the same length.
+/// Points on curves at which the mean load reaches a given load. All arrays have one element per point.
 struct CurvePoints {
   std::span<const Index> curve;  ///< index of the curve
   std::span<const Index> step;   ///< index of the step at or after the point
@@ -34,8 +34,8 @@ struct CurvePoints {
 inline constexpr Index jackknife_sum_rows = 10;
 
 /// Write power sums and minima over the repetitions to `sums` (`jackknife_sum_rows`, points).
-/// Rows 0 to 3 contain the sums of the first four powers of the changes of the logarithm of the mean value.
-/// Rows 4 to 7 contain the sums of the first four powers of the differences dv - s dn.
+/// With c the change of ln(mean value), rows 0 to 3 contain the sums of c, c², c³ and c⁴.
+/// With d = dv - s dn, rows 4 to 7 contain the sums of d, d², d³ and d⁴.
 /// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
 /// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,

@@ -27,7 +27,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
                                    double tolerance);
 
 /// Find the approaches [µm] between `left` and `right` at which the normal load reaches `loads` [mN].
-/// The normal load is computed for mu0 [-] and tau0 [GPa], and the relative tolerance is 1e-12.
+/// The normal load is computed for mu0 [-] and tau0 [GPa]. The approaches have a relative tolerance of 1e-12.
 /// Throws the same exceptions as `press`.
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model,

@@ -32,7 +32,7 @@ struct Patches {
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// View of a contact: points under pressure, with the arrays of Patches.
+/// View of a contact: pressures and the arrays of Patches, which the view does not own.
 struct ContactView {
   std::span<const std::int64_t> points;
   Values pressure;

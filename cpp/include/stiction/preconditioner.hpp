@@ -39,7 +39,7 @@ class Preconditioner {
   /// Return the periodic grid whose points represent the blocks into which an area is divided.
   static Grid block_grid(const Grid& area);
 
-  /// Create the preconditioner from the stencil on an area and the elastic kernel of its blocks.
+  /// Create the preconditioner. `stencil` applies to the points of the area, and `blocks` is the kernel of its blocks.
   /// The elastic kernel must outlive the preconditioner.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   /// The preconditioner reuses the memory of `arrays`, whose values are ignored.

@@ -27,13 +27,13 @@ namespace stiction {
 ///
 /// The preconditioner M acts on the whole grid, so the residual r is extended from free to constrained points.
 /// The best extension of r has the smallest r·Mr, which equals r·K⁻¹r on the free points.
-/// On areas, zeros at the constrained points give nearly the smallest r·Mr.
-/// On lines with short contacts, zeros at the constrained points give a much larger r·Mr.
+/// On areas, r is extended by zeros, which give nearly the smallest r·Mr.
+/// On lines with short contacts, zeros would give a much larger r·Mr than the best extension.
 /// On lines, r is interpolated linearly between free points, and M r is multiplied by the transposed interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
 /// After each step, the pressures are within their bounds, and their sum is the total.
-/// Restoring the total changes only pressures at free points, so no other point gets a small pressure.
+/// Restoring the total load changes only pressures at free points, so points out of contact keep zero pressure.
 /// The energy never increases. Polonsky & Keer, Wear 231 (1999) 206, describe the method.
 class ProjectedCgSolver {
  public:
@@ -129,7 +129,7 @@ class ProjectedCgSolver {
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
   // Array with 1 for each block that has a point with a pressure bound above 0, and with 0 for each other block.
-  // Potentials are not updated in blocks with 0. The array is empty if all points have the same bound.
+  // Potentials are not updated in blocks marked with 0. The array is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
