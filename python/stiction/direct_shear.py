@@ -264,7 +264,7 @@ def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return one shear test per strip of the faces, or raise an error if the faces do not allow so many strips."""
+    """Return one shear test per strip of the faces, or raise an error if that number of strips is impossible."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -352,7 +352,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _ShearTestSetup) -> str:
-    """Return a text that differs between shear tests with different inputs, for use as a key."""
+    """Return a text that identifies the inputs of a shear test: different inputs give different texts."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -388,7 +388,7 @@ def _build_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return the test to compute with the registration of its faces."""
+    """Check the arguments of a shear test, and return the prepared test and the registration of its faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

@@ -108,7 +108,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first measured pair that has contacts at the first load of the study, or None if no pair has any."""
+    """Return the first measured pair that touches at the first load of the study, or None if no pair touches."""
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")
@@ -125,10 +125,9 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
 
 
 def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Generate the first pair of profiles at the middle fractal dimension, and choose an approach with contacts.
+    """Generate the first pair of profiles at the middle fractal dimension, and choose an approach for their figure.
 
-    The approach is the median of the approaches at which at least one pair has contacts. Returns None if there is no
-    such approach.
+    The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.
     """
     study, cells = result.study, result.study.surfaces.cell_coordinates()
     counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values

@@ -113,7 +113,7 @@ def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = No
 
 
 def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
-    """Compute load, true area and approach of a typical adhesive member during loading and subsequent unloading.
+    """Compute load, true area and approach of a typical member during adhesive loading and unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.
     """
@@ -301,7 +301,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield each load (mN) with each selected member or, if none are selected, with the typical member at that load."""
+    """Yield pairs of load (mN) and member: all selected members or, by default, the typical member at the load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

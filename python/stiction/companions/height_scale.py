@@ -132,7 +132,7 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
-    """Return powers of 2 that enclose an interval of height factors, with exponents in steps of 1/2."""
+    """Return the powers 2^(n/2), with whole numbers n, that cover an interval of height factors."""
     first, last = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -241,7 +241,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute the results of a pair with scaled heights that are missing for an evaluation at given height factors.
+    """Compute and store the results of a pair with scaled heights, so that given height factors can be evaluated.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
@@ -347,7 +347,7 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        if "statistic" in unscaled_point[name].dims:  # `statistic` is the last dimension of every variable
+        if "statistic" in unscaled_point[name].dims:  # the last dimension of every variable that has it
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *unscaled_point[name].dims), interpolated, unscaled_point[name].attrs)
@@ -391,7 +391,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of the first member's bodies by side, or {} if scan files are missing."""
+    """Return the rms heights (µm) of the first member's upper and lower body, or {} if scan files are missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):

@@ -67,9 +67,9 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
 def import_fit_packages(study: Study) -> None:
-    """Import the packages that fit presliding models to the onset of a study in advance. The import takes 0.2 s.
+    """Import the packages that fit presliding models before the fit needs them, because the import takes 0.2 s.
 
-    Nothing is imported for a free half-plane, whose curve has no displacements and is not fitted.
+    Nothing is imported for a free half-plane, because an onset curve without displacements is not fitted.
     """
     contact: Any = study.contact
     if study.is_areal or not study.uses_half_space or contact.boundary == "periodic":
@@ -265,7 +265,7 @@ class OnsetCurvePoint:
     displacement: Estimate  # tangential displacement (µm)
     slipped_area: Estimate  # slipping fraction of the contact area
     slipped_load: Estimate  # fraction of the normal load on slipping contacts
-    energy_lost: Estimate  # energy (mN µm) dissipated in a cycle with the tangential load as amplitude
+    energy_lost: Estimate  # energy (mN µm) dissipated in a load cycle whose amplitude is the tangential load
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,7 @@ class OnsetValues:
     stiffness: Estimate  # initial tangential stiffness (mN/µm)
     unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
     curve: dict[float, OnsetCurvePoint]  # points of the onset curve, by tangential load divided by sliding load
-    models: dict[str, dict[str, float]]  # fitted parameters by presliding model; empty if the fit failed
+    models: dict[str, dict[str, float]]  # fitted parameters of each presliding model; empty if the fit failed
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:

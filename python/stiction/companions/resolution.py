@@ -154,10 +154,10 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which the elastic pressure is `ratio` times the pressure of the scans.
+        """Estimate the cutoff (µm) at which the elastic contact pressure is `ratio` times that of the scans.
 
-        The pressure of the scans applies to the shortest resolved wavelength. Returns the cutoff with its lower and
-        upper limit.
+        The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
+        limit.
         """
         gradient = ratio * float(self.roughness.gradient_at(self.shortest))
         kappa_factor = float(brackets.kappa_uncertainty_factor(np.array(contact_count)))
@@ -212,7 +212,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds of mu_s and of the area fraction for all finer scans, which follow from yielding.
+    """Return the lower bounds that yielding sets to mu_s and to the area fraction of all finer scans.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -229,7 +229,7 @@ class YieldWavelengthEstimate:
     """Cutoff wavelength (µm) at which the elastic pressure reaches a given hardness H, and friction mu0 + tau0/H."""
 
     hardness: float
-    wavelength: Estimate  # cutoff wavelength (µm); NaN if the pressure reaches the hardness at none
+    wavelength: Estimate  # cutoff wavelength (µm); NaN if the pressure reaches the hardness at no cutoff
     friction: float
 
 
@@ -386,7 +386,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate friction in closed form from the joined spectra of several scans, or return None if no body has one."""
+    """Estimate friction in closed form from joined spectra, or return None if neither body has a joined spectrum."""
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

@@ -116,8 +116,7 @@ def at_load(
         # `load_definition_effect` compares the coefficient at an elastic load with the coefficient at an equal normal
         # load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Ensemble means neglect that contacts grow or lose area under shear, so the compared coefficient neglects it,
-        # too.
+        # Neglect growth and loss of area under shear in the compared coefficient, because ensemble means neglect both.
         other_result = (
             result
             if load_definition != "mean"
@@ -159,7 +158,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Return small-slope estimates of the coefficient for gaps with given rms gradients and rms slopes.
+    """Return small-slope estimates of the friction coefficient from the rms gradients and rms slopes of gaps.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

@@ -129,11 +129,11 @@ def _evaluate_alternatives_uncached(
     }
 
 
-_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of each variable
+_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of each variable, by its name
 
 
 def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
-    """Return the combined interval of the coefficient at a load (mN), for joint samples of mu0 and tau0.
+    """Return the combined interval of the coefficient at a load (mN), for the samples of mu0 and tau0 in `strength`.
 
     The sliding rule is the rule under which mu0 and tau0 were fitted. The fitted α of junction growth is used if the
     interface was calibrated with the junction growth of the result. The interval does not cover alternative
@@ -277,9 +277,9 @@ _SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]
 
 
 def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
-    """Return the uncertain inputs, and the joint samples of mu0 and tau0 of a calibrated interface.
+    """Return the uncertain inputs, and samples from the joint distribution of a calibrated interface's mu0 and tau0.
 
-    Inputs that the interface was calibrated with are replaced by the joint samples. Without an interface, there are no
+    The samples replace the inputs with which the interface was calibrated. Without an interface, there are no
     samples. If given, `strength` replaces the interface of the inputs.
     """
     inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
@@ -300,7 +300,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the label of a calibrated interface in the budget, with the names of all inputs that samples replace."""
+    """Return the budget label of a calibrated interface, which names the inputs that are sampled with mu0 and tau0."""
     _, _, hardness, growth = joint_samples
     labels = [
         study_inputs.uncertain[name].label
@@ -311,10 +311,10 @@ def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms slope of the gap) that is due to the roughness drift along single scans.
+    """Return the standard deviation of ln(rms slope of the gap) due to the roughness drift along a single scan.
 
-    The keys are the sources: upper scans and lower scans. The slope at another place on a part is assumed to differ by
-    as much as the slopes at the two ends of the scan.
+    The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a part is
+    assumed to differ by as much as the slopes at the two ends of the scan.
     """
     names = zip(SIDES, (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME), strict=True)
     return {name: float(np.prod(attributes[f"{side}_drift"])) for side, name in names if f"{side}_drift" in attributes}
@@ -339,7 +339,7 @@ def _average_pairs_of_scans(
 
 
 class _CombinedQuantities:
-    """Tables of the combined intervals of all quantities except friction, filled by one coefficient after another."""
+    """Combined intervals of all quantities except friction. Each friction coefficient widens them in turn."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
@@ -350,12 +350,12 @@ class _CombinedQuantities:
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
     def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Widen the intervals in all tables to include the combined intervals computed for one coefficient."""
+        """Widen the intervals of all quantities so that they include the intervals computed with one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity without one of the dimensions has one interval for all indices of that dimension: extend the
-            # interval only once, at index 0.
+            # A quantity that does not vary along a dimension has one interval for all indices of this dimension:
+            # extend the interval only once, at index 0.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -374,7 +374,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the combined intervals computed for each coefficient, with its indices along `dims`.
+    """Yield each coefficient's indices along `dims`, with the combined intervals computed with the coefficient.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """

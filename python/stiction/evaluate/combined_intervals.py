@@ -83,7 +83,7 @@ The ratio states by which factor uncertain inputs change the quantity.
 def compute_quantity_ratios(
     response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return the quantities of a contact except its closure, each divided by its amount at the central inputs.
+    """Return the quantities of a contact except the closure, each relative to its value at the central inputs.
 
     `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
     """
@@ -210,8 +210,8 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
-        # The first element of `strengths` contains joint samples of mu0 and tau0. In further elements, mu0 or tau0 is
-        # 0.
+        # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
+        # is 0.
         self.strengths = strengths
         self.drifts = drifts
         self._central = central
@@ -224,7 +224,7 @@ class CombinedIntervals:
         self.value, self.sampling = value, (lower, upper)
         # Range of coefficients that finer scans could give.
         self.finest: tuple[float, float] | None = None
-        # The same range, widened by the interval of the mean.
+        # Range of coefficients that finer scans could give, widened by the interval of the mean.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -335,18 +335,18 @@ class CombinedIntervals:
         return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
 
     def predict_percentiles(self) -> Floats:
-        """Return the percentiles `FRICTION_PERCENTILES` of single tests, widened to enclose the coefficient."""
+        """Return the `FRICTION_PERCENTILES` of the coefficient in single tests, widened to enclose the mean."""
         by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
     @cached_property
     def _next_tests(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient that one more test in one direction would give, and of its upper limit.
+        """Samples of the coefficient in one more test in one direction, and samples of its upper limit, as pairs.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
-        of arrays. With joint samples of mu0 and tau0, further pairs have mu0 = 0 or tau0 = 0.
+        of arrays. For a calibrated interface, further pairs have mu0 = 0 or tau0 = 0.
         """
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
         scatter = math.sqrt(math.log1p(self.scatter**2))
@@ -375,7 +375,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Return quantities of the contact with combined intervals, in which uncertain inputs are included.
+        """Replace the intervals of the mean of contact quantities by combined intervals, which cover uncertain inputs.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -440,14 +440,14 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with an interval without upper limit if friction is unlimited at the central inputs, otherwise empty."""
+        """List with the interval [value, ∞) if friction has no upper limit at the central inputs, otherwise empty."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient and of its upper limit, times `factor`, for each element of `strengths`."""
+        """Return samples of the coefficient and of its upper limit, times `factor`: a pair per item of `strengths`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -489,10 +489,11 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return areas before shear and yield pressures from the cache, or None for both with samples of an interface.
+        """Return areas before shear and yield pressures from the cache, or None for both with a calibrated interface.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
-        depends on the depth of the contacts. Neither is cached for joint samples, which may include the hardness.
+        depends on the depth of the contacts. The samples of a calibrated interface may include the hardness, so neither
+        is cached.
         """
         if self.strengths:
             return None, None
@@ -554,7 +555,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return samples of Student's t distribution, computed from the last coordinate of Sobol points."""
+    """Return samples of Student's t distribution, one for the last coordinate of each stratified sample point."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
@@ -610,7 +611,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return quantiles with the bits of `numpy.quantile`, without an axis in a fifth of the time.
+    """Return the same quantiles as `numpy.quantile`, to the last bit. Without an axis, this takes a fifth of the time.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """

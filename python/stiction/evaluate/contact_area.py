@@ -129,7 +129,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or the elastic area if it is None."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa); None means elastic contacts."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -141,7 +141,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding, for the same arguments as `__call__`.
+        """Return area and yielding of the contacts at the onset of sliding, for the same arguments as `__call__`.
 
         `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before.
         """
@@ -156,11 +156,11 @@ class AreaFunction:
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
-    """True areas (µm²) that a result stores, averaged over members, as arrays over cutoffs and loading steps."""
+    """True areas (µm²) that a result stores, averaged over members, as arrays (cutoffs, loading steps)."""
 
     all_members: Floats  # true areas, averaged over all members
     elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
-    elastic: Floats  # elastic areas, averaged over the latter members or estimated; NaN if the study needs none
+    elastic: Floats  # elastic areas, averaged over the same members or estimated; NaN if the study needs none
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -250,10 +250,10 @@ def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: 
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depths (µm) of indentations that are as large as the contacts, over cutoffs and loading steps.
+    """Return the depths (µm) of indentations as large as the mean contact, as an array (cutoffs, loading steps).
 
-    It is None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area at
-    the measured hardness.
+    Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
+    at the measured hardness.
     """
     contact: Any = result.study.contact
     if contact.indent is None:
@@ -266,14 +266,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on the contacts, including the attraction, over cutoffs and loading steps."""
+    """Return the mean load (mN) on the contacts, including the attraction, as an array (cutoffs, loading steps)."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas (µm²) of a result that stores only areas with the pressure limited to the hardness.
+    """Estimate the elastic areas (µm²) for a result that stores only areas at pressures limited to the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -306,9 +306,10 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the true area divided by the stored capped area, as an array over cutoffs and loading steps.
+    """Return the true area divided by the stored area, as an array (cutoffs, loading steps).
 
-    The result is None if both areas are equal, because the bodies are elastic or the result has no elastic areas.
+    The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
+    because the bodies are elastic or the result has no elastic areas.
     """
     if "elastic_area" not in result.head.variables:
         return None
@@ -320,7 +321,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the true area at a hardness (GPa) divided by the stored capped area, over cutoffs and loading steps."""
+    """Return the factors of `compute_yield_factors` at a given hardness (GPa) of the contacts."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -339,7 +340,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield groups of members in which sums over areas are scaled to the true area of yielding contacts.
+    """Yield groups of members, in which areas summed over contacts are scaled to the true area of yielding contacts.
 
     The scaled sums are `AREA_SUMS`. All other sums are those of the half-space solution.
     """

@@ -365,7 +365,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return the deviation from the mean within each window of loading steps, and 0 outside the window."""
+        """Return the deviation of each curve from its mean in a window of loading steps, and 0 outside the window."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -414,7 +414,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile and t density."""
+    """Return constants of the autoregressive models: 1' R^-1 1, inflation of the variance, t quantile, t density."""
     rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2

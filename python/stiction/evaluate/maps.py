@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # Maximum number of points of load curves that are in memory together for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
-# Dimensions of a result that distinguish its cells.
+# Dimensions whose combinations are the cells of a result: one roughness or one cutoff each.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
 MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results for several sliding rules or directions
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
@@ -421,12 +421,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table (curves, loads), in which curves run over mu0 and tau0, to an array (loads, mu0, tau0)."""
+    """Reshape a table (curves, loads), with one curve per mu0 and tau0, to an array (loads, mu0, tau0)."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums of all members, followed by the sums that give each named quantity.
+    """Return the contact sums of all members, followed by the sums from which each named quantity is computed.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -480,9 +480,10 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average the sums of `_compute_sums`, and the operands of ratios, over all members, and count the members.
+    """Average the sums of `_compute_sums`, and the numerators and denominators of ratios, over all members.
 
-    The averages of sums have an axis of length 1 for the members.
+    Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
+    sums have an axis of length 1 for the members.
     """
     total_sums: list[ContactSums] = []
     total_operands: dict[str, Floats] = dict.fromkeys(operand_names, np.zeros(()))

@@ -33,7 +33,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class LoadNeighbors:
-    """Quantities of all members at the computed loads below and above each requested load, for interpolation.
+    """Quantities of all members at two computed loads, one below and one above each requested load.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """

@@ -57,7 +57,7 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one per sample. The number of samples is smaller for many displacements."""
+    """Return points of a Sobol sequence, one per sample. For many displacements, fewer samples are drawn."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -193,9 +193,9 @@ class _StripMeanErrors:
     counts: _Samples
 
     def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return the deviations of a mean over strips at given probabilities (first axis), by Student's t distribution.
+        """Return the quantiles of the error of a mean over strips at given probabilities (first axis).
 
-        The deviations are NaN if fewer than two strips have a solution.
+        The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
         from scipy.special import stdtrit
 
@@ -284,7 +284,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # all samples peak at one computed displacement, but the true peak may lie between two of them
+            # all samples peak at one computed displacement, but the true peak may lie between two displacements
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
