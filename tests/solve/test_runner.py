@@ -161,7 +161,8 @@ def test_run_function_rejects_a_study_whose_result_would_exceed_the_memory(tmp_p
     )
     with pytest.raises(
         ValueError,
-        match=r"a repetition would take \d+ GiB, more than the limit of 16 GiB; reduce the number of values of contact",
+        match=r"a repetition would take \d+ GiB of memory, more than the limit of 16 GiB; reduce the number of values "
+        r"of contact",
     ):
         runner.compute_missing_blocks(study_of_large_members, tmp_path / "r")
     assert list(tmp_path.iterdir()) == []

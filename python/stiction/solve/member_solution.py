@@ -585,7 +585,7 @@ def _list_loading_steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
-    """Compute the contact sums of generated profiles in the asperity model, for batches of several fractal dimensions.
+    """Compute the contact sums of generated profiles in the asperity model, one batch of fractal dimensions at a time.
 
     Yields the range of fractal dimensions in a batch, with contact sums as arrays of the shape (fractal dimensions,
     amplitudes, sliding rules, steps). Quantities that do not depend on the motion have a single sliding rule.

@@ -63,7 +63,7 @@ class MembersInProgress:
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Return a new record for a member, including the steps that an interrupted run of the member has stored."""
+        """Add a member, and return its new record, which contains the steps stored by an interrupted run."""
         record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
         self._records[member] = record
         return record
@@ -100,7 +100,7 @@ def compute_steps_key(inputs: str) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that writes a member's steps to a result directory, and reads the steps of an earlier run."""
+    """Return a record that writes a member's finished steps to files, and reads the files of an interrupted run."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
@@ -149,7 +149,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record of a member's computation that stores finished steps, and reads the steps of an interrupted run."""
+    """Record of the finished steps of a member in a directory, which also serves to resume an interrupted run."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()

@@ -138,7 +138,7 @@ def prepare_result_directory(
     if (size := compute_bytes_per_member(study)) > MAX_BYTES_IN_MEMORY:
         keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
         raise StudyError(
-            f"a repetition would take {size / 2**30:.0f} GiB, more than the limit of "
+            f"a repetition would take {size / 2**30:.0f} GiB of memory, more than the limit of "
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
             f"contact.{study.step_quantity} or {keys}"
         )
@@ -456,7 +456,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members, and write the block file or, without access to the directory, return its content."""
+    """Compute a block of members, and write the block file or, if the directory is not accessible, return its bytes."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))

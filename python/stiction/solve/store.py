@@ -139,7 +139,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Block files of the result, each with the index of its first member to read and of the member after the last.
+        """Block files of the result, each with the range of members to read: first index, and last index plus 1.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -270,7 +270,7 @@ class StoredResult:
         return build_dataset(self.study, member_numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Read the arrays of a block of members, at least the arrays in `names`.
+        """Read a block of members: the arrays in `names`, or all arrays if the block has not been checked yet.
 
         The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
@@ -788,7 +788,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import the packages that encode blocks in advance, so that the first block does not wait for the import.
+    """Import the packages that encode blocks before a block is complete, so that the block does not wait for them.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.
@@ -930,7 +930,7 @@ def decode_members(content: bytes) -> BlockFileContent:
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
-    """Raise a `DamagedFileError` if arrays of members contain values that no computation returns.
+    """Raise a `DamagedFileError` if arrays of members contain values that a computation cannot return.
 
     Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
     fails at a load, all contact sums are NaN. A contact that carries a load has an area.

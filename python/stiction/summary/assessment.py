@@ -153,7 +153,7 @@ class LimitCheck(NamedTuple):
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat of a failed check, with the number inserted in its text."""
+        """Return the caveat of a failed check. Its text contains the number that is compared, or a related number."""
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
@@ -367,7 +367,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit that any check of the contacts sets for the named number, or None if no check has one."""
+    """Return the lowest limit among the contact checks of the named number, or None if no check has this number."""
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
@@ -386,7 +386,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers that checks compare with their limits: an array over result points for each name.
+    """Compute the numbers that are checked against limits, by name, each as an array over result points.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -481,7 +481,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return the caveats of each result point of generated bodies, which follow from statuses and checked numbers.
+    """Return the caveats of each result point of generated bodies, from its status and the numbers that are checked.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;

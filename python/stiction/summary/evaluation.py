@@ -80,7 +80,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset of sliding to the sliding load that follows from the coefficient for the rule "all".
+        """Scale a computed onset of sliding to the sliding load that follows from friction at all contacts.
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -173,7 +173,7 @@ class Evaluation(MemberSums):
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Quantities at the loads, mu0 and tau0 of the study for all fractal dimensions of the result."""
+        """Quantities for all fractal dimensions of the result, at the loads, mu0 and tau0 of the study."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -469,12 +469,12 @@ class Evaluation(MemberSums):
 
     @property
     def value(self) -> float:
-        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN if there is none."""
+        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN without a coefficient."""
         return self._first_reported_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, with inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property

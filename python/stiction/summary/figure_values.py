@@ -120,7 +120,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces over the fractal dimension, for each mu0 and the extreme tau0."""
+    """Evaluate friction of generated surfaces over the fractal dimension, for each mu0, lowest and highest tau0."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -157,7 +157,7 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads, for mu0 and tau0 in the entry `onset`.
+    """Evaluate the onset of sliding of generated surfaces at a few loads, with the settings in `contact.onset`.
 
     Returns None if the study computes no onset. Raises a `ValueError` if no pair is in contact.
     """

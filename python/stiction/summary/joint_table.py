@@ -70,7 +70,7 @@ class JointUnits:
         return cls(*text.split(","))
 
     def convert(self, estimate: Estimate) -> Estimate:
-        """Convert an estimate to these units. An estimate without a unit is returned unchanged."""
+        """Convert an estimate to this unit system. An estimate without a unit is returned unchanged."""
         length, pressure = quantity(f"1 {self.length}", "length"), quantity(f"1 {self.pressure}", "pressure")
         conversions = {
             "um": (self.length, float(length)),
@@ -113,7 +113,7 @@ class JointRow:
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Return the percentile 5, 50 or 95 of the static friction coefficient in a single test."""
+        """Return the 5th, 50th or 95th percentile of the static friction coefficient in a single test."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
@@ -143,9 +143,10 @@ class JointTable:
 
 
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
-    """Return the computed loads (mN) of a measured pair, with loads inserted so that no ratio exceeds `MAX_LOAD_RATIO`.
+    """Return the computed loads (mN) of a measured pair, and further loads between them.
 
-    The further loads belong to nominal pressures of four significant digits. Raises a `ValueError` if the bodies were
+    The ratio of neighbouring loads is at most about `MAX_LOAD_RATIO`. The further loads belong to nominal pressures of
+    four significant digits. Raises a `ValueError` if the bodies were
     generated.
     """
     if nominal_area is None or not study.is_measured:

@@ -63,7 +63,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Grid of loads, mu0 and tau0 that a report offers, with its kinds of members and its groups of directions.
+    """Grid of loads, mu0 and tau0 that a report offers, for several kinds of members and groups of directions.
 
     Attributes
     ----------

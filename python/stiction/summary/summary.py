@@ -285,7 +285,7 @@ class PointSummary:
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
-        """Caveats because of which `value` must not be quoted."""
+        """Caveats that forbid quoting `value`."""
         return tuple(caveat for caveat in self.caveats if caveat.severity == "fault")
 
     @property
@@ -350,10 +350,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points that are reported.
-
-        Points at a second cutoff are omitted, because the reported intervals include them.
-        """
+        """Result points for output, without points at a second cutoff, which the intervals of other points include."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -567,7 +564,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return "ok" if the coefficient has a value that is more than a lower limit, or else its status."""
+    """Return the status of a coefficient that is missing or only a lower limit, or else "ok"."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -603,7 +600,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, otherwise the alphabetically first of the other statuses."""
+    """Return "ok" if all directions have the status "ok", or else the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -683,7 +680,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the part of a coefficient under the rule "all" that is due to roughness, or None if it is unknown.
+    """Return the contribution of roughness to a coefficient under the rule "all", or None if it is unknown.
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also
