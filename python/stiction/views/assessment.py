@@ -90,7 +90,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return a number in its base unit, given as the texts of the number and of its unit with prefix."""
+    """Convert two texts, a number and its unit with a prefix such as "kPa", to a number in the base unit."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 

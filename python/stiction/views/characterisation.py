@@ -36,7 +36,7 @@ NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
 _MIN_PEAK_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
-# Dispersion of a spectrum about its fit above which the scatter of the spectrum is reported.
+# Minimum dispersion of a spectrum about its fit for which the scatter is reported.
 _MAX_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {
@@ -308,7 +308,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the spectral density at the longest wavelength of a band, relative to still longer wavelengths.
+        """Return the mean spectral density near the longest wavelength of a band, relative to that above the band.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """

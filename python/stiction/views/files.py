@@ -91,7 +91,7 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Raise the errors of `write_joint_table` that a file name or units cause, before the table is computed."""
+    """Check file name and units before a joint table is computed. Raises the same errors as `write_joint_table`."""
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)

@@ -105,7 +105,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return a text on a table: how many coefficients have each assessment, and the most frequent remedies.
+    """Return how many coefficients of a table have each assessment, and the most frequent remedies, as text.
 
     `summary` contains the caveats about the coefficients in the table. The text is empty if every coefficient may be
     quoted.

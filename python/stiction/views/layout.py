@@ -145,7 +145,7 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width, and return the rows that result, with empty other cells."""
+    """Wrap the first cell of a row to a width. Returns the row, and a further row for each further line of the cell."""
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 

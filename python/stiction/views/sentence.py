@@ -196,7 +196,7 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets, or "" if the result point does not have the central value."""
+    """Return the range of mu0 or tau0 in brackets, or "" if a result point does not have its central value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
 
@@ -266,7 +266,7 @@ def point_note_text(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return what all result points share as text: inputs, averaged members, and assumptions."""
+    """Return as text what all result points have in common: inputs, averaged members, and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -288,7 +288,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are
 
 
 def lay_assumption(study: Study) -> str:
-    """Return the lay that measured profiles or surrogates are assumed to have as text, or "" for other surfaces."""
+    """Return as text the lay that is assumed for measured profiles or surrogates, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -396,7 +396,7 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return a sentence on what mu0, adhesion and slopes contribute to friction, or "" if it is unknown."""
+    """Return a sentence on the contributions of mu0, adhesion and slopes to friction, or "" if they are unknown."""
     if point.contributions is None:
         return ""
     mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)

@@ -320,7 +320,7 @@ def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
 
 
 def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
-    """Return the rows of a table of a shear test at given displacements. The first row contains the headings."""
+    """Return a shear test as table rows: headings, and one row for each displacement in `indices`."""
     columns = [
         _format_column(
             test, name, float(np.max(np.abs(test[name].values), initial=0.0, where=np.isfinite(test[name].values)))

@@ -124,7 +124,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the classes that have a key, or of a base class if all its classes have the key."""
+    """Return the names of the classes that have a key. If all subclasses of a base have it, return the base's name."""
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
         for item in base_classes

@@ -204,7 +204,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 
 
 def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence on loads without a coefficient, and on what to do to compute it.
+    """Return a sentence on loads without a coefficient, and on how to compute their coefficients.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """
@@ -331,7 +331,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a sentence on adhesion at zero load in a list, or an empty list if the bodies do not adhere."""
+    """Return a list with a sentence on adhesion at zero load, or an empty list if the bodies do not adhere."""
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
@@ -378,7 +378,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients under all sliding rules in the order of the columns in tables of directions.
+    """Return a result point's coefficients, one per sliding rule, in the order of columns in tables of directions.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

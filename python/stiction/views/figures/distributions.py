@@ -119,7 +119,8 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 def _find_direction_of_labels(degrees: Floats) -> float:
     """Return the direction (degrees) in the first quadrant that is farthest from all points and from the spokes."""
-    candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])  # the first of equally distant ones is used
+    # Use the first of several equally distant directions.
+    candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
     distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)
     return float(candidates[distances.argmax()])

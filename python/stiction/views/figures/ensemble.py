@@ -60,7 +60,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines that state deviations from the paper's model and motion, and an unfinished ensemble."""
+    """Return heading lines: contact model, sliding rule and direction unless as in the paper, and missing members."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -172,7 +172,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the load fraction on contacts with too large an overlap for Hertz theory, in the shape of a quantity.
+    """Return the load fraction on contacts whose overlap is too large for Hertz theory, as an array over `points`.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """

@@ -183,7 +183,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return rows, columns and edges (µm) of the zoom window of a map with the most contact points."""
+    """Return rows, columns and edges (µm) of the magnified window of a map, around the densest contact points."""
     from scipy.ndimage import gaussian_filter
 
     is_contact = np.isfinite(onset["slip"].values)

@@ -184,7 +184,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Return the indices of the surfaces and of the load that a page shows first: the narrowest relative interval."""
+    """Return the indices of the surfaces and load with the narrowest relative interval, which a page shows first."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -200,7 +200,7 @@ def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or failed check for the page scripts: text, remedy, severity, and the key of its number."""
+    """Return a caveat or failed check for the page scripts: text, remedy, severity, and name of its number."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _has_number(reason) else None,

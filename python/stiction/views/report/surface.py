@@ -28,7 +28,7 @@ MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> HtmlPage:
-    """Return the report on a levelled profile or surface, with the command and how the file was read.
+    """Return the report on a levelled profile or surface, including the command and the reading options.
 
     `options` are the options of `characterisation_text`.
     """
