@@ -23,7 +23,7 @@ def split_values(value: Any) -> list[Any]:
 def _count_dimensions(value: Any) -> int | None:
     try:
         return np.ndim(value)
-    except ValueError:  # rows of different lengths are no array
+    except ValueError:  # rows of different lengths do not form an array
         return None
 
 

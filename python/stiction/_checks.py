@@ -109,7 +109,7 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless an argument is an instance of `kind`, which the message describes by `words`."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`. The message describes `kind` by `words`."""
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 

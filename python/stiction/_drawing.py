@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height that two scans have in common and the rms noise of one scan, in octaves of wavelength."""
+    """Draw the rms height common to two scans, and the rms noise of one scan, for each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of round length in the lower right corner of a map, whose sides (µm) are in `box`."""
+    """Draw a scale bar of round length in the lower right corner of a map. `box` contains the map's sides (µm)."""
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -149,7 +149,7 @@ def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients over the load (mN), one curve per direction, mu0 and tau0."""
+    """Draw friction coefficients over the load (mN): one curve for each combination of direction, mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")

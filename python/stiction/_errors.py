@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Replacements for the placeholders in a message. Placeholders without a replacement are names of arguments."""
+    """Texts that replace the placeholders in a message. Any other placeholder is replaced by its argument's name."""
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)

@@ -16,12 +16,13 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 # maximum number of significant digits of a printed number, even if its interval is very narrow
 MAX_SIGNIFICANT_DIGITS = 4
 UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
-# Multiple of the value above which the upper limit is printed with one digit.
+# Ratio of upper limit to value above which the limit is printed with one digit.
 MAX_FULL_PRECISION_END_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # code that is stored as the number of decimals of the upper limit if no interval is printed
 # Code that is stored as the number of decimals of an upper limit printed with one digit and an exponent ("5e+09").
 EXPONENT_CODE = -127
-MAX_DECIMALS = 100  # limit of the number of decimals, which may be negative: from -MAX_DECIMALS to MAX_DECIMALS
+# Largest number of decimals, and largest number of digits before the decimal point that rounding may replace by 0.
+MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
 """Kind of the interval of an estimate; "" if there is no interval.
@@ -111,7 +112,7 @@ class Estimate:
 
     @property
     def table_text(self) -> str:
-        """Text of the estimate in a table, which is `text` or, without an interval, contains "no interval"."""
+        """Text of the estimate in a table: `text()`, followed by "no interval" if the interval is unknown."""
         is_missing_interval = not (math.isnan(self.value) or self.has_interval)
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
@@ -209,9 +210,9 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return two numbers of decimals for each estimate: for value and lower limit, and for the upper limit.
+    """Return how many decimals of each estimate are printed: for value and lower limit, and for the upper limit.
 
-    Decimals are negative for numbers that are rounded to tens or more. The decimals of the upper limit are
+    The number of decimals is negative for numbers that are rounded to tens or more. The second array contains
     `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
     explained at `Estimate.text`.
     """
@@ -235,7 +236,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals that gives `digits` digits of the half width, and 2 to 4 digits of the value."""
+    """Return the number of decimals that shows `digits` digits of the half width, and 2 to 4 digits of the value."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -256,7 +257,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the decimal exponent of each value in scientific notation: 0 for 0, not finite for NaN and infinity."""
+    """Return the exponent of each value in scientific notation: 0 for 0, NaN for NaN, and infinity for infinity."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))

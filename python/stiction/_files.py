@@ -29,7 +29,7 @@ MAX_PARTIAL_FILE_AGE = 3600.0
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 _PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because process ids are reused
-# Number of bytes at the start and at the end of a file in which its signature is searched.
+# Number of bytes at the start and at the end of a file that are searched for the bytes `mark`.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -104,9 +104,9 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 @contextmanager
 def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) -> Iterator[Path]:
-    """Yield an empty partial file in the directory of `path`.
+    """Yield an empty file under a temporary name in the directory of `path`.
 
-    `move_file` moves it to `path` after success. After an error, the partial file is removed.
+    After success, `move_file` moves the file to `path`. After an error, the file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
     try:  # create the file inside `try`, so that it is removed even if Ctrl-C follows immediately
@@ -119,12 +119,12 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
 
 
 def new_partial_file_name() -> str:
-    """Return a name for a partial file that no other partial file has."""
+    """Return a unique name for a partial file, that is, for a file that is still being written."""
     return f".stiction-{_MACHINE_TOKEN}-{os.getpid()}-{_PROCESS_TOKEN}-{secrets.token_hex(4)}.partial"
 
 
 class DirectoryClaim:
-    """Claim of a run on a directory: a partial file that exists until the context ends.
+    """Claim of a run on a directory: a partial file that exists until the `with` block ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -228,7 +228,7 @@ def _contains_file_mark(path: Path, mark: bytes) -> bool:
 
 
 class UnreadableFileError(Exception):
-    """Error raised if a path is not a regular file, or if its content is too long or begins differently."""
+    """Error raised if a path is not a regular file, or if the file is too long or starts with unexpected bytes."""
 
 
 def check_is_file(path: Path) -> None:

@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format for numbers of at least a certain size, which are divided by `factor` and rounded.
+    """Format for numbers of at least a certain size: a number is divided by `factor`, rounded, and put in `text`.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ MIN_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of number, such as "percent", in descending order of the size of the numbers.
+    """Return the formats for a kind of number, such as "percent". The format for the largest numbers is the first.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose lower limit is at most |value|. The values 0 and NaN count as 1."""
+    """Return the first item whose lower limit is at most |value|, or at most 1 if the value is 0 or NaN."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
 

@@ -22,7 +22,7 @@ NOTEBOOK_IMAGE_DPI = 110  # resolution (dots per inch) of images in a notebook
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height (inches) of images in a notebook
 # Maximum width (inches) of a one-column figure, whose image has a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
-# zlib level; half the time of level 6, and images of maps are 10 % larger.
+# zlib compression level. It takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}

@@ -1,4 +1,4 @@
-"""Texts from files and users in the form in which a terminal shows them: printable and of limited length."""
+"""Conversion of texts from files and users to printable texts of limited length, for a terminal."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ KILLED_PROCESS_TIMEOUT = 1.0  # time (s) that the app waits for a killed process
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command of the app may print
 JOB_MEMORY_FRACTION = 0.5  # fraction of the machine's memory that a running command may use
-# Fraction of the machine's memory that each of two short processes and each preview may use.
+# Fraction of the machine's memory that a preview may use, and each of the two short processes that may run at once.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
@@ -67,7 +67,7 @@ class Job:
     title: str
     arguments: list[str]  # arguments of a `stiction` command
     directory: Path
-    # Scans and options for a preview with the asperity model, if there is one.
+    # Scans and options for a preview with the asperity model, or None for a command without a preview.
     preview: tuple[list[str], Any] | None = None
     state: str = "waiting"  # state of a job: "waiting", "running", "done", "stopped" or "failed"
     file_stem: str = ""  # name without extension that saved files of the result get
@@ -129,7 +129,7 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. If a part of its result is stored, the computation resumes there.
+        """Add a command to the queue. If its result is partly stored, only the missing part is computed.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -148,7 +148,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. The data of a waiting job name the job that runs before it."""
+        """Return the data of all jobs for the page. For a waiting job, the data name the job before it."""
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -267,7 +267,7 @@ class JobQueue:
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command, and read its result each time the number of members has doubled."""
-        num_reported = 2  # number of members in the last result that was read; the first has at least twice as many
+        num_reported = 2  # number of members in the last result that was read, or 2 before the first result
         while True:
             await asyncio.sleep(POLL_INTERVAL)
             # Ignore errors, which occur while no result is stored, or if the surfaces do not touch.
@@ -313,7 +313,7 @@ class JobQueue:
         return await self.run_short_module(["stiction", "at", str(job.directory), *options, "--json"])
 
     async def run_short_module(self, arguments: list[str]) -> str:
-        """Run a Python module that takes little time, and return its output. Two of them may run in parallel."""
+        """Run a Python module that takes little time, and return its output. Two modules may run in parallel."""
         async with self._reader_slots:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)
 
@@ -341,7 +341,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the first reported result point from the JSON record of a pair.
+    """Return the result point that the page shows from the JSON record of a pair: the first with "reported": true.
 
     If the record has no result points, its remark is raised as an error.
     """

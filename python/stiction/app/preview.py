@@ -75,9 +75,9 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces on two scans fit into each other, with a shear path of a tenth of the scan length.
+    """Return whether the faces on two scans fit into each other, and a suitable path for a shear test.
 
-    Scans that cannot be read do not fit.
+    The path is a tenth of the scan length. Scans that cannot be read do not fit.
     """
     try:
         with warnings.catch_warnings():

@@ -149,7 +149,7 @@ SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even if it equals the default."""
+    """Return whether the command line contains an option or argument, even if its value equals the default."""
     parameter_source = context.get_parameter_source(name)
     return parameter_source is not None and parameter_source.name != "DEFAULT"
 
@@ -220,7 +220,7 @@ class _LazyCommandGroup(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:  # handled here, because typer would exit without a message
+        except KeyboardInterrupt:  # print a message, because typer would exit without one
             raise report_interruption() from None
 
 

@@ -368,7 +368,7 @@ def _parse_filters(lc: str | None, ls: str | None, *, robust: bool) -> dict[str,
 
 
 def _parse_band(text: str | None) -> tuple[float, float] | None:
-    """Parse the limits (µm) of the wavelength band to which a Hurst exponent is fitted, the shortest first."""
+    """Parse the limits (µm) of the wavelength band for the Hurst exponent, with the shortest wavelength first."""
     from stiction._arguments import parse_quantity
 
     if text is None:

@@ -1,4 +1,4 @@
-"""Options that several commands share, and a function that loads a file with reading options."""
+"""Options that several commands share, and loading of a scan with the reading options of a command."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ PartOption = Annotated[
 
 
 def load_measurement(file: Path, options: Mapping[str, str | None]) -> FileReading[Profile | Surface]:
-    """Load a profile or surface from a file, with the reading options that the command line contains."""
+    """Load a profile or surface from a file, with the reading options on the command line."""
     from stiction.study.pair_options import split_option_text
     from stiction.surfaces.measured.reading import read_with_interpretation
     from stiction.surfaces.measured.spectrum_file import is_spectrum_file

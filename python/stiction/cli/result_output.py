@@ -67,7 +67,7 @@ def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None
 
 
 def print_sentences(result: Result) -> None:
-    """Print the sentences to quote of a result, one line per load, without wrapping the lines."""
+    """Print the quotable sentences of a result, one unwrapped line per load."""
     summary = _summarize(result)
     print_output("\n".join(quotable_sentences(summary)) if summary.points else no_values_text(summary))
 

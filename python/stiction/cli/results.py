@@ -158,7 +158,7 @@ def export(
 
 
 def _compute_joint(result: Result, directory: Path, workers: int | None) -> Result:
-    """Compute a pair at all loads of its joint table. A stored joint result of another study is replaced."""
+    """Compute a pair at all loads of its joint table, and replace a result of another study in the directory."""
     from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.solve.store import StudyMismatchError
     from stiction.summary.joint_table import build_joint_study
