@@ -58,8 +58,7 @@ def measure_parabola_fraction(body: Surface) -> float:
     x, y = coordinates
     powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
     design = np.stack([x**i * y**j for i, j in powers], axis=1)
-    # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, and all others cubic and quartic
-    # terms.
+    # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, the others cubic and quartic terms.
     basis, _ = np.linalg.qr(design)
     energies = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = energies[3:6].sum(), energies[6:].sum()

@@ -28,7 +28,8 @@ _WEIGHT_HALF_WIDTH = 1.6
 _MIN_HALF_WIDTH_POINTS = 64
 # The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
-_MIN_PIVOT = 1e-9  # minimum normalised pivot in the fit of a local polynomial; with a smaller pivot, it is singular
+# minimum normalised pivot of a local polynomial's normal equations; a smaller pivot counts as singular
+_MIN_PIVOT = 1e-9
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
@@ -118,7 +119,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is at least half the spacing and at most `longest` times the shortest side.
+    """Check that a cutoff (µm) is from half the finer spacing to `longest` times the shortest side of a body.
 
     Returns the cutoff.
     """
@@ -280,7 +281,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def cyclic_weights(self, power: int) -> Floats:
-        """Return the filter weights times a power of the distance from the centre, in Fourier-transform order."""
+        """Return filter weights times a power of the distance, in the order of a discrete Fourier transform."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -315,7 +316,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial around each point, with Gaussian weights times `weights`, and return its height at the point."""
+    """Fit a polynomial around each point, with Gaussian weights times `weights`, and return the fitted height there."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]

@@ -14,27 +14,27 @@ from stiction._checks import Floats
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # initial noise level of the fit, as a fraction of the lowest spectral density
 _INITIAL_FLOOR_FRACTION = 0.3
-# The fit has converged if a step decreases the loss by less than this fraction.
+# The fit has converged if a step decreases the negative log-likelihood by less than this fraction.
 _LOSS_TOLERANCE = 1e-13
 # maximum number of steps of the fit of a noise floor; nearly all fits need fewer than 20
 _MAX_FIT_STEPS = 200
-# factors that multiply the damping: after a step that decreases the loss, and after a step that increases it
+# factors by which the damping changes after an accepted step (smaller loss) and after a rejected step (larger loss)
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
-_INITIAL_DAMPING = 1e-3  # initial damping of the steps, as a fraction of the diagonal of the expected Hessian
+_INITIAL_DAMPING = 1e-3  # initial damping of the Newton steps, as a fraction of the diagonal of the expected Hessian
 
 
 class BinnedSpectrum(NamedTuple):
-    """Spectrum of a line, averaged in bins of the wave number."""
+    """Spectrum averaged in bins of the wave number, with the statistical weight of each bin."""
 
     log_q: Floats  # logarithm of the wave number
     density: Floats
     weight: Floats  # shape parameter of the gamma distribution of the spectral density in each bin
-    # spectral density of a noise floor of level 1
+    # spectral density of white noise with a noise level of 1
     floor: float = 1.0
 
 
 class NoiseFloorFit(NamedTuple):
-    """Fit of a power law to each spectrum, with a common white-noise level: densities A q^-s + level * floor."""
+    """Fit of a power law A q^-s to each of several spectra, plus white noise whose level is common to all spectra."""
 
     level: float
     gain: float  # increase of the log-likelihood due to the noise floor
@@ -44,7 +44,7 @@ class NoiseFloorFit(NamedTuple):
 
     @property
     def is_significant(self) -> bool:
-        """True if white noise improves the fit significantly, so that the spectra contain noise."""
+        """True if adding white noise to the power laws improves the fit significantly."""
         return self.gain > MIN_FLOOR_LIKELIHOOD_GAIN
 
 

@@ -15,8 +15,7 @@ from stiction._repr import format_with_unit
 RoundForm = Literal["circle", "sphere", "cylinder"]
 PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of the squared cosine of the slope angle. Beyond the equator of a sphere, the formula for this squared
-# cosine is negative.
+# Lower limit of the squared cosine of the slope angle, whose formula is negative beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
 # the fit of a round form has converged if residuals and parameters change by less than this fraction
 _FIT_TOLERANCE = 1e-12
@@ -65,7 +64,7 @@ def fit_round_form(
 
 
 def _arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of a tilted circular arc above its middle, for squared distances from the middle."""
+    """Return heights of a tilted circular arc relative to its middle, at given squared distances from the middle."""
     rise = curvature * squared_distance + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
@@ -118,7 +117,7 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
 
 
 def _form_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Return typical magnitudes of the parameters of a circle, sphere or cylinder, by which the fit divides them."""
+    """Return typical magnitudes of the parameters of a circle, sphere or cylinder, to normalise them in the fit."""
     size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
     slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}

@@ -24,7 +24,7 @@ _MAX_TESTED_PEAKS = 6  # maximum number of spectral peaks that are tested as the
 _MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH = 2.5  # half width of the peak of a harmonic after a Hann window, in bins
 _STEPS_PER_BIN = 16  # number of positions per bin at which the first harmonic is searched for
-# Quantile of the densities between two harmonics that estimates the spectrum without harmonics.
+# Quantile of the densities between two harmonics, from which the spectrum without harmonics is estimated.
 # A low quantile leaves out the peaks of harmonics, including aliased harmonics.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
@@ -69,7 +69,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the spectral density between texture harmonics: a low quantile in a window of one harmonic distance.
+    """Estimate the spectrum without texture harmonics from a low quantile of the density over one harmonic distance.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
 
 
 def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around each harmonic, outside its peak, up to half the distance to the next."""
+    """Return, for each harmonic, the median density on both sides of the peak, up to halfway to the next harmonic."""
     bins = np.arange(padded_density.size)
     medians = []
     for position in harmonics.tolist():

@@ -8,15 +8,14 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 
 # Second differences of the heights are regarded as equal if they differ by at most this fraction of the height range.
-# The limit exceeds the round-off of levelling and of single-precision heights.
+# This tolerance exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
 _MIN_REPETITIONS = 5  # a second difference is attributed to rounding only if it occurs at least this often
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of the second differences that occur repeatedly if heights are rounded
-# Minimum fraction of the second differences of rounded heights that are multiples of the step, and tolerance (steps) of
-# a multiple.
+# minimum fraction of second differences that are multiples of the rounding step, and tolerance of a multiple (steps)
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of the nonzero second differences of rounded heights that are multiples of the step.
-# A difference of 0, as in a clipped map, is a multiple of any step, so it proves nothing.
+# Minimum fraction of the nonzero second differences that are multiples of the rounding step.
+# A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
 # If heights are not rounded, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Largest rounding step, as a fraction of the height range: rounded heights must have at least four levels.

@@ -29,7 +29,7 @@ _MIN_FIT_BINS = 8  # minimum number of spectral bins for a fit of hidden noise
 _RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectral density from a power law in each bin
 # exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Largest ratio of the fitted noise density of a map to the median density at short wavelengths.
+# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths.
 # Wavelengths below four points along both axes count as short wavelengths of a map.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
@@ -87,7 +87,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
 
 def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise with the median spectral density of a map at its shortest wavelengths.
+    """Return the variance (µm²) of white noise with the same median spectral density as a map at short wavelengths.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
     exponentially distributed, so their median is ln 2 of their mean.

@@ -43,7 +43,7 @@ _SPECTRUM_PIECE_PENALTY = 10.0
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
-# Minimum increase of the log-likelihood for which a fit includes a roll-off, which is one more parameter.
+# Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -67,7 +67,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood of an exponent, with the best prefactor and up to a constant."""
+        """Return the negative log-likelihood (up to a constant) of an exponent, with the prefactor that fits best."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -94,7 +94,7 @@ class PowerLawFit:
 
 
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
-    """Return the exponent s of the power law P ∝ q^-s for each row of weighted powers."""
+    """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
     rows = np.arange(len(power))  # rows whose exponents have not converged yet
     # Newton's method converges, because the loss is a convex log-sum-exp function.
@@ -114,7 +114,7 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law to each row of the arguments. Returns exponents and losses (negative log-likelihoods).
+    """Fit a power law to each row of wave numbers, powers and weights. Returns exponents and negative log-likelihoods.
 
     This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
     """
@@ -191,7 +191,7 @@ class HurstEstimate(TableReprMixin):
 
     @property
     def caution(self) -> str | None:
-        """Sentence with the reason why the Hurst exponent is unreliable, or None if it is reliable."""
+        """Sentence with the reason why the Hurst exponent is unreliable, or None if the exponent is reliable."""
         interval = f"the 95 % interval of H, [{self.lower:.2f}, {self.upper:.2f}],"
         if self.upper - self.lower > MAX_HURST_INTERVAL_WIDTH:
             decades = math.log10(self.longest_wavelength / self.shortest_wavelength)
@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return a profile's wave numbers and powers for a power-law fit, and the divisor (µm) of its heights."""
+    """Return wave numbers and powers of a profile for a power-law fit, and the height (µm) that scaled the profile."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -348,13 +348,13 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
     is_harmonic = spectrum.count == 1
     if not periodic:
         is_harmonic[:_NUM_EXCLUDED_HARMONICS] = False
-    # Wave numbers above the highest harmonic of the profile contain only round-off.
+    # Above the highest harmonic of the profile, the spectrum contains only round-off.
     power = np.maximum(spectrum.density[is_harmonic], np.finfo(float).eps ** 2 * spectrum.density.max())
     return spectrum.wave_number[is_harmonic], power, scale
 
 
 def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return a map's wave numbers and powers for a power-law fit, and the divisor (µm) of its heights."""
+    """Return wave numbers and powers of a map for a power-law fit, and the height (µm) by which the map was scaled."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -397,7 +397,7 @@ class _SpectrumBins:
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Find the widest range of harmonics that a single power law with 0 < H < 1, or else 0 < H < 2, describes.
+    """Find the widest range of harmonics with a single power law and 0 < H < 1 or, without such a range, 0 < H < 2.
 
     Returns this range, and the binned spectrum in this range and in the roll-off at its long wavelengths.
     """
@@ -417,7 +417,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end -= end < bins.log_q.size
                 first_bin = start + (start > 0)
-                # let the band start after the roll-off, which may have too few bins for a power law of its own
+                # let the band start after a roll-off, even if the roll-off has too few bins for its own piece
                 if start == 0:
                     _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end), weight[:end])
                     start = (
@@ -469,14 +469,14 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]
 def _fit_spectrum_pieces(
     bins: _SpectrumBins, weight: Floats
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Fit a power law to every range of bins in a spectrum.
+    """Fit a power law to every range of consecutive bins in a spectrum.
 
     Returns first bins, exclusive ends, exponents and losses.
     """
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
-        # pieces of this size, in ascending order of their starts like the rows of the sliding windows
+        # pieces with this number of bins, in the order of the sliding windows: by ascending first bin
         pieces = piece_ends - starts == size
         rows = (sliding_window_view(values, size) for values in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*rows)

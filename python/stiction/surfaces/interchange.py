@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# largest relative difference between a grid step and the mean step of a uniform grid
+# maximum range of the grid steps, as a fraction of their mean, for which a grid counts as uniform
 SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
-    """Heights of an object of this or another library, with spacing, history and missing points."""
+    """Heights extracted from an object of this or another library, with spacing, history and missing points."""
 
     heights: Floats  # heights of shape (n,) or (rows, columns), µm
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm

@@ -19,7 +19,7 @@ from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
 MIN_POINTS_PER_WAVELENGTH = (
     # Shortest wavelength, in points, that a joined spectrum takes from a scan.
-    # At eight points, averaging over a pixel removes 5 % of the power.
+    # At a wavelength of eight points, averaging over a pixel removes 5 % of the power.
     8
 )
 MAX_WAVELENGTH_TO_SIDE = (
@@ -27,7 +27,7 @@ MAX_WAVELENGTH_TO_SIDE = (
     # Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
     # At longer wavelengths, the spectrum depends on the window function.
 )
-# Number of wave vectors per independent spectral density.
+# Number of wave vectors whose spectral densities together count as one independent value.
 # Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
@@ -111,8 +111,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # Compare the scan only with the other scans: remove the contribution of the scan from the joined
-                # density.
+                # Compare the scan with the other scans only: remove the scan's contribution from the joined density.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -300,7 +299,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, siz
 def _find_reliable_band(
     body: Profile | Surface, limit: float | None, tip: float | None
 ) -> tuple[tuple[float, float], str]:
-    """Return the wavelength band (µm) in which a scan is reliable, and the reason for its shortest wavelength."""
+    """Return the wavelength band (µm) in which a scan is reliable, and the reason for its lower limit."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest_wavelength, reason = limit, "given"

@@ -41,7 +41,7 @@ class JointRoughness:
 
     @property
     def jrc(self) -> float:
-        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range in which it was fitted.
+        """Joint roughness coefficient 32.2 + 32.47 log10 Z2, or NaN outside the range of the published fit.
 
         The range limits Z2 and the sampling interval.
         """

@@ -30,7 +30,7 @@ _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point s
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or columns of a height map, after a least-squares line was subtracted from each of them.
+    """Roughness of the rows or columns of a height map, each of which is levelled by its least-squares line.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a map along x and along y, if possible with Hurst exponents for the same band.
+    """Compute the roughness of a map along x and along y, with Hurst exponents fitted in a common band if possible.
 
     Parameters
     ----------

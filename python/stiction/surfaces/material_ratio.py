@@ -14,7 +14,7 @@ from stiction.surfaces.surface import Surface, as_body
 CORE_FRACTION = 0.4  # width of the core of a material ratio curve, as a fraction of all points
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-# material ratios (ISO 25178-3 defaults) between whose heights the extreme peak height is measured
+# two material ratios (ISO 25178-3 defaults): their difference in height is the extreme peak height
 EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
@@ -110,7 +110,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute material and void volumes per area of peaks, core and valleys, separated at ratios of 10 % and 80 %."""
+    """Compute material and void volumes per area of peaks, core and valleys, for material ratios of 10 % and 80 %."""
     upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
     below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))

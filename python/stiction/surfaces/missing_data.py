@@ -27,19 +27,16 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
 
 # Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
-# For independent rounding errors, the median deviation is 0.25 from means of neighbours, and 0.21 to 0.33 from lines
-# through neighbours.
+# Independent rounding errors give 0.25 from means of neighbours, and 0.21 to 0.33 from lines through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
-# A scan has flat regions if more than this fraction of its heights deviates by at most one rounding step from
-# neighbours.
+# A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
-# If at least this fraction of the points is rough, flat regions are regarded as clipped, and get the typical deviation
-# of rough points.
+# If at least this fraction of the points is rough, flat regions count as clipped or filled.
 _MIN_ROUGH_FRACTION = 0.02
 
-_WINDOW_WIDTHS = {1: 31, 2: 7}  # width (points) of the window for local medians, for profiles (1) and for maps (2)
+_WINDOW_WIDTHS = {1: 31, 2: 7}  # width (points) of the window for local medians in profiles (key 1) and maps (key 2)
 # Minimum number of neighbour means from which the height of a point is estimated.
 # With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
@@ -47,13 +44,12 @@ _MIN_NEIGHBOUR_ESTIMATES = 3
 # Each point is compared with at least five lines.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
-# Steps from a point to its neighbours, for profiles (1) and for maps (2).
+# Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 # maximum number of points of a map whose deviations from neighbours are computed in one strip of rows
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS = 100_000  # maximum number of windows whose medians are computed together
-# Points at edges, and rough points beside flat regions, have their own median deviation if there are at least this
-# many.
+# minimum number of edge points, or of rough points beside flat regions, for a separate median deviation
 _MIN_EDGE_POINTS = 20
 
 
@@ -109,7 +105,7 @@ def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBod
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
-    """Describe the fraction of missing points, and the size and position of the largest gap, for a history."""
+    """Describe missing points in the history of a body: their fraction, and size and position of the largest gap."""
     points, bounding_box = find_largest_gap(missing)
     ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
@@ -151,8 +147,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Only outliers relative to the whole scan are compared with their neighbourhood, because a local median can
-        # only make an outlier acceptable.
+        # Compare only outliers of the whole scan with their neighbourhood, because this test only removes candidates.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -172,7 +167,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return, at each point, the smaller of two deviations in multiples of their typical values, ignoring NaN."""
+    """Return, at each point, the smaller ratio of two deviations to their typical values, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
@@ -188,7 +183,7 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the typical deviation at given points: of the scan or of the neighbourhood, whichever is larger.
+        """Return, at given points, the larger of two typical deviations: of the whole scan and of the neighbourhood.
 
         A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
         """
@@ -206,7 +201,7 @@ class _NeighbourDeviations:
 def _find_neighbour_deviations(
     distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _NeighbourDeviations:
-    """Compute the typical (median) deviation of heights from their neighbours, separately for edge points.
+    """Compute the typical (median) deviation of heights from their neighbours, separately for edge and inner points.
 
     `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
     rounding, and the region counts as flat. In scans with flat regions, rough regions and their neighbourhoods have the

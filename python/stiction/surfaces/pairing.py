@@ -32,7 +32,7 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of line pairs. With this number, a result and its interval take one or two seconds to compute.
 DEFAULT_NUM_LINE_PAIRS = 128
-# One map is shifted over the other by at most its length divided by this number, so that three quarters overlap.
+# The largest shift between two maps is their length divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map
@@ -80,7 +80,7 @@ class LinePairs:
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the position (µm) of a pair's upper line on its map, perpendicular to the lines, or 0 for profiles."""
+        """Return the position (µm) of a pair's upper line on the map, across the lines, or 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
@@ -121,7 +121,7 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return the line of a body that belongs to the pair with a given index, as a profile.
+        """Return, as a profile, the line of a body for the pair with a given index.
 
         With `shifted`, line 0 is a third of the width away from the edge.
         """
@@ -139,8 +139,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is close to the golden ratio times the number of lines, and has no divisor in common with this
-        # number.
+        # Use a step near the golden ratio times the line count, and without a common divisor with the line count.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -272,7 +271,7 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # map of the upper body after flipping; its heights increase upwards, into the body
+    upper: Surface  # map of the flipped upper body, in which heights increase upwards into the body
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from each piece of a map
     seed: int = 2016  # seed of the random phases of surrogates
@@ -305,7 +304,7 @@ class MapPairs:
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the overlap of both maps at a shift: first row and column on the lower map, and shape."""
+        """Return the overlap of both maps at a shift: first row and column on the lower map, and size in points."""
         starts = tuple(max(0, step) for step in steps)
         ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
         return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]
@@ -472,7 +471,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random height map for each profile and a pair index, and return a levelled piece of each."""
+        """Generate a random height map from each profile for a pair index, and return a levelled piece of each map."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -532,7 +531,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random height map for each spectrum and a pair index, and return a levelled piece of each."""
+        """Generate a random height map from each spectrum for a pair index, and return a levelled piece of each map."""
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:

@@ -18,11 +18,11 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-GridAlignment = Literal["start", "middle"]  # part of a longer body that remains: its start or its middle
+GridAlignment = Literal["start", "middle"]  # part of the longer of two bodies that is kept: its start or its middle
 # A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
 # The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
-# If the largest height of a levelled body is below this fraction of its largest original height, it is round-off.
+# A levelled body contains only round-off if its largest height is below this fraction of the original largest height.
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
@@ -247,7 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the index range of the points that a crop retains along one axis, and a text for the history."""
+    """Return the index range of the points that a crop retains along one axis, and a description for the history."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -524,7 +524,7 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
     """Return the height and width of the largest axis-parallel rectangle inside a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
-    # In this case, two corners of the inscribed rectangle lie on the longer sides of the rotated rectangle.
+    # For a narrow rectangle, two corners of the inscribed rectangle lie on the longer sides of the rotated rectangle.
     if shorter_side <= 2 * sine * cosine * longer_side:
         half_shorter = shorter_side / 2
         width_across, length_along = half_shorter / cosine, half_shorter / sine

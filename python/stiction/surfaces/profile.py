@@ -29,7 +29,7 @@ LineOrientation = Literal["x", "y"]
 MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights then take 0.8 GB of memory
 # Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-MIN_POINTS = 4  # minimum number of points of a profile: a natural cubic spline with two interior points
+MIN_POINTS = 4  # minimum number of points of a profile, for a natural cubic spline with two interior points
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,7 +59,7 @@ class Body(PlotReprMixin):
         if self.missing is not None:
             try:
                 missing = np.array(self.missing)
-            except ValueError:  # raised for a nested list whose rows have different lengths
+            except ValueError:  # NumPy rejects a nested list whose rows have different lengths
                 missing = np.array(None)
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"

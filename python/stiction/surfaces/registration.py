@@ -26,7 +26,7 @@ MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5  # minimum overlap of two faces along each axis, relative to the length of the shorter face
 # minimum number of points along each axis of coarse profiles (key 1) or maps (key 2) whose slopes are correlated
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# maximum number of points along each axis of the coarse profiles (key 1) or maps (key 2) in the search
+# maximum number of points along each axis of coarse profiles (key 1) or maps (key 2) in the search for the best fit
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps in the registration of two faces
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
@@ -160,7 +160,7 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_offset(index: int, count: int) -> int:
-    """Convert an index of a discrete Fourier transform to a signed offset. Indices in the upper half are negative."""
+    """Convert an index of a discrete Fourier transform to an offset, negative for the upper half of the indices."""
     return index - count if index > count // 2 else index
 
 
@@ -274,7 +274,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return a position as an offset in whole points, or None if it is not within `GRID_TOLERANCE` of whole points."""
+    """Return a position as an offset in whole points, or None if it is farther than `GRID_TOLERANCE` from the grid."""
     steps = _convert_shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)

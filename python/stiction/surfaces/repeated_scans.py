@@ -26,14 +26,15 @@ if TYPE_CHECKING:
 
 MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm); powers of smaller heights underflow
 MIN_CORRELATION = 0.5  # minimum height correlation at which two scans are regarded as scans of the same area
-# Standard deviations (points) of the Gaussian filters that smooth both scans for their alignment, in this order.
+# Standard deviations (points) of the Gaussian filters that smooth both scans in successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
-# If a Gaussian filter with a width of one point smooths white noise, heights at this distance (points) are independent.
+# Distance (points) of independent heights in white noise after a Gaussian filter with a standard deviation of one
+# point.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap of two scans that spline interpolation requires
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried in the search for the shortest sufficient cutoff
-# A shift is regarded as a whole number of points if it differs from a whole number by less than this (points).
+# A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 
@@ -258,7 +259,7 @@ def _are_identical(
 
 
 def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
-    """Return the shortest cutoff (µm) at which the noise fraction of the mean square slope is small enough, or NaN.
+    """Return the shortest cutoff (µm) that makes the noise fraction of the mean square slope negligible, or NaN.
 
     The limit of this fraction is `MAX_UNATTRIBUTED_FRACTION`.
     """
@@ -290,8 +291,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             columns = np.stack([function.ravel() for function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
-        # The variance of the estimated shift depends on the slopes of both scans and on the difference between the
-        # aligned scans. The Gaussian filter correlates this difference at neighbouring points.
+        # The Gaussian filter correlates the residual difference of the scans at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_compute_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
@@ -355,7 +355,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (in points): slices of the first scan, positions in the second."""
+    """Return the overlap of two scans at a shift (in points): slices of the first and positions in the second scan."""
     selected_slices, positions = [], []
     for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))

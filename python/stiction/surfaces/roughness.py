@@ -334,8 +334,7 @@ def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> floa
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # A cell of four points has four triangles, each with one side along x and one side along y, from which the slope of
-    # the triangle is computed.
+    # Each cell of four points has four triangles, whose sides along x and y give the slope of the triangle.
     for step_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for step_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])

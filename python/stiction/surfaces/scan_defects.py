@@ -41,9 +41,9 @@ The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and
 """
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
-# In a Gaussian groove that is two points wide (at 1/e of its depth), the fraction is 0.4.
+# This fraction is 0.4 in a Gaussian groove with a width of two points (at 1/e of the depth).
 _MIN_STEP_RATIO = 0.7
-# minimum height of a wide spike, and minimum depth of a dip, as a multiple of a profile's rms height
+# minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height
 _MIN_DEEP_SPIKE_RATIO = 2.0
 
 # A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
@@ -164,7 +164,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength of the scan after a low-pass filter, if the tip determines it.
+        """Return the shortest reliable wavelength after a low-pass filter, or None if the tip does not determine it.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -298,8 +298,8 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point is also sharp if a neighbour has a large second difference, as in a spike of several points. At both
-        # ends of a profile, the second difference is unknown and set to 0.
+        # A point beside a large second difference is sharp, too, as in a spike of several points. At both ends of a
+        # profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -309,7 +309,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # The rounding error is the lower limit, because the median distance of rounded heights can be 0.
+    # Use the rounding error as lower limit of the usual distance, because the median of rounded heights can be 0.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 

@@ -27,7 +27,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5  # default number of sections in an evaluation length
-_RDC_MATERIAL_RATIOS = 0.2, 0.8  # material ratios between whose heights the parameter Rdc is measured
+_RDC_MATERIAL_RATIOS = 0.2, 0.8  # two material ratios: their difference in height is the parameter Rdc
 
 
 class SettingClass(NamedTuple):
@@ -257,7 +257,8 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    if matching_class != index:  # no setting class is consistent, because two classes require each other
+    # no setting class is consistent: results of one class require another class, and vice versa
+    if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
         index -= 1

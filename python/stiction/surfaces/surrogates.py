@@ -13,8 +13,7 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12  # number of rings of wave vectors per decade; an empty ring is merged with the next ring
-# Weight of the smoothness penalty, as a number of harmonics. In rings with fewer harmonics, the penalty dominates the
-# fit.
+# Weight of the smoothness penalty, as a number of harmonics: the penalty dominates in rings with fewer harmonics.
 _SMOOTHNESS_PENALTY = 2.0
 _ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
 # maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough
@@ -95,8 +94,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Append the mirror image of the profile, which removes the jump at the end and adds one harmonic between each
-        # two harmonics of the profile.
+        # Append the mirror image of the profile, to remove the jump between its ends. This adds a harmonic between each
+        # two harmonics.
         # The power of an added harmonic is divided equally between the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
@@ -239,7 +238,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring_index = np.searchsorted(edges, q, side="right")  # index 0 is for wavelengths longer than the profile
+    ring_index = np.searchsorted(edges, q, side="right")  # index 0 stands for wavelengths longer than the profile
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)

@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _tip_offsets_and_heights(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield, for each offset within the tip, slices of the points at both ends of the offset, and the tip's height."""
+    """Yield, for each offset within the tip, slices of points and of offset points, and the height of the tip there."""
     half_width, half_widths = _tip_half_width(shape, spacing, radius, max_tip_height)
     for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
         offsets = np.subtract(steps, half_widths)
