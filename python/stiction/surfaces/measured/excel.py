@@ -18,7 +18,7 @@ from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_
 
 # Maximum number of XML tags in a workbook. A height takes four tags, so a workbook may have 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Maximum number of XML tags in a row of a sheet, which is stored in memory: eight tags for each possible column.
+# Maximum number of XML tags in a row of a sheet, to limit the memory: eight tags for each possible column.
 MAX_TAGS_PER_ROW = 8 * 16_384
 # text that replaces a formula whose result is not stored in the workbook
 _FORMULA_WITHOUT_VALUE = "unevaluated formula"
@@ -108,7 +108,7 @@ def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
 
 
 def _scan_archive(data: bytes) -> bool:
-    """Return whether a workbook contains formulas for which it stores no numbers.
+    """Return whether a workbook contains formulas without stored results.
 
     Raises `FormatError` if the workbook contains too much text or too many XML tags, regardless of the sizes that the
     archive declares.

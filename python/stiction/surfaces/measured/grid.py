@@ -10,8 +10,7 @@ from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 EXACT_POSITION_TOLERANCE = 1e-3  # positions within this distance of a uniform grid, in grid steps, count as exact
-# Maximum distance of a point from a grid node, in grid steps, in addition to the rounding error of the printed
-# position.
+# Maximum distance of a point from a grid node, in grid steps, in addition to rounding of the printed position.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per point in a list of points
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum grid step of rounded positions, in units of the last printed digit

@@ -415,7 +415,7 @@ def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -> tuple[str | None, str]:
-    """Return the unit of the heights that a header declares, and the line that declares it.
+    """Return the height unit that a header declares, and the header line with this unit.
 
     An unknown unit is returned unchanged. With `has_size`, the header declares the size of a map, and "Height 10 um" is
     a part of this size.
@@ -736,7 +736,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit. In "data point", for example, "point" is none."""
+    """Return whether the last word of a column name is a unit, unlike "point" in "data point"."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

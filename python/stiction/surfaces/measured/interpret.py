@@ -63,7 +63,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # numbers that mark missing points, in the unit of the file
     words: tuple[str, ...] = ()  # words that mark missing points
     accept: tuple[str, ...] = ()  # names of the file caveats that the caller accepts
-    # True if the caller gives one unit, for heights and for lengths without a unit in the file
+    # True if the caller gives a single unit, which applies to heights, and to positions without a unit in the file
     one_unit: bool = False
 
 
@@ -146,7 +146,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or height map read from a file, with unit and number of missing points in the file, and caveats."""
+    """Profile or height map read from a file, with height unit, number of missing points, and caveats of the file."""
 
     body: _Body
     unit: str  # unit of the heights in a file
@@ -252,7 +252,8 @@ def _make_profile_or_surface(
         codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, codes)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    heights = make_read_only(heights) if heights.base is None else heights  # a body does not copy read-only heights
+    # a body shares read-only heights instead of copying them
+    heights = make_read_only(heights) if heights.base is None else heights
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
 
@@ -401,7 +402,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if the user's spacing contradicts a spacing in the header, whatever unit the header means."""
+    """Raise `FormatError` if the user's spacing contradicts a spacing in the header for every possible unit."""
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -499,7 +500,7 @@ def _determine_profile_spacing(
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
             if _find_worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
-                # If the positions are not equally spaced, report this first.
+                # Report unequally spaced positions before a contradiction to the option spacing.
                 _reject_uneven_positions(x, mean_spacing, digit)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -586,8 +587,8 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding of the printed positions changes the distance between the first and the last point by up to one unit of
-    # the last digit. Truncation changes this distance by less than one unit.
+    # Rounding to the last digit changes the distance between first and last point by up to one unit, truncation by
+    # less.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off

@@ -27,15 +27,11 @@ MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics, such
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
 MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
-# A matrix gets a caveat unless it is more than 100 times as likely as a profile written in several text lines. In a
-# wrapped profile, heights differ from the end of a line to the next line as much as within a line. In a matrix, heights
-# differ between the end of a line and the next line as much as neighbours in a column.
+# A matrix gets a caveat unless it is more than 100 times as likely as a profile written in several text lines.
 MAX_LIKELIHOOD_RATIO = 100.0
-# in the search for a wrapped profile, heights are ignored if they are farther from the median than this number of
-# median deviations
+# the search for a wrapped profile ignores heights beyond this number of median deviations from the median height
 MAX_DEVIATION_IN_LINES = 8.0
-# Minimum ratio of two mean square height differences in a wrapped profile: between neighbours in a column, and between
-# neighbours in a line.
+# Minimum ratio of mean square height differences in a wrapped profile: neighbours in a column to neighbours in a line.
 MIN_COLUMN_DIFFERENCE = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
@@ -180,7 +176,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Lines of equal numbers always agree with their own statistics, so they prove nothing.
+    # Lines of equal numbers always agree with their own statistics, so they are no evidence of statistics.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:

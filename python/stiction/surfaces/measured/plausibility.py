@@ -18,10 +18,9 @@ from stiction.surfaces.measured.raw import FileCaveat
 
 # An extreme height may be a code for missing points if it occurs at least this often, or if it is a usual code.
 MIN_MISSING_CODE_REPEATS = 2
-# Minimum distance of a code for missing points from the other heights, relative to the range of these heights.
+# Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Minimum distance of a code that a file repeats, and of a usual code such as 9999, from the other heights,
-# relative to the range of these heights.
+# minimum distances of a repeated code and of a common code such as 9999, as a fraction of the other heights' range
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
@@ -47,7 +46,7 @@ MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Rows that equal the row before them get a caveat if they are at most this fraction of all rows.
-# If the fraction is larger, the map is probably an extended profile.
+# If the fraction is larger, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
@@ -69,7 +68,7 @@ class ScannedHeights:
     factor: float = 1.0  # conversion factor from the numbers in the file to µm
     from_file: bool = True  # False for a body in memory: its heights may be computed, so some checks do not apply
     declared_range: float | None = None  # range of the heights in the header of the file, µm
-    from_text: bool = True  # True for numbers read from text; whole numbers in text may be counts
+    from_text: bool = True  # True for numbers read from text; whole numbers in text may be counts of a converter
 
     @cached_property
     def non_missing_heights(self) -> Floats:
@@ -152,7 +151,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # Search a sample first: the gap between a code and other heights is at least as wide in the sample as in all
+    # Search a sample first: the gap between a code and other heights cannot be narrower in a sample than in all
     # heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
@@ -301,7 +300,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return the number of equal parts of which a list of heights consists, or 1 if the list does not repeat.
+    """Return the number of equal parts into which a list of heights divides, or 1 if the heights do not repeat.
 
     The repetitions of a wave with a short period are not counted.
     """

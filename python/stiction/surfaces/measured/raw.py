@@ -209,10 +209,10 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps listed in the file, applied before the heights were written
-    # True for a NumPy array, whose first column contains positions only if it has equal steps
+    # True for a NumPy array: its first column counts as positions only if the steps are equal
     area: bool = False
     source: HeightProvenance = HeightProvenance()
-    # numbers of the table's columns in the file, if the file has other columns
+    # column numbers in the file for each column of the table, if the file has more columns
     places: tuple[int, ...] | None = None
     # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
     block_lengths: tuple[int, ...] = ()
@@ -314,7 +314,7 @@ def parse_number(text: str, place: str) -> float:
 
 
 def parse_positive_number(text: str, place: str) -> float:
-    """Parse the positive number, a factor or a length, at the start of a text.
+    """Parse a positive factor or length at the start of a text.
 
     Raises `FormatError` if the number is not positive, or is too small or too large for a scan. A negative factor would
     turn the heights upside down, and a factor of 0 would make them equal.

@@ -72,7 +72,7 @@ _NUMBERING_NAME_PATTERN = LazyPattern(
 )
 _VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# Matches names of columns of flags, which do not show whether 1 means valid or invalid.
+# Matches names of flag columns that do not show whether 1 means valid or invalid.
 _FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # matches a multiple of a unit, such as "10 nm" but not "1 nm"
 _NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
@@ -360,14 +360,14 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first of the heights may be a step or a size, or if one of the last may be a count."""
+    """Return a caveat if the first number of a column may be a step or a size, or if a last number may be a count."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
         or table.row_digits is None
     ):
         return ()
-    for num_trailing in (1, 2, 3):  # the header may contain a spacing or a size beside the number of points
+    for num_trailing in (1, 2, 3):  # the count of points may follow a spacing or a size, or precede it
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
             where = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"

@@ -153,7 +153,7 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the place value of each number's last printed digit, from its decimals and significant digits."""
+    """Return the place value of each number's last printed digit, from counts of decimals and significant digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits

@@ -43,7 +43,7 @@ MAX_HISTORY_STEPS = 1000
 
 
 # A few lines of numbers above or below a table are ignored.
-# Their maximum number is `MAX_FOOTER_FRACTION` times the number of lines of the table, plus 2.
+# Up to this fraction of the number of table lines, plus 2 lines, are ignored.
 MAX_FOOTER_FRACTION = 0.1
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     labels = _include_label_line(text, first, last, dialect)
-    if labels < first:  # the word at the start of the label line is read as a missing number
+    if labels < first:  # read the word at the start of the label line as a missing number
         first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
@@ -127,7 +127,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> ColumnTable:
-    """Convert a block of numbers to a table, with its footer and with its header from line `header_start`."""
+    """Convert a block of numbers to a table, with the header from line `header_start`, and with the footer."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -214,7 +214,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a table: the line above the numbers if it has a position for each column."""
+    """Return the first line of a table, which may be a line of positions above the numbers."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -243,7 +243,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             continue
         cells = dialect.split_line(text.line(line))
         kinds = [cell_kind(cell, dialect, text) for cell in cells]
-        # A line "name number" above the data is not counted as a row of numbers.
+        # A line such as "Points 500" above the table does not count as a row of numbers.
         weighted_number_count = 2 * kinds.count("number") - (line < runs[0][0] and kinds[:1] == [None])
         if len(cells) != width or None not in kinds or _are_position_labels(cells, dialect):
             continue

@@ -13,11 +13,10 @@ from stiction._text import printable_text
 from stiction.surfaces.measured.decode import BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE, DecodedText
 from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_line_runs, split_cells
 
-# The comma is tried last as a cell separator, because a comma may also be the decimal mark of cells between other
-# separators.
+# The comma is tried last as a cell separator, because it may also be the decimal mark within cells.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word which marks a missing point
+_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word in a column of words
 _MAX_SEPARATOR_SEARCH_LINES = 400  # maximum number of lines from which the cell separator is detected
 MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists

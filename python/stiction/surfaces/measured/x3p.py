@@ -221,7 +221,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Read the stored numbers of all points for each axis of an X3P file."""
+    """Read, for each axis that an X3P file stores point by point, the stored numbers of all points."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     kind = np.dtype(list(stored.items()))

@@ -60,7 +60,7 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _is_sdf(text: DecodedText) -> bool:
-    """Return whether a text begins with the first line of an SDF file, or a similar line above SDF declarations."""
+    """Return whether a text begins with an SDF version line, or with another version line above SDF declarations."""
     if _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None:
         return True
     matches = map(_DECLARATION_PATTERN.fullmatch, text.first_lines[1:30])
