@@ -51,7 +51,7 @@ def test_functions_of_a_single_body_accept_arrays_of_heights(function, heights):
     assert np.array_equal(function(heights, spacing="0.1 um"), function(body))
 
 
-def test_functions_half_space_and_pair_accept_arrays_of_heights():
+def test_half_space_function_and_pair_function_accept_arrays_of_heights():
     expected = half_space(UPPER_SURFACE, LOWER_SURFACE, [1e-3], effective_modulus=10.0)
     curve = half_space(*HEIGHT_ARRAYS, [1e-3], spacing="100 nm", effective_modulus=10.0)
     assert np.array_equal(curve.contact_area, expected.contact_area)

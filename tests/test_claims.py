@@ -232,7 +232,7 @@ def test_verdict_on_a_part_of_a_claim_is_true_only_if_the_data_support_it(name):
     assert [(outcome.verdict, outcome.excluded_dimensions) for outcome in outcomes] == [("true", ()), ("false", ())]
 
 
-def test_test_number_of_a_claim_equals_the_number_from_which_the_data_were_created():
+def test_number_computed_for_a_part_of_a_claim_equals_the_number_in_the_synthetic_data():
     def compute_part_value(name, **sum_functions):
         return judge_part(name, create_result(**sum_functions)).value
 

@@ -366,7 +366,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_start_with_the_word_of(directory):
+def test_docstrings_do_not_start_with_the_preposition_of(directory):
     """Check that no docstring starts with "Of". Each must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

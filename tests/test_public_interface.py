@@ -83,7 +83,7 @@ def test_public_names_have_examples_and_full_signatures():
             assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
 
 
-def test_functions_press_and_contacts_accept_every_argument_in_their_signature(upper, lower):
+def test_press_function_and_contacts_function_accept_every_argument_in_their_signature(upper, lower):
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
         arguments = {
@@ -290,7 +290,7 @@ def test_contacts_method_of_a_result_returns_a_data_frame(function_result):
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
-def test_contacts_method_of_a_result_returns_the_most_typical_pair_by_default(function_result):
+def test_contacts_method_of_a_result_returns_contacts_of_the_most_typical_pair_by_default(function_result):
     picture = contact_picture(function_result.source)
     result = function_result.contacts()
     assert set(result["member"]) == {picture.attrs["member"]}
@@ -520,7 +520,7 @@ def test_pair_function_and_pair_command_give_equal_results(command_result, funct
     assert (stored_result.value, stored_result.assessment) == (function_result.value, function_result.assessment)
 
 
-def test_stiction_at_reads_a_result_of_the_pair_function(function_result, surface_directory):
+def test_at_command_reads_a_result_of_the_pair_function(function_result, surface_directory):
     completed = check_stiction("at", "function", "--load", "10 MPa", cwd=surface_directory)
     assert f"{function_result.value:.2f}" in completed.stdout
 

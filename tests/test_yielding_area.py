@@ -65,7 +65,7 @@ def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_con
     assert np.abs(ratios["pressure cap"] - 1).mean() > 0.1
 
 
-def test_area_from_onset_of_yield_agrees_with_finite_elements(ratios):
+def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_finite_elements(ratios):
     deviation = np.abs(ratios["from onset"] - 1)
     cap_deviation = np.abs(ratios["pressure cap"] - 1)
     assert deviation.mean() < MAX_MEAN_DEVIATION
@@ -74,12 +74,12 @@ def test_area_from_onset_of_yield_agrees_with_finite_elements(ratios):
     assert deviation.mean() < np.abs(ratios["power"] - 1).mean()
 
 
-def test_area_from_onset_of_yield_has_the_elastic_and_plastic_limits(script):
+def test_yielded_area_by_the_formula_with_an_onset_of_yield_has_elastic_and_plastic_limits(script):
     assert script.combine_from_onset(np.array(2.0), np.array(0.9), 1.25) == 2.0
     assert script.combine_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
 
 
-def test_coarse_finite_elements_give_elastic_areas_and_exceed_areas_at_limited_pressure(script, tmp_path):
+def test_coarse_finite_elements_give_the_elastic_area_and_a_larger_area_than_limited_pressures(script, tmp_path):
     if script.CCX is None:
         pytest.skip("CalculiX (ccx) is not installed")
 

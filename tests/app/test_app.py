@@ -482,7 +482,7 @@ def is_shear_test_offered(driver):
     return driver.find_element("id", "shear").is_displayed()
 
 
-def test_app_offers_a_shear_test_if_the_two_scanned_faces_fit(empty_page, map_files, tmp_path):
+def test_app_offers_a_shear_test_if_the_two_scanned_faces_fit_together(empty_page, map_files, tmp_path):
     paths = write_fitting_faces(tmp_path)
     for side, path in zip(("upper", "lower"), paths, strict=True):
         assert not is_shear_test_offered(empty_page)

@@ -51,7 +51,7 @@ def test_preview_command_accepts_spacings_along_both_axes(tmp_path):
     assert preview["words"].startswith("32 µm × 16 µm")
 
 
-def test_compare_scans_reads_each_scan_with_its_own_options(tmp_path):
+def test_comparison_of_two_scans_reads_each_scan_with_its_own_options(tmp_path):
     face = self_affine_surface(4, hurst_exponent=0.8, rms=20.0, shape=(48, 48), spacing=50.0)
     np.save(tmp_path / "mate.npy", -face.heights[::-1])
     np.save(tmp_path / "face.npy", face.heights / 1e3)

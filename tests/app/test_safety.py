@@ -217,7 +217,7 @@ def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
     assert [line["text"].endswith(", ∞)") for line in finished["answer"]["lines"]] == [True, True]
 
 
-def test_request_with_a_path_as_interface_is_rejected(app, map_scans):
+def test_request_that_specifies_the_interface_by_a_file_path_is_rejected(app, map_scans):
     request = {"command": "pair", "options": [["load", "1 MPa"], ["interface", "/etc/passwd"]], **map_scans}
     assert app.request("POST", "/jobs", json.dumps(request).encode())[0] == 400
 
@@ -232,7 +232,7 @@ def test_uploaded_file_that_is_no_interface_file_is_reported_next_to_its_form_fi
     assert response["error"].startswith('"interface" other.csv is not an interface file')
 
 
-def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path):
+def test_malformed_requests_print_nothing_in_the_terminal_of_the_server(tmp_path):
     with start_server(tmp_path, "--keep") as server:
         for _ in range(3):
             with socket.create_connection(("127.0.0.1", int(server.port))) as connection:
@@ -242,7 +242,7 @@ def test_malformed_requests_are_answered_without_a_line_in_the_terminal(tmp_path
         assert server.process.stderr.read() == ""
 
 
-def test_queued_job_states_for_which_job_it_waits(tmp_path):
+def test_queued_job_shows_which_job_it_waits_for(tmp_path):
     queue = JobQueue(tmp_path)
     for number, state in enumerate(("done", "running", "waiting", "waiting"), 1):
         queue.jobs_by_number[number] = jobs.Job(number, f"pair {number}", ["pair"], tmp_path, state=state)
@@ -340,7 +340,7 @@ def test_temporary_directory_is_private_and_is_removed_when_the_server_stops(tmp
 
 
 @pytest.mark.soak
-def test_unfinished_uploads_are_included_in_the_storage_limit(app):
+def test_unfinished_uploads_count_towards_the_storage_limit(app):
     header_lines = (
         f"Host: 127.0.0.1:{app.port}\r\nOrigin: {app.origin}\r\nCookie: {app.cookie}\r\nX-Stiction-Key: {app.key}"
     )
@@ -488,7 +488,7 @@ def test_pair_job_whose_report_cannot_be_written_still_shows_its_result(tmp_path
     assert job.error.endswith("/report.html: No space left on device")
 
 
-def test_values_of_a_finished_pair_are_not_replaced_by_an_intermediate_result(tmp_path, monkeypatch):
+def test_values_of_a_finished_pair_job_are_not_replaced_by_an_intermediate_result(tmp_path, monkeypatch):
     """The progress must not be checked after the command has printed its values, even while it still draws."""
 
     async def run_module(arguments, on_record=None, **_):

@@ -86,7 +86,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     assert interface.tau0[1] == 0.0
 
 
-def test_error_common_to_all_tests_widens_the_interval_of_the_determined_combination() -> None:
+def test_error_common_to_all_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0() -> None:
     tests = simulate_ball_tests()
     narrow_interval, wide_interval = (
         calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
@@ -288,7 +288,7 @@ def test_prediction_for_a_pair_equals_the_combined_interval_computed_with_the_in
     assert value == pytest.approx(result.value, abs=0.1 * width)
 
 
-def test_prediction_from_tests_of_yielding_pairs_is_narrower_than_the_interval_of_the_pair(tmp_path) -> None:
+def test_prediction_interval_from_tests_of_yielding_pairs_is_narrower_than_the_combined_interval(tmp_path) -> None:
     options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
     tested_pair = pair(*rough_surface_pair(0.05), **options)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.004)] * 3
@@ -359,7 +359,7 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
     assert 0.5 < ratio < 2.5
 
 
-def test_friction_tests_that_did_not_slide_are_lower_bounds_of_the_coefficient() -> None:
+def test_friction_tests_without_sliding_are_lower_bounds_of_the_coefficient() -> None:
     sliding_tests = simulate_ball_tests()
     identified_values = calibrate(sliding_tests[:2], sliding="all").identified
     static_coefficient = sliding_tests[0].coefficient * 1.05
@@ -567,7 +567,7 @@ def test_error_common_to_all_tests_of_a_run_widens_the_interval() -> None:
     assert interval_with_runs[2] - interval_with_runs[1] > interval_without_runs[2] - interval_without_runs[1]
 
 
-def test_calibration_with_a_given_mu0_or_tau0_leaves_it_unchanged() -> None:
+def test_calibration_does_not_change_a_given_mu0_or_tau0() -> None:
     tests = simulate_ball_tests()
     interface_with_fixed_tau0 = calibrate(tests[:1], sliding="all", tau0="12 MPa")
     assert interface_with_fixed_tau0.separated
@@ -673,7 +673,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
     return np.array(is_covered)
 
 
-def test_predictions_from_ball_tests_contain_the_true_friction() -> None:
+def test_prediction_intervals_from_ball_tests_contain_the_true_friction() -> None:
     assert (
         simulate_coverage("ball", 40)[:, 1].sum() >= 34
     )  # At a coverage of 95 %, fewer than 34 of 40 intervals contain the true value with a probability of 0.4 %.
@@ -681,7 +681,7 @@ def test_predictions_from_ball_tests_contain_the_true_friction() -> None:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", FRICTION_TEST_SERIES)
-def test_predictions_contain_the_true_friction_for_every_kind_of_test_series(kind: str) -> None:
+def test_prediction_intervals_contain_the_true_friction_for_every_kind_of_test_series(kind: str) -> None:
     coverage = simulate_coverage(kind, 300).mean(axis=0)
     print(kind, coverage.round(3))
     assert coverage[1] > 0.92

@@ -25,7 +25,7 @@ def run_shell_script(script, *arguments, cwd):
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, timeout=120, env=environment)
 
 
-def test_stiction_run_finishes_even_if_its_output_pipe_is_closed(tmp_path):
+def test_run_command_finishes_even_if_its_output_pipe_is_closed(tmp_path):
     completed = run_shell_script('"$@" | true', "run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path)
     assert completed.returncode == 0
     assert all(
@@ -175,7 +175,7 @@ def test_unprintable_file_name_is_escaped_in_a_one_line_error(tmp_path):
         assert completed.stderr.strip().isprintable()
 
 
-def test_commands_report_and_export_accept_long_file_names(tmp_path):
+def test_report_command_and_export_command_accept_long_file_names(tmp_path):
     check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "-o", ".", cwd=tmp_path)
     long_name = "x" * 240
     for command, option, file_ending in (

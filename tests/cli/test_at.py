@@ -90,7 +90,7 @@ def test_at_command_prints_the_same_values_as_the_python_function_for_given_mu0_
     assert expected_points[0].assessment in text
 
 
-def test_stiction_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_status(results_directory):
+def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_unreached_loads(results_directory):
     record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_directory))
     assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]] == [(0.3, 0.0), (0.3, 0.02)]
     text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_directory)
@@ -109,7 +109,7 @@ def test_stiction_at_uses_mu0_and_tau0_of_the_study_by_default_and_reports_the_s
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_range(
+def test_at_command_rejects_loads_that_are_all_outside_the_computed_range(
     results_directory, name, options, json_options
 ):
     completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)
@@ -118,7 +118,7 @@ def test_stiction_at_rejects_loads_that_are_all_outside_the_computed_range(
 
 
 @pytest.mark.parametrize("more_options", [(), ("--scale-heights", "1")])
-def test_stiction_at_warns_about_loads_outside_the_computed_loads_and_omits_them(results_directory, more_options):
+def test_at_command_warns_about_loads_outside_the_computed_range_and_omits_these_loads(results_directory, more_options):
     arguments = ("at", "maps", *more_options, "--tau0", "0 MPa")
     completed = check_stiction(*arguments, "--load", "1 Pa,10 MPa", cwd=results_directory, without_figures=True)
     assert completed.stdout == get_stiction_output(*arguments, "--load", "10 MPa", cwd=results_directory)
@@ -126,7 +126,7 @@ def test_stiction_at_warns_about_loads_outside_the_computed_loads_and_omits_them
     assert "(1 Pa)" in completed.stderr
 
 
-def test_stiction_at_without_options_uses_mu0_and_tau0_and_the_loads_of_the_study(results_directory):
+def test_at_command_without_options_uses_mu0_and_tau0_and_loads_of_the_study(results_directory):
     record = json.loads(get_stiction_output("at", "maps", "--json", cwd=results_directory))
     study = open_stored_result(results_directory / "maps").study
     expected_conditions = [
@@ -151,7 +151,7 @@ def test_at_command_prints_friction_in_the_direction_of_the_direction_option(res
     assert record["points"][0]["rules"][0]["coefficient"]["value"] == pytest.approx(float(expected))
 
 
-def test_stiction_at_accepts_comma_separated_values_and_repeated_options(results_directory):
+def test_at_command_accepts_comma_separated_values_and_repeated_options(results_directory):
     arguments = ("at", "study", "--tau0", "0 MPa,100 MPa", "--json")
     record_of_lists = json.loads(
         get_stiction_output(
@@ -194,7 +194,7 @@ def test_stiction_at_accepts_comma_separated_values_and_repeated_options(results
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
     ],
 )
-def test_error_from_stiction_at_states_the_rejected_option(results_directory, arguments, expected_words):
+def test_error_of_the_at_command_names_the_rejected_option(results_directory, arguments, expected_words):
     assert_rejected(call_stiction("at", *arguments, cwd=results_directory), *expected_words)
 
 
@@ -227,7 +227,7 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
 
-def test_missing_height_factors_require_the_compute_option_and_results_are_a_table_or_json(results_directory, tmp_path):
+def test_at_command_computes_missing_height_factors_only_with_the_compute_option(results_directory, tmp_path):
     shutil.copytree(results_directory / "maps", tmp_path / "maps")
     arguments = ("at", "maps", "--scale-heights", "0.5,1,2", "--load", "10 MPa", "--mu0", "0.25")
     assert_rejected(
@@ -274,7 +274,7 @@ def test_missing_height_factors_require_the_compute_option_and_results_are_a_tab
         ("study", ("--scale-heights", "2", "--load", "1 uN", "--compute"), "needs two measured surfaces"),
     ],
 )  # fmt: skip
-def test_stiction_at_rejects_invalid_options_for_height_factors(results_directory, name, arguments, expected_message):
+def test_at_command_rejects_invalid_options_for_height_factors(results_directory, name, arguments, expected_message):
     assert_rejected(call_stiction("at", name, *arguments, cwd=results_directory), expected_message)
 
 
@@ -301,7 +301,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_d
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
 @pytest.mark.parametrize("name", ["lines", "maps"])
-def test_stiction_run_adds_repetitions_to_a_result_directory(results_directory, name, tmp_path):
+def test_run_command_adds_repetitions_to_a_result_directory(results_directory, name, tmp_path):
     shutil.copytree(results_directory / name, tmp_path / name)
     num_repetitions = open_stored_result(tmp_path / name).study.ensemble.repetitions
     get_stiction_output(

@@ -115,7 +115,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     assert "may exceed the yield limit" in completed.stderr
 
 
-def test_caveat_about_a_yielding_ball_states_its_load_the_yield_load_and_elastic_loads(tmp_path):
+def test_caveat_about_a_yielding_ball_states_pressures_and_the_load_above_which_to_omit_tests(tmp_path):
     materials = {"upper_material": "PMMA", "lower_material": "glass"}
     ball = Ball("1 mm", **materials)
     yield_limit = 0.39 * ball.elasticity.hardness
@@ -288,7 +288,7 @@ def test_row_of_a_pair_whose_name_starts_with_a_number_sign_is_not_a_comment(tmp
     assert [test.coefficient for test in tests] == [0.2, 0.4]
 
 
-def test_units_in_column_names_of_friction_tests_are_converted(tmp_path):
+def test_friction_tests_are_converted_from_the_units_in_their_column_names(tmp_path):
     (tmp_path / "a.csv").write_text("load (mN),coefficient (%),uncertainty (mN)\n2000,50,20\n")
     (tmp_path / "b.csv").write_text("load (N),friction force (N),uncertainty (%)\n2,1,2\n")
     for name in ("a.csv", "b.csv"):
@@ -297,7 +297,7 @@ def test_units_in_column_names_of_friction_tests_are_converted(tmp_path):
 
 
 @pytest.mark.parametrize("title", ["load (N)", "normal force (N)"])
-def test_friction_test_table_accepts_forces_on_a_ball_next_to_pressures_on_a_pair(two_finishes_directory, title):
+def test_table_of_friction_tests_accepts_both_forces_on_balls_and_pressures_on_pairs(two_finishes_directory, title):
     path = two_finishes_directory / "ball_and_pair.csv"
     path.write_text(f"pair;{title};load (MPa);coefficient\nball;0,5;;0,2\nground;;80;0,3\nground;0,000002;;0,25\n")
     pair = Result(open_stored_result(two_finishes_directory / "ground"))

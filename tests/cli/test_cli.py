@@ -28,7 +28,7 @@ def directory_and_output(tmp_path_factory):
     return directory, completed
 
 
-def test_stiction_run_writes_the_result_and_figures_to_the_output_directory(directory_and_output):
+def test_run_command_writes_the_result_and_figures_to_the_output_directory(directory_and_output):
     directory, completed = directory_and_output
     figures = {"friction_mu0_0.1.png", "friction_mu0_0.4.png", "friction_mu0_1.png", "area.png"}
     assert {path.name for path in (directory / "quick").iterdir()} == {"study.toml", "blocks", *figures}
@@ -40,7 +40,7 @@ def test_stiction_run_writes_the_result_and_figures_to_the_output_directory(dire
     assert float(dataset["contact_count"].sum()) > 0
 
 
-def test_stiction_run_recomputes_nothing_if_the_result_is_complete(directory_and_output):
+def test_run_command_recomputes_nothing_if_the_result_is_complete(directory_and_output):
     directory, _ = directory_and_output
     for arguments in (
         ("quick", *SMALL_STUDY_OPTIONS),
@@ -54,7 +54,7 @@ def test_stiction_run_recomputes_nothing_if_the_result_is_complete(directory_and
     assert (directory / "quick" / "area.png").exists()
 
 
-def test_stiction_run_with_another_mu0_keeps_the_figures_of_the_earlier_mu0(directory_and_output, tmp_path):
+def test_run_command_with_another_mu0_keeps_the_figures_of_the_earlier_mu0(directory_and_output, tmp_path):
     shutil.copytree(directory_and_output[0] / "quick", tmp_path / "quick")
     changes = "--set", "friction.mu0=[0.3]"
     completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, *changes, cwd=tmp_path, without_figures=True)
@@ -63,7 +63,7 @@ def test_stiction_run_with_another_mu0_keeps_the_figures_of_the_earlier_mu0(dire
     assert {"friction_mu0_0.1.png", "friction_mu0_0.3.png"} <= {path.name for path in (tmp_path / "quick").iterdir()}
 
 
-def test_stiction_run_adds_repetitions_and_reports_missing_repetitions(directory_and_output, tmp_path):
+def test_run_command_adds_repetitions_and_reports_missing_repetitions(directory_and_output, tmp_path):
     assert_rejected(
         call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--set", "ensemble.seed=1", cwd=directory_and_output[0]),
         "ensemble.seed",
@@ -98,7 +98,7 @@ def test_result_of_a_run_in_two_parts_equals_the_result_of_a_single_run(director
     assert store.read(tmp_path / "quick").equals(store.read(directory_and_output[0] / "quick"))
 
 
-def test_stiction_run_stores_the_study_from_the_given_file(tmp_path):
+def test_run_command_stores_the_study_from_the_given_file(tmp_path):
     study = Study().with_changes(
         {
             "surfaces.fractal_dimension": [1.2], "surfaces.points": 4000, "surfaces.extent": "2 um",

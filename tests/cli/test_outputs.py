@@ -67,7 +67,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, a
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 
-def test_table_and_report_of_a_pair_use_mu0_of_an_edited_study_file(scans_directory):
+def test_csv_table_and_report_of_a_pair_use_mu0_of_an_edited_study_file(scans_directory):
     check_stiction(*PAIR_COMMAND, cwd=scans_directory, without_figures=True)
     directory = scans_directory / "pair"
     result, report = open_result(directory), (directory / "report.html").read_bytes()
@@ -159,7 +159,7 @@ def test_table_command_replaces_a_table_written_meanwhile_by_an_equal_command(tm
     assert (tmp_path / "table" / "laws.csv").exists()
 
 
-def test_info_command_prints_a_sentence_for_each_load_even_if_the_load_must_not_be_quoted(scans_directory):
+def test_info_command_prints_a_sentence_for_each_load_even_if_the_result_must_not_be_quoted(scans_directory):
     loads = ["--load", "1 uN,2 mN,8 mN"]
     command = [word for word in PAIR_COMMAND if word not in ("--load", "2 mN")]
     call_stiction(*command, *loads, cwd=scans_directory, without_figures=True, without_report=True)

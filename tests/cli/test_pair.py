@@ -869,7 +869,7 @@ def test_pair_commands_for_two_parts_of_a_run_give_a_complete_result(scans_direc
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
-def test_stiction_run_rejects_a_changed_scan_file(scans_directory):
+def test_run_command_rejects_a_changed_scan_file(scans_directory):
     arguments = [
         "pair",
         "scan.npy",

@@ -128,7 +128,7 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
     )  # A coarse scan lacks short wavelengths, which determine the area.
 
 
-def test_commands_at_and_report_accept_the_result_of_a_pair_of_spectra(spectra_directory):
+def test_at_command_and_report_command_accept_the_result_of_a_pair_of_spectra(spectra_directory):
     completed = check_stiction(
         "pair",
         "upper.csv",

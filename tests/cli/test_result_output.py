@@ -43,6 +43,6 @@ def test_message_on_a_terminal_starts_at_the_beginning_of_the_line(monkeypatch):
     assert terminal.getvalue().split("\r")[-1] == "\x1b[2Kstiction: computing\n"
 
 
-def test_damaged_result_raises_its_own_error_instead_of_reporting_missing_contact():
+def test_printing_a_damaged_result_raises_the_store_error_instead_of_reporting_no_contact():
     with pytest.raises(StoreError, match="damaged"):
         print_result(result_whose_summary_raises(StoreError("damaged"), measured_study()))

@@ -288,7 +288,7 @@ def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat_about_the
 
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])
-def test_shear_test_with_an_interface_fitted_at_opposing_contacts_has_a_caveat(rule):
+def test_shear_test_with_an_interface_calibrated_for_opposing_contacts_has_a_caveat(rule):
     film = interface("MoS2 on bearing steel, dry air")
     film = replace(film, fits=(replace(film.fits[0], sliding=rule),))
     test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **CONDITIONS)
@@ -320,7 +320,7 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_th
         assert caveat in caveats[0]
 
 
-def test_shear_peak_of_faces_that_fit_perfectly_has_a_caveat_because_nothing_has_moved(directory):
+def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_it_precedes_all_displacement(directory):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))
@@ -352,7 +352,7 @@ def test_shear_test_of_faces_that_lock_prints_no_peak():
     assert not shear_text(locked).startswith("peak:")
 
 
-def test_shear_test_of_faces_that_lock_at_most_displacements_is_printed_and_drawn():
+def test_shear_test_of_faces_that_lock_is_printed_and_drawn():
     face = create_faces()[1]
     steep = Surface(20 * face.heights, spacing=face.spacing)
     test = shear_test(

@@ -123,7 +123,7 @@ def test_result_at_a_stored_height_factor_equals_the_result_of_scaled_surfaces(b
     )
 
 
-def test_scaled_results_of_files_equal_scaled_results_of_surfaces_in_memory(bodies, result, tmp_path):
+def test_results_with_scaled_heights_are_equal_for_scan_files_and_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
     computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **PAIR_OPTIONS | HARDNESS_OPTION)
@@ -374,7 +374,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     )
 
 
-def test_interval_at_a_height_factor_for_uncertain_hardness_is_that_of_scaled_heights(bodies):
+def test_interval_for_uncertain_hardness_at_a_height_factor_equals_that_for_scaled_heights(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)

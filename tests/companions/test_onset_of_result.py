@@ -181,7 +181,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
         assert "Order of slip" not in report_page(open_stored_result(tmp_path))
 
 
-def test_stored_onset_for_another_mu0_is_ignored(study, onset, tmp_path):
+def test_stored_onset_of_sliding_for_another_mu0_is_ignored(study, onset, tmp_path):
     compute_missing_blocks(study, tmp_path)
     stored_result = open_stored_result(tmp_path)
     assert load_stored_onset(stored_result) is None
@@ -223,7 +223,7 @@ def test_onset_text_states_its_sliding_rule_if_the_interface_has_another_rule(st
     assert "These values assume friction at all contacts." in " ".join(texts[1].split())
 
 
-def test_sliding_load_of_the_onset_is_the_friction_coefficient_times_the_normal_load(tmp_path):
+def test_sliding_load_is_the_friction_coefficient_times_the_normal_load(tmp_path):
     bodies = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=64, spacing=0.05, shortest_wavelength=0.3)
     options = {
         "load": "50 MPa", "hardness": "120 HV ± 10 %", "mu0": "0.1..0.3", "tau0": "50 MPa", "effective_modulus": 80.0,
@@ -266,7 +266,7 @@ def test_pair_function_replaces_an_onset_table_of_an_earlier_call(tmp_path):
     assert file.read_text("utf-8") == scaled
 
 
-def test_fitted_friction_models_are_scaled_with_the_tangential_load_of_the_onset(onset):
+def test_fitted_iwan_and_lugre_models_are_scaled_with_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # the load is 2 mN

@@ -109,7 +109,7 @@ def test_error_about_an_impossible_stored_value_names_the_variable(complete_resu
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_stored_onset_is_ignored_if_its_load_steps_differ_from_the_current_ones(complete_result):
+def test_stored_onset_of_sliding_is_ignored_if_its_load_steps_are_outdated(complete_result):
     with h5py.File(complete_result.path / "onset.nc", "r+") as file:
         file["fraction"][0] = 0.07
     assert load_stored_onset(complete_result) is None

@@ -153,7 +153,7 @@ def test_adhesive_friction_at_zero_load_is_zero_if_mu0_and_tau0_are_zero():
     assert "friction at no load 0 mN" in " ".join(repr(result).split())
 
 
-def test_text_states_that_an_uncertain_modulus_leaves_the_attraction_unchanged(adhesive_result):
+def test_result_text_states_that_an_uncertain_modulus_does_not_change_the_attraction(adhesive_result):
     uncertain_result = run_pair(**ADHESION_OPTIONS | {"effective_modulus": "60..100 GPa", "load": "2 MPa"})
     note = "; its interval includes the effect of E* on the area, not on the attraction."
     for result, has_note in ((uncertain_result, True), (adhesive_result, False)):
@@ -249,7 +249,9 @@ def test_loads_between_zero_and_the_lowest_solved_load_have_the_status_not_reach
         ((2e-8, np.nan, np.nan), False, "no"),
     ],
 )
-def test_assessment_reports_adhering_bodies_if_the_pull_off_interval_allows_adhering(pressure, is_bound, sticks):
+def test_assessment_of_whether_bodies_adhere_follows_from_the_interval_of_the_pull_off_pressure(
+    pressure, is_bound, sticks
+):
     pull_off_values = PullOffValues(
         force=Estimate(1e-6), pressure=Estimate(*pressure), friction=Estimate(1e-6), is_bound=is_bound
     )

@@ -84,13 +84,13 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
     assert value == pytest.approx(0.1 * coefficients[2, 0] + 0.1 * 0.85 * coefficients[2, 1], rel=SLOPE_TOLERANCE)
 
 
-def test_budget_has_a_row_for_the_area_loss_and_the_text_states_its_range():
+def test_uncertainty_budget_has_a_row_for_the_area_loss_and_the_text_states_the_range_of_the_loss():
     result = press_with_loss(None)
     assert result.budget["input"].iloc[0] == "the area loss under shear"
     assert "elastomer, area loss under shear 0..0.3" in inputs_text(result.summary().first)
 
 
-def test_percentiles_of_a_single_test_include_the_uncertainty_of_the_area_loss():
+def test_percentiles_of_a_single_friction_test_include_the_uncertainty_of_the_area_loss():
     widths = []
     for area_loss in (0.15, "0..0.3"):
         percentiles = press_with_loss(area_loss).at()["friction_percentiles"].sel(sliding="all").values.ravel()

@@ -296,7 +296,9 @@ def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutio
         np.testing.assert_allclose(get_means(interpolated, name), get_means(direct, name), rtol=tolerance, err_msg=name)
 
 
-def test_tangential_stiffness_per_area_equals_stiffness_of_the_onset_without_bending(result_of_yielding_maps):
+def test_tangential_stiffness_per_area_excludes_the_mean_tangential_displacement_of_the_half_space(
+    result_of_yielding_maps,
+):
     """Subtract the mean tangential displacement from that of distant points, as for the closure."""
     result = result_of_yielding_maps
     contact = result.study.contact
@@ -331,7 +333,7 @@ def test_tangential_stiffness_agrees_with_closed_forms_for_grooves_and_spheres(
     )
 
 
-def test_interval_for_generated_surfaces_is_that_of_averages_over_directions():
+def test_interval_for_generated_surfaces_is_computed_from_averages_over_directions():
     study = Study().with_changes({
         "ensemble.repetitions": 6, "surfaces.kind": "surface", "surfaces.shape": [24, 24], "contact.direction": [0, 90],
         "surfaces.extent": ["1.5 um", "1.5 um"], "surfaces.band_limit": "nyquist", "contact.approach.count": 5,
@@ -348,7 +350,7 @@ def test_interval_for_generated_surfaces_is_that_of_averages_over_directions():
             np.testing.assert_allclose(table[name].sel(statistic=statistic), quantity_map[variable], rtol=ROUND_OFF)
 
 
-def test_interval_for_measured_surfaces_is_that_of_averages_over_directions(areal_study_and_dataset):
+def test_interval_for_measured_surfaces_is_computed_from_averages_over_directions(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     values = member_values(result, [2.0], mu0=0.3)
     point = at_load(result, [2.0], mu0=0.3)
@@ -552,7 +554,9 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
 
 
-def test_maximum_number_of_uncertainty_budgets_does_not_limit_loads_of_the_study(areal_study_and_dataset, monkeypatch):
+def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to_each_other_load(
+    areal_study_and_dataset, monkeypatch
+):
     study, dataset = areal_study_and_dataset
     other, *study_loads = study.contact.loading_steps()[:3].tolist()
     changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}

@@ -162,7 +162,7 @@ def test_limits_of_the_combined_interval_equal_quantiles_of_input_samples(infini
         compute_equal_tailed_interval(samples)
 
 
-def test_percentiles_of_a_single_test_agree_with_percentiles_of_random_samples() -> None:
+def test_percentiles_of_a_single_friction_test_agree_with_percentiles_of_random_samples() -> None:
     """Sample mu0, tau0 and the scatter of tests; without a hardness, friction is linear in mu0 and tau0."""
     kwargs = dict(load=["20 MPa", "40 MPa"], effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2 ± 0.02", tau0="20..80 MPa", **kwargs)

@@ -97,7 +97,7 @@ def test_combined_interval_adds_input_error_and_scatter_in_quadrature():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_budget_averages_the_remaining_width_over_the_values_that_an_input_may_have():
+def test_uncertainty_budget_averages_the_remaining_interval_width_over_possible_values_of_an_input():
     """A wide log-normal tau0 scales the effect of the modulus, so the mean width exceeds the width at the median."""
     changes = {"friction.tau0": "0.002..0.2 GPa", "contact.effective_modulus": "50..200 GPa"}
     intervals = build_intervals(changes, mu0=0.2, tau0=0.02)
@@ -145,7 +145,7 @@ def test_contact_area_and_pressure_intervals_follow_the_range_of_the_modulus():
         assert combined[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
 
-def test_tau0_widens_the_interval_of_the_area_at_the_onset_but_not_of_the_true_area():
+def test_uncertain_tau0_widens_only_the_interval_of_the_contact_area_at_the_onset_of_sliding():
     changes = {"friction.tau0": "uniform 0.05 .. 0.15 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, growth=5.6, half_width=1e-6)
     areas = {name: np.array([12.0, 12.0, 12.0]) for name in ("contact_area", "contact_area_at_onset")}
@@ -177,7 +177,9 @@ def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
 
 
 @pytest.mark.parametrize(("tau0", "limit", "dwell_time"), [(0.1883, 0.1885, 1.0), (0.182, 0.1823, 2.0)])
-def test_friction_interval_has_no_upper_limit_if_the_body_shears_at_central_input_values(tau0, limit, dwell_time):
+def test_friction_interval_has_no_upper_limit_if_the_softer_body_shears_at_central_input_values(
+    tau0, limit, dwell_time
+):
     """The softer body shears at the central tau0, but in less than 2.5 % of the samples."""
     changes = {
         "friction.wait": ["2 s"], "friction.creep": 0.05, "contact.junction_growth": "slip-line 5.6",
@@ -214,7 +216,7 @@ def test_interval_of_a_friction_coefficient_of_zero_starts_at_zero():
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 41, 1000])
-def test_quantiles_of_finite_and_infinite_samples_have_the_bits_of_numpy_quantile(size):
+def test_quantiles_of_finite_and_infinite_samples_are_bit_identical_to_those_of_numpy(size):
     probabilities = np.array([0.0, 0.025, 0.05, 0.25, 0.5, 0.95, 0.975, 1.0])
     samples = np.random.default_rng(size).lognormal(size=size)
     for values in (samples, samples.round(1)):  # all samples different, and some samples equal

@@ -49,7 +49,7 @@ def test_load_outside_the_computed_loads_has_no_values_even_for_self_locked_surf
     assert find_loads_without_values(result, values) == loads[1:]
 
 
-def test_computed_load_has_other_values_even_if_self_locked_surfaces_have_no_coefficient(result):
+def test_computed_load_at_which_surfaces_are_self_locked_counts_as_a_load_with_values(result):
     values = result.at(1e-3)
     values["status"][:] = np.array("self-locked", values["status"].dtype)
     assert find_loads_without_values(result, values) == []

@@ -88,7 +88,7 @@ def test_interval_of_the_mean_of_correlated_values_agrees_with_a_dense_matrix_ca
 
 
 @pytest.mark.parametrize("distribution", ["half zeros", "lognormal 0.5", "bounded"])
-def test_mean_of_correlated_values_scales_and_shifts_with_them_and_ignores_their_reversal(distribution):
+def test_interval_of_the_mean_of_correlated_values_follows_scaling_and_shift_and_ignores_reversal(distribution):
     values = simulate_correlated_positions(distribution, 1, 24, 0.4, np.random.default_rng(3))[0]
     expected = np.array(average_correlated_values(values))
     np.testing.assert_allclose(average_correlated_values(1e9 * values), 1e9 * expected, rtol=1e-9)
@@ -171,7 +171,7 @@ def test_sample_mean_ignores_missing_values():
 
 
 @pytest.mark.parametrize("lines", [1, 16])
-def test_mean_of_a_column_over_positions_is_independent_of_other_columns(lines):
+def test_interval_of_the_mean_of_one_column_does_not_depend_on_other_columns(lines):
     values = np.exp(np.random.default_rng(0).normal(size=(64, 50)).cumsum(axis=0) * 0.3)
     lines_of_positions = np.arange(64) * lines // 64
     all_columns = np.stack(average_line_means(values, lines_of_positions))
@@ -231,7 +231,7 @@ def test_jackknife_sums_do_not_depend_on_the_memory_layout_of_curves():
     assert np.array_equal(computed, expected)
 
 
-def test_jackknife_sums_rejects_points_outside_the_curves_and_arrays_of_unequal_shape():
+def test_jackknife_sums_function_rejects_points_outside_the_curves_and_arrays_of_unequal_shape():
     curves, indices, numbers = np.ones((2, 3, 4)), np.array([1]), np.ones(1)
     points = {"curve": indices, "step": indices, **dict.fromkeys(("fraction", "load", "mean", "slope"), numbers)}
     for wrong_values, wrong_point in (

@@ -218,7 +218,7 @@ def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     ({"effective_modulus": 100.0}, None), ({"upper": "steel", "lower": "brass", "junction_growth": 0}, None),
     ({"upper": "steel", "lower": "brass", "work_of_adhesion": "50 mJ/m^2"}, None),
 ])  # fmt: skip
-def test_bodies_that_yield_use_slip_line_theory_by_default(options, text):
+def test_friction_of_yielding_bodies_follows_slip_line_theory_by_default(options, text):
     result = pair(*rough_surfaces(), load="1 MPa", mu0=0.2, tau0=0.001, shifts=2, cutoff="none", **options)
     growth = result.study.contact.junction_growth
     assert (growth and growth.text) == (text or growth)
@@ -342,7 +342,9 @@ def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
     ("slip-line", "uniform 25 MPa .. 45 MPa", 20, False), ("0..100", "uniform 35 MPa .. 65 MPa", 20, False),
     ("4..9", "uniform 60 MPa .. 160 MPa", 200, True),
 ])  # fmt: skip
-def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_it_is_a_remedy(growth, tau0, load, can_help):
+def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_this_would_limit_friction(
+    growth, tau0, load, can_help
+):
     options = {**PLASTIC_OPTIONS, "mu0": 0.2, "tau0": tau0, "junction_growth": growth}
     result, result_at_small_load = (
         pair(*rough_surfaces(), **options | {"load": f"{each} MPa"}) for each in (load, load / 10)

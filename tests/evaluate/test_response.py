@@ -86,7 +86,7 @@ def test_elastic_contact_area_is_computed_only_for_the_first_pairs_of_a_result(r
     assert np.isnan(first_members[:, 2:]).all()
 
 
-def test_mean_elastic_area_of_all_pairs_is_scaled_from_that_of_the_first_pairs(result):
+def test_mean_elastic_area_of_all_pairs_is_extrapolated_from_the_first_pairs(result):
     dataset = result.dataset.copy(deep=True)
     is_first = dataset["repetition"] < 2
     dataset["elastic_area"] = dataset["elastic_area"].where(is_first)

@@ -265,7 +265,7 @@ DRIFT_OPTIONS = {"load": "60 MPa", "effective_modulus": 80.0, "mu0": 0.2, "tau0"
 DRIFT_CAVEAT = "from one end of the scan to the other"
 
 
-def test_roughness_drift_of_a_single_scan_widens_the_interval_and_is_in_budget_and_caveat():
+def test_roughness_drift_of_a_single_scan_widens_the_interval_and_appears_in_budget_and_caveat():
     result = pair(build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS)
     lower, upper = result.interval
     assert lower < result.interval_of_mean[0] < result.interval_of_mean[1] < upper

@@ -36,7 +36,7 @@ def test_size_effect_factor_is_the_ratio_of_nix_gao_hardnesses_at_two_depths():
     assert size_effect_factor(0.5, 0.03, 0.03) == 1
 
 
-def test_indentation_of_the_estimated_depth_has_the_slope_per_radius_of_the_contacts():
+def test_indent_of_the_estimated_depth_has_the_same_ratio_of_slope_to_radius_as_the_contacts():
     slope_of_vickers = np.sqrt(np.pi / 24.5)  # slope of a cone with the area 24.5 h² of a Vickers indentation
     radius, slope, count = 0.3, 0.1, 5
     depth = estimate_indentation_depth(count * np.pi * radius**2, count, slope)

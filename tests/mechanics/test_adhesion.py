@@ -352,7 +352,7 @@ class InterruptedRecord(SolutionRecord):
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_interrupted_energy_minimization_continues_with_the_same_bits(boundary):
+def test_resumed_energy_minimization_gives_bit_identical_results(boundary):
     bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
     curve = half_space(*bodies, [0.0], boundary=boundary, **adhesive)
     start = AdhesionSolver(curve._problem, tolerance=1e-6, report=None).find_equilibrium_at_pressure(None, 0.0)[0]
@@ -427,7 +427,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_contacts_converge_and_few_have_only_a_bound_of_the_pull_off_force():
+def test_random_adhesive_contacts_converge_and_few_of_their_pull_off_forces_are_only_bounds():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.
@@ -519,7 +519,7 @@ def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_those_without_a
     assert weakly_adhesive_curve.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
 
 
-def test_pull_off_force_is_positive_even_if_two_iterations_in_turn_change_nothing():
+def test_pull_off_force_is_positive_even_if_two_successive_iterations_change_nothing():
     """Solve a case in which two consecutive iterations change nothing, so that the ratio of their changes is 0/0."""
     columns = "0011000010111 0010010101100", "0101010011010 0100101100001"
     sign_arrays = [np.array([[int(sign) for sign in column] for column in text.split()]).T for text in columns]

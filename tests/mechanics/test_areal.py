@@ -544,7 +544,7 @@ class TestInvalidArguments:
         with pytest.raises(ValueError, match=match):
             press(*create_rough_surfaces(), [0.1], **changes)
 
-    def test_functions_press_and_contacts_reject_invalid_surfaces(self):
+    def test_press_function_and_contacts_function_reject_invalid_surfaces(self):
         upper, lower = create_rough_surfaces()
         flat = Surface(np.zeros((10, 10)), spacing=1.0)
         for invalid_surfaces, match in (

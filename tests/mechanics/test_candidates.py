@@ -128,7 +128,7 @@ class TestContactModel:
             press(*pair, [0.01], modulus=3.0)
 
 
-def test_contact_sums_have_the_names_of_the_core_and_contact_laws_have_unique_names():
+def test_names_of_contact_sums_equal_those_of_the_core_and_names_of_contact_laws_are_unique():
     assert tuple(field.name for field in dataclasses.fields(ContactSums)) == SUM_QUANTITIES
     assert {*SUM_QUANTITIES} <= {*QUANTITIES}
     assert tuple(CONTACT_LAWS_BY_NAME) == LawName.__args__

@@ -450,7 +450,9 @@ class TestProfileContactArguments:
             (100.0, 20.0, "tau0 = 20 GPa is above a tenth of the effective modulus 100 GPa; was it meant in MPa?"),
         ],
     )
-    def test_warning_about_tau0_distinguishes_rubber_and_names_prefixed_units(self, effective_modulus, tau0, words):
+    def test_warning_about_a_large_tau0_depends_on_the_modulus_and_suggests_the_unit_that_was_meant(
+        self, effective_modulus, tau0, words
+    ):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             gentle_friction(0.1, rms_gradient=0.1, tau0=tau0, effective_modulus=effective_modulus)
@@ -478,7 +480,9 @@ class TestProfileContactArguments:
             ({"shear": "+y"}, "shear must be one of"),
         ],
     )
-    def test_functions_press_and_contacts_reject_invalid_arguments(self, create_rough_profiles, call, change, message):
+    def test_press_function_and_contacts_function_reject_invalid_arguments(
+        self, create_rough_profiles, call, change, message
+    ):
         upper, lower = create_rough_profiles(1.2)
         arguments = {"approach": 0.01} | change
         with pytest.raises(ValueError, match=message):

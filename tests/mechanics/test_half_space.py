@@ -631,7 +631,7 @@ def test_half_space_results_are_invariant_under_mirroring_and_exchange_of_bodies
             np.testing.assert_allclose(getattr(transformed_curve, name), getattr(curve, name), rtol=1e-6, err_msg=name)
 
 
-def test_half_space_solution_of_a_map_of_equal_rows_is_that_of_the_profile_in_each_row():
+def test_half_space_solution_of_a_map_of_equal_rows_equals_the_solution_of_the_profile_in_each_row():
     lines = [periodic_body((256,), seed=seed, shortest=16) for seed in (1, 2)]
     wide_surfaces = [Surface(np.tile(line.heights, (8, 1)), spacing=(1 / 8, 1 / 256)) for line in lines]
     line_curve = half_space(*lines, [0.01], boundary="periodic", tolerance=TIGHT_TOLERANCE)
@@ -976,7 +976,7 @@ print(curve.contact_area.tobytes() == expected.contact_area.tobytes())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space applies to threads on Linux only")
-def test_half_space_continues_with_the_threads_that_the_system_can_create():
+def test_half_space_uses_fewer_threads_if_the_system_cannot_create_all():
     import resource
 
     stack_size = 2**30

@@ -120,7 +120,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoff
     assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
-def test_max_friction_for_finer_scans_equals_the_upper_limit_of_its_range():
+def test_upper_limit_of_the_range_for_finer_scans_equals_the_separately_computed_maximum():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),

@@ -107,7 +107,7 @@ def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_
     )
 
 
-def test_work_of_shear_without_friction_is_balanced_if_an_edge_rides_up_the_other_face():
+def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_if_an_edge_climbs():
     x = np.linspace(-1, 1, 401)
     bowl = Profile(4 * x**2, spacing=0.25)  # here the ends of the upper face touch first
     result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
@@ -119,7 +119,7 @@ def test_work_of_shear_without_friction_is_balanced_if_an_edge_rides_up_the_othe
 # ---- Perfect fit and symmetry ----------------------------------------------------------------------------------------
 
 
-def test_shear_test_of_faces_that_fit_perfectly_starts_in_complete_contact():
+def test_shear_test_of_perfectly_mated_faces_starts_in_complete_contact():
     result = run_shear_test(create_rough_map(), path="100 um", steps=2, mu0=0.6, tau0="1 MPa", boundary="periodic")
     assert result.contact_area_fraction[0] == pytest.approx(1.0)
     # The coefficient is mu0 plus the ratio of tau0 to the nominal pressure.
@@ -195,7 +195,7 @@ def test_shear_test_of_faces_that_lock_at_the_start_solves_later_displacements()
     assert (stiff_test.status[1:] == "not-solved").all()  # no height at the start, so the load is unknown
 
 
-def test_shear_test_of_faces_that_fit_perfectly_starts_without_force_at_zero_friction():
+def test_shear_test_of_perfectly_mated_faces_starts_without_shear_force_at_zero_friction():
     result = run_shear_test(create_wavy_profile(), path="5 um", steps=1, mu0=0, boundary="periodic")
     assert result.friction_coefficient[0] == 0
     assert result.status[0] == "ok"
@@ -311,7 +311,7 @@ def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_the_largest_hard
     assert result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
 
 
-def test_shear_test_accepts_materials_and_interfaces_like_pair():
+def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
     face = create_rough_map()
     options = {"path": "100 um", "steps": 1, "load": "1 MPa", "level": "none"}
     by_name = shear_test(create_mate(face), face, mu0=0.5, upper_material="granite", **options)
@@ -497,7 +497,7 @@ def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
 # ---- Registration ----------------------------------------------------------------------------------------------------
 
 
-def test_shear_test_of_registered_faces_starts_where_they_fit():
+def test_shear_test_of_registered_faces_starts_at_their_best_fit():
     large = create_rough_map(96)
     upper, lower = (
         Surface(large.heights[row : row + 80, column : column + 80], spacing=large.spacing)

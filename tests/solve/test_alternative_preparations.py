@@ -277,7 +277,7 @@ def test_budget_at_a_load_of_the_study_does_not_depend_on_another_requested_load
         np.testing.assert_allclose(points[name].values, expected_points[name].values, rtol=1e-12)
 
 
-def test_second_run_of_pair_adds_a_missing_alternative_preparation_to_the_interval(
+def test_second_call_of_the_pair_function_adds_a_missing_alternative_preparation_to_the_interval(
     blunt_result, blunt_tip_scans, tmp_path
 ):
     directory = tmp_path / "result"
@@ -290,7 +290,7 @@ def test_second_run_of_pair_adds_a_missing_alternative_preparation_to_the_interv
     assert resumed_result.interval == open_result(directory).interval == blunt_result.interval
 
 
-def test_pair_returns_its_result_with_a_caveat_if_an_alternative_preparation_fails(
+def test_pair_function_returns_its_result_with_a_caveat_if_an_alternative_preparation_fails(
     blunt_tip_scans, blunt_result, monkeypatch
 ):
     def fail(*_):

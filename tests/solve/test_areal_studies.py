@@ -130,7 +130,7 @@ def test_results_of_a_study_of_maps_equal_load_curves_of_single_pairs(name):
     assert (dataset["normal_elastic"].values.max(axis=-1) > 0).all()
 
 
-def test_surfaces_of_a_numbered_pair_of_a_study_equal_directly_generated_surfaces():
+def test_surfaces_of_the_nth_pair_of_a_study_equal_directly_generated_surfaces():
     for body, side in zip(
         pair_of(FRACTAL_STUDY, 7, fractal_dimension=1.3, amplitude=0.1), ("upper", "lower"), strict=True
     ):

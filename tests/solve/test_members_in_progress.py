@@ -172,7 +172,7 @@ def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_loads_of_small_maps_solved_in_groups_have_the_results_of_single_solutions(study, tmp_path, monkeypatch):
+def test_small_maps_solved_for_groups_of_loads_have_the_results_of_single_solutions(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
     calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     for loads_per_step, num_steps in ((3, 2), (4, 1)):

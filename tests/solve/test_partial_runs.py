@@ -64,7 +64,7 @@ class RemoteExecutor(Executor):
         return InlineExecutor().submit(function, *args)
 
 
-def test_workers_write_blocks_to_a_shared_directory_and_otherwise_return_them(
+def test_workers_write_blocks_if_the_directory_is_shared_and_return_blocks_otherwise(
     tmp_path, uninterrupted_dataset, monkeypatch
 ):
     written_blocks, task_results = [], []

@@ -205,7 +205,9 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
         list(stored_result.pieces(["normal_elastic"]))
 
 
-def test_stored_result_that_fits_in_one_piece_is_read_only_once(directory_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_result_that_fits_in_one_piece_is_read_from_disk_once(
+    directory_copy, uninterrupted_dataset, monkeypatch
+):
     """Check also that a caller who changes the dataset does not change the cached result."""
     stored_result, decoded_contents = store.open_stored_result(directory_copy), []
     decode_members = store.decode_members
@@ -268,7 +270,9 @@ def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
         run(with_repetitions(21), store=tmp_path)
 
 
-def test_stored_blocks_with_common_repetitions_are_accepted(directory_copy, uninterrupted_dataset, monkeypatch):
+def test_stored_blocks_that_contain_the_same_repetitions_are_accepted(
+    directory_copy, uninterrupted_dataset, monkeypatch
+):
     """Blocks overlap if writers used different block sizes; each repetition is read once."""
     other_directory = directory_copy.with_name("others")
     for size, first in ((3, 3), (7, 7), (5, 5)):
@@ -842,7 +846,7 @@ def test_dataset_files_written_at_different_times_are_byte_identical(uninterrupt
     assert first_file.getvalue() == second_file.getvalue()
 
 
-def test_encoding_a_block_rejects_arrays_of_another_shape(uninterrupted_dataset):
+def test_encoding_a_block_rejects_arrays_of_the_wrong_shape(uninterrupted_dataset):
     arrays = {name: uninterrupted_dataset[name].values for name in TINY_STUDY.contact_sum_names()}
     with pytest.raises(ValueError, match=r"contact_count must have the shape \(.*\), got \(.*\)"):
         store.encode_members(TINY_STUDY, range(22), arrays | {"contact_count": arrays["contact_count"][..., :1]})

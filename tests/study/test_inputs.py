@@ -92,7 +92,7 @@ def test_study_of_generated_surfaces_rejects_an_uncertain_input():
 
 
 @pytest.mark.parametrize("name", ["mild steel", "copper", "silicon", "PTFE"])
-def test_elastic_constants_of_two_materials_give_the_same_modulus_and_compliance_share_as_the_material_names(name):
+def test_elastic_constants_of_two_materials_give_the_same_modulus_and_compliance_fraction_as_material_names(name):
     for other in materials():
         elasticity = determine_elasticity(upper_material=name, lower_material=other.name)
         body, counterface = (material(each) for each in (name, other.name))
@@ -132,7 +132,7 @@ def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncerta
     assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
 
 
-def test_relative_modulus_is_computed_from_samples_of_both_bodies():
+def test_effective_modulus_relative_to_its_central_value_is_computed_from_samples_of_both_bodies():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
     low, high = inputs.relative_modulus(samples)
@@ -143,7 +143,7 @@ def test_relative_modulus_is_computed_from_samples_of_both_bodies():
     assert not {"young_upper", "effective_modulus"} & set(exact_inputs.uncertain)
 
 
-def test_replaced_value_has_no_uncertainty_unless_it_equals_the_value_of_the_study():
+def test_number_that_replaces_an_input_has_no_uncertainty_unless_it_equals_the_study_value():
     inputs = Inputs.from_study(STUDY.with_changes({"friction.mu0": "0.2 ± 0.02", "friction.tau0": "50 MPa ± 20 %"}))
     assert inputs.replaced(mu0=0.2, hardness=0.625).uncertain == inputs.uncertain
     changed = inputs.replaced(mu0=0.3, hardness=0.5)

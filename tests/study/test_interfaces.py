@@ -89,7 +89,7 @@ def opposing_result(opposing_film_file):
 
 
 @pytest.mark.parametrize("name", [*interfaces()])
-def test_repr_of_an_interface_without_known_area_contains_no_sum_of_mu0_and_tau0(name):
+def test_repr_of_an_interface_without_known_contact_area_shows_no_combination_of_mu0_and_tau0(name):
     law = interface(name)
     lines = repr(law).splitlines()
     assert lines[0] == "Interface"
@@ -130,7 +130,7 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     assert "interface film (measured)" in result.sentence
 
 
-def test_pair_lists_the_coefficient_for_the_sliding_rule_of_its_interface_first(result, opposing_result) -> None:
+def test_pair_result_lists_first_the_coefficient_for_the_sliding_rule_of_the_interface(result, opposing_result) -> None:
     point, other_point = opposing_result.summary().first, result.summary().first
     assert [rule.rule for rule in point.rules] == ["opposing", "all"]
     assert [rule.rule for rule in other_point.rules] == ["all", "opposing"]
@@ -143,7 +143,7 @@ def test_pair_lists_the_coefficient_for_the_sliding_rule_of_its_interface_first(
     assert not any("opposing" in caveat.text for caveat in opposing_result.caveats)
 
 
-def test_table_and_sentence_and_joint_table_start_with_the_sliding_rule_of_the_interface(
+def test_csv_table_and_quotable_sentence_and_joint_table_start_with_the_rule_of_the_interface(
     opposing_result, tmp_path
 ) -> None:
     opposing_result.export(tmp_path / "pair.csv")

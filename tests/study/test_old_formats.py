@@ -84,7 +84,7 @@ def test_young_moduli_of_an_old_study_replace_its_effective_modulus():
     assert set(Inputs.from_study(study).uncertain) == {"young_upper"}
 
 
-def test_effective_modulus_that_differs_from_the_materials_keeps_their_relative_range():
+def test_old_effective_modulus_that_contradicts_the_materials_keeps_the_relative_range_of_the_materials():
     study = parse_old("", 'effective_modulus = "40 GPa"\nmaterials = ["steel", "brass"]')
     estimate = Inputs.from_study(study).uncertain["effective_modulus"].estimate
     assert study.contact.effective_modulus == 40
@@ -102,7 +102,7 @@ def test_interface_of_an_old_study_defines_mu0_and_tau0():
     assert find_interface(study) is not None
 
 
-def test_missing_interface_file_of_an_old_study_leaves_the_ranges_of_mu0_and_tau0():
+def test_missing_interface_file_of_an_old_study_does_not_change_the_ranges_of_mu0_and_tau0():
     known = 'mu0 = "0.1..0.3"\ntau0 = "24.3..25.3 MPa"\ninterface = "/nowhere/film.csv"'
     study = parse_old(known, friction='mu0 = [0.21]\ntau0 = ["0.02479 GPa"]')
     inputs = Inputs.from_study(study)

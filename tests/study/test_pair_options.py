@@ -109,7 +109,7 @@ def test_pair_options_with_value_none_or_false_are_treated_as_not_given():
     assert all(options.option_value(name) is None for name in PAIR_OPTIONS if name != "load")
 
 
-def test_short_help_of_the_pair_command_lists_thirteen_options_without_the_cutoff(monkeypatch):
+def test_short_help_of_the_pair_command_lists_thirteen_options_but_not_the_cutoff(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     pair = pair_command()
     help_text = pair.get_help(pair.context_class(pair, info_name="stiction pair"))

@@ -514,7 +514,7 @@ class TestStudyKeys:
             assert documented_values[table, key] == f"{kind}, a range or a value with its uncertainty"
         assert "hurst_exponent" in study_keys_text()
 
-    def test_documented_study_keys_have_allowed_values_and_default_in_one_cell(self):
+    def test_documentation_lists_allowed_values_and_default_of_each_study_key_in_one_table_cell(self):
         rows = [line for line in study_keys_markdown().splitlines() if line.startswith("| `")]
         assert '| `missing` | `"error"`, `"interpolate"` or `"mask"`; default `"error"` |' in "\n".join(rows)
         assert "| `file` | a name; required |" in "\n".join(rows)

@@ -94,7 +94,7 @@ def test_scan_more_than_three_times_coarser_than_the_other_scan_has_a_caveat(rat
     assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
 
 
-def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_has_a_fault():
+def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_preparation_has_a_fault():
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     assert summarize_point(dataset, study).bracket is not None

@@ -223,7 +223,7 @@ def test_info_command_and_at_command_print_the_same_assessment_and_caveats(
         ]
 
 
-def test_stiction_at_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
+def test_at_command_advises_against_quoting_a_result_from_few_contacts(tmp_path, monkeypatch, capsys):
     study = Study.named("quick").with_changes({"ensemble.repetitions": 8, "surfaces.points": 3000})
     run(study, store=tmp_path / "study")
     capsys.readouterr()

@@ -1124,7 +1124,7 @@ def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, qu
      ("(181.481)", "write negative numbers with a minus sign"), ("3460-", "write negative numbers with a minus sign"),
      ("[0.5", "write the numbers without brackets")],
 )  # fmt: skip
-def test_number_in_another_notation_is_not_recommended_as_a_missing_point(tmp_path, word, advice):
+def test_number_in_another_notation_is_not_recommended_as_a_code_for_missing_points(tmp_path, word, advice):
     rows = format_rows(HEIGHTS, ";")
     rows[3] = ";".join([word, *rows[3].split(";")[1:]])
     (tmp_path / "a.csv").write_text("\n".join(rows))

@@ -163,7 +163,7 @@ def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
 
 @pytest.mark.parametrize("flat_fraction", [0.6, 1.0])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_spikes_of_partly_flat_scan_are_found_before_and_after_levelling(flat_fraction, shape):
+def test_spikes_are_found_in_a_partly_flat_scan_before_and_after_levelling(flat_fraction, shape):
     heights = filtered_noise(np.random.default_rng(3), shape, 0.8, longest=60)
     kind, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
     heights = 0.1 * np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
@@ -176,7 +176,7 @@ def test_spikes_of_partly_flat_scan_are_found_before_and_after_levelling(flat_fr
 
 @pytest.mark.parametrize("num_levels", [8, 64])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
-def test_spikes_of_rounded_scan_are_found(num_levels, shape):
+def test_spikes_are_found_in_a_scan_with_rounded_heights(num_levels, shape):
     heights = filtered_noise(np.random.default_rng(3), shape, 0.8, shortest=16)
     step, kind = np.ptp(heights) / (num_levels - 1), Profile if len(shape) == 1 else Surface
     spiky_heights = add_spikes(heights, 5)
@@ -206,7 +206,7 @@ def build_honed_profile(rng, num_points=2000):
 
 
 @pytest.mark.parametrize("build_heights", [build_scratched_profile, build_honed_profile])
-def test_spikes_of_scratched_and_honed_profiles_are_found_but_no_scratches(build_heights):
+def test_spikes_but_not_scratches_are_found_in_scratched_and_honed_profiles(build_heights):
     num_found = {-1: 0, 1: 0}
     for seed in range(30):
         rng = np.random.default_rng(seed)

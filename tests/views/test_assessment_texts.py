@@ -499,7 +499,7 @@ def test_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
-def test_range_for_finer_scans_starts_at_the_coefficient_if_this_is_below_the_plastic_limit():
+def test_range_for_finer_scans_starts_at_a_coefficient_that_is_below_the_plastic_limit():
     lower, upper = (
         summarize(measured_result(all_contacts=0.22, half_width_ratio=0.01), measured_study(hardness=2.0))
         .points[0]
@@ -561,7 +561,7 @@ def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_call_members_positions_or_pairs_of_surrogates_as_the_study_does(study, members):
+def test_caveats_use_the_same_word_for_members_as_the_study(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): "the coefficient has no interval; an interval "
         f"requires at least 3 different {members}",
@@ -591,7 +591,7 @@ def test_caveat_about_a_missing_interval_states_how_many_positions_an_interval_r
         assert np.isfinite(limits).all() == (count == min_positions)
 
 
-def test_caveats_call_pairs_of_generated_surfaces_repetitions():
+def test_caveats_use_the_word_repetitions_for_pairs_of_generated_surfaces():
     point = summarize(generated_result(contact_count=0.05), generated_study()).points[0]
     assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
 

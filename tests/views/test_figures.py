@@ -314,7 +314,7 @@ def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):
     assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
 
 
-def test_lines_in_a_figure_have_only_the_colours_of_the_sliding_rules_and_greys(maps_at_two_cutoffs):
+def test_figure_lines_are_drawn_only_in_grey_and_in_the_colours_of_the_sliding_rules(maps_at_two_cutoffs):
     for name in ("friction", "cut_off", "compass", "positions"):
         used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
         assert (

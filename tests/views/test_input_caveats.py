@@ -281,7 +281,7 @@ def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
             assert percentage == pytest.approx(100 * (gradients[0] / gradients[1]) ** 2, abs=2)
 
 
-def test_tip_has_no_caveat_and_estimate_if_the_filter_removes_the_wavelengths_it_misses():
+def test_tip_radius_adds_no_caveat_if_the_filter_removes_all_wavelengths_that_the_tip_does_not_resolve():
     scan = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.7, rms=0.01, longest_wavelength=5.0, shortest_wavelength=0.05
     )

@@ -332,7 +332,7 @@ def test_heading_of_a_quantity_table_states_the_fractal_dimension_if_there_are_s
         assert ("D = 1.1" in table) == (len(dimensions) > 1)
 
 
-def test_percentage_is_printed_with_three_digits_and_an_undefined_one_as_none():
+def test_percentage_is_printed_with_three_digits_and_an_undefined_percentage_as_none():
     assert [percent_text(fraction) for fraction in (0.1087, 0.06353, 0.0, np.nan)] == [
         "10.9 %",
         "6.35 %",
