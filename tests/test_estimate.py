@@ -79,8 +79,8 @@ def test_extending_an_estimate_without_interval_adds_no_interval():
 
 
 def test_interval_of_estimates_is_extended_to_the_outermost_limits_of_other_intervals():
-    own = [[1.0, 2.0], [np.nan, np.nan], [1.0, np.inf]]
-    extended = extend_intervals(own, [[0.5, 1.5]] * 3, [[np.nan, 3.0], [1.0, 2.0], [2.0, 4.0]])
+    own_intervals = [[1.0, 2.0], [np.nan, np.nan], [1.0, np.inf]]
+    extended = extend_intervals(own_intervals, [[0.5, 1.5]] * 3, [[np.nan, 3.0], [1.0, 2.0], [2.0, 4.0]])
     np.testing.assert_array_equal(extended, [[0.5, 3.0], [np.nan, np.nan], [0.5, np.inf]])
     assert Interval(1.0, 2.0).extended_to((1.5, 3.0), (1.2, 1.2)) == Interval(1.0, 3.0)
 

@@ -149,8 +149,8 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
     for block in code_blocks(page):
         if block.kind not in {"python", *LANGUAGES_RUN_BY_DOCS_BUILD} or re.search(r"^%%\w+", block.text, re.MULTILINE):
             continue
-        error = find_prompt_error(re.sub(NOTEBOOK_CELL_OPTIONS, "", block.text))
-        assert error is None, f"{page.name}: {error}; put an empty line after each loop and function"
+        prompt_error = find_prompt_error(re.sub(NOTEBOOK_CELL_OPTIONS, "", block.text))
+        assert prompt_error is None, f"{page.name}: {prompt_error}; put an empty line after each loop and function"
 
 
 @parametrize_pages(PAGE_FILES)
@@ -190,7 +190,7 @@ def reduce_study_size(command):
             return command
     if options := re.search(r"ensemble\.repetitions=(\d+)", command):
         changes["ensemble.repetitions"] = max(2, int(options[1]) // 500)
-    return command + "".join(f" --set {shlex.quote(f'{key}={value}')}" for key, value in changes.items())
+    return command + "".join(f" --set {shlex.quote(f'{study_key}={value}')}" for study_key, value in changes.items())
 
 
 COMMANDS_WITHOUT_DRAWINGS = {"pair", "run"}
@@ -551,9 +551,11 @@ def test_reference_documentation_lists_every_key_and_every_option_and_every_stud
         item for table in Study.model_fields.values() for item in get_args(table.annotation) or [table.annotation]
     ]
     for table in tables:
-        for key, entry in table.model_fields.items():
-            assert entry.description, f"{key} needs a description, which is printed in the reference of study files"
-            assert f"| `{key}` |" in study_keys_markdown()
+        for study_key, entry in table.model_fields.items():
+            assert entry.description, (
+                f"{study_key} needs a description, which is printed in the reference of study files"
+            )
+            assert f"| `{study_key}` |" in study_keys_markdown()
     written_page = ROOT / "docs/generated/study_keys.md"
     assert written_page.read_text("utf-8") == study_keys_markdown(), (
         "write stiction.views.study_keys.study_keys_markdown() to this file"

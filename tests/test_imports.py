@@ -70,16 +70,18 @@ def imported_modules(module, *, only_top_level=False):
     for node in tree.body if only_top_level else ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stiction."):
             base = node.module.removeprefix("stiction.")
-            found |= {name if (name := f"{base}.{each.name}") in MODULES else base for each in node.names}
+            found |= {name if (name := f"{base}.{alias.name}") in MODULES else base for alias in node.names}
         elif isinstance(node, ast.Import):
-            found |= {each.name.removeprefix("stiction.") for each in node.names if each.name.startswith("stiction.")}
+            found |= {
+                alias.name.removeprefix("stiction.") for alias in node.names if alias.name.startswith("stiction.")
+            }
     return frozenset(found & set(MODULES))
 
 
 def layer_of(module):
     """Return the layer of a module, or "" for a module that all layers may use."""
-    first = module.split(".")[0]
-    return "facade" if first in FACADE else "" if first.startswith("_") else first
+    top_level_name = module.split(".")[0]
+    return "facade" if top_level_name in FACADE else "" if top_level_name.startswith("_") else top_level_name
 
 
 @pytest.mark.parametrize("layer", ["", *LAYERS])
@@ -98,9 +100,9 @@ def test_layers_of_the_package_include_all_of_its_directories():
 
 def find_circles(imports):
     """Return the modules that import each other in a circle, found by removing modules without open imports."""
-    open_imports = {name: set(found) for name, found in imports.items()}
-    while finished := {name for name, found in open_imports.items() if not found & set(open_imports)}:
-        open_imports = {name: found for name, found in open_imports.items() if name not in finished}
+    open_imports = {name: set(imported) for name, imported in imports.items()}
+    while finished := {name for name, imported in open_imports.items() if not imported & set(open_imports)}:
+        open_imports = {name: imported for name, imported in open_imports.items() if name not in finished}
     return open_imports
 
 
@@ -119,8 +121,8 @@ def find_slow_modules():
     for name, path in MODULES.items():
         for node in parse_file(path).body:
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            names += [each.name for each in node.names] if isinstance(node, ast.Import) else []
-            if {each.split(".")[0] for each in names} & SLOW_PACKAGES:
+            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if {module_name.split(".")[0] for module_name in names} & SLOW_PACKAGES:
                 slow.add(name)
     while more := {name for name in set(MODULES) - slow if imported_modules(name, only_top_level=True) & slow}:
         slow |= more
@@ -139,7 +141,7 @@ def test_functions_import_only_modules_that_are_slow_to_import():
             for node in ast.walk(function):
                 if isinstance(node, ast.ImportFrom) and node.module.startswith("stiction."):
                     base = node.module.removeprefix("stiction.")
-                    names = {f"{base}.{each.name}" for each in node.names} & set(MODULES) or {base}
+                    names = {f"{base}.{alias.name}" for alias in node.names} & set(MODULES) or {base}
                     assert names <= slow_modules, f"{module}.{function.name} imports {node.module}"
 
 

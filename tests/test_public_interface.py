@@ -87,7 +87,9 @@ def test_press_function_and_contacts_function_accept_every_argument_in_their_sig
     for call, approach in ((press, [0.01]), (contacts, 0.01)):
         parameters = inspect.signature(call).parameters
         arguments = {
-            key: parameter.default for key, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY
+            parameter_name: parameter.default
+            for parameter_name, parameter in parameters.items()
+            if parameter.kind is parameter.KEYWORD_ONLY
         }
         call(upper, lower, approach, **arguments | {"model": stiction.ContactModel()})
 
@@ -107,9 +109,9 @@ UNITS_BY_NAME = {
 def test_docstrings_state_the_units_of_numbers():
     text = "\n".join(inspect.getdoc(getattr(stiction, name)) or "" for name in PUBLIC_NAMES)
     for names, kind in re.findall(r"^ *([a-z]\w*(?:, \w+)*) : (.*)$", text, re.MULTILINE):
-        for each in names.split(", "):
-            if each in UNITS_BY_NAME and re.search(r"\b(float|ndarray|array_like)\b", kind):
-                assert re.search(rf"\b{UNITS_BY_NAME[each]}(\W|$)", kind), f"{each} : {kind}"
+        for parameter_name in names.split(", "):
+            if parameter_name in UNITS_BY_NAME and re.search(r"\b(float|ndarray|array_like)\b", kind):
+                assert re.search(rf"\b{UNITS_BY_NAME[parameter_name]}(\W|$)", kind), f"{parameter_name} : {kind}"
 
 
 CLASSES_WITH_GENERATED_REPR = {
@@ -237,7 +239,9 @@ def create_datasets(upper, lower, function_result, directory):
     small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
     generated_dataset = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
     loads = [1e-3, 2e-3]
-    datasets = [each for one in (areas, lines) for each in (one.at(), one.at(per_member=True))] + [generated_dataset]
+    datasets = [dataset for result in (areas, lines) for dataset in (result.at(), result.at(per_member=True))] + [
+        generated_dataset
+    ]
     datasets += [
         stiction.friction_map(generated_dataset, loads),
         stiction.area_map(generated_dataset, loads),

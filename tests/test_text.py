@@ -102,7 +102,9 @@ def test_modules_contain_no_string_statements_without_effect():
         for function in functions:
             docstring_nodes |= {function.body[0]}
             docstring_nodes |= {
-                node for last, node in itertools.pairwise(function.body) if is_attribute_assignment(last)
+                node
+                for previous_node, node in itertools.pairwise(function.body)
+                if is_attribute_assignment(previous_node)
             }
         statements = {node for function in functions for node in ast.walk(function) if isinstance(node, ast.Expr)}
         lost_strings += [

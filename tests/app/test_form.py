@@ -91,16 +91,16 @@ def test_preview_refers_to_form_fields_and_choices_by_their_labels(tmp_path):
     reading_options = parse_reading_options({"unit": "um", "spacing": "1 um", "missing": ""})
     np.save(tmp_path / "missing.npy", np.where(heights > 2, np.nan, heights))
     preview = preview_scan(f"{tmp_path / 'missing.npy'}", reading_options)
-    error = replace_option_names_in_preview(preview)["error"]
+    error_message = replace_option_names_in_preview(preview)["error"]
     labels = dict(FORM_FIELDS_BY_FLAG["missing"].choices)
-    assert f'"missing points": {labels["mask"]}' in error
-    assert f'"missing points": {labels["interpolate"]}' in error
+    assert f'"missing points": {labels["mask"]}' in error_message
+    assert f'"missing points": {labels["interpolate"]}' in error_message
     np.save(tmp_path / "code.npy", np.where(heights > 1.5, -999, heights))
     preview = preview_scan(f"{tmp_path / 'code.npy'}", reading_options)
     warning = replace_option_names_in_preview(preview)["warning"]
     assert '"missing value" -999' in warning
-    assert "--" not in error + warning
-    assert "=" not in error + warning
+    assert "--" not in error_message + warning
+    assert "=" not in error_message + warning
 
 
 @pytest.mark.parametrize("choice", [value for value, _ in FORM_FIELDS_BY_FLAG["missing"].choices])

@@ -56,10 +56,10 @@ def test_comparison_of_two_scans_reads_each_scan_with_its_own_options(tmp_path):
     np.save(tmp_path / "mate.npy", -face.heights[::-1])
     np.save(tmp_path / "face.npy", face.heights / 1e3)
     np.save(tmp_path / "other.npy", face.heights[::-1, ::-1])
-    mate, lower, other = (str(tmp_path / f"{name}.npy") for name in ("mate", "face", "other"))
+    mate, lower, unrelated = (str(tmp_path / f"{name}.npy") for name in ("mate", "face", "other"))
     micrometres, millimetres = ({"unit": unit, "spacing": "50 um"} for unit in ("um", "mm"))
     assert compare_scans((mate, lower), (micrometres, millimetres)) == {"fits": True, "path": "240 µm"}
-    assert not compare_scans((mate, other), (micrometres, micrometres))["fits"]
+    assert not compare_scans((mate, unrelated), (micrometres, micrometres))["fits"]
     assert not compare_scans((mate, lower), (micrometres, {"unit": "mm"}))["fits"]  # the lower scan has no spacing
     command = [sys.executable, "-m", "stiction.app.preview"]
     command += [mate, json.dumps(micrometres), lower, json.dumps(millimetres)]

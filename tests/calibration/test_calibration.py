@@ -51,10 +51,10 @@ def simulate_ball_tests(
 
 def fit_least_squares(tests: list[FrictionTest]) -> tuple[np.ndarray, np.ndarray]:
     """Return the least-squares estimate of (mu0, tau0) without bounds, and its covariance."""
-    error = np.array([test.uncertainty for test in tests])
-    matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / error[:, np.newaxis]
+    uncertainties = np.array([test.uncertainty for test in tests])
+    matrix = np.array([[1.0, BALL.area_per_load(float(test.load))] for test in tests]) / uncertainties[:, np.newaxis]
     covariance = np.linalg.inv(matrix.T @ matrix)
-    return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / error), covariance
+    return covariance @ matrix.T @ (np.array([test.coefficient for test in tests]) / uncertainties), covariance
 
 
 def test_calibration_with_mu0_and_tau0_far_above_zero_equals_a_least_squares_fit() -> None:
@@ -203,8 +203,8 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     )
     assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
     # The row of the interface names the hardness if there is no separate row for the hardness.
-    for each, is_shared in ((shared_result, True), (unrelated_result, False)):
-        labels = each.budget["input"].tolist()
+    for predicted_result, is_shared in ((shared_result, True), (unrelated_result, False)):
+        labels = predicted_result.budget["input"].tolist()
         (label,) = (text for text in labels if text.startswith("the interface"))
         assert (("the hardness" in label), ("the hardness" in labels)) == (is_shared, not is_shared)
     result_in_other_unit = pair(
@@ -251,8 +251,8 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
 
 
 def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculation() -> None:
-    low, high = 2.0, 4.5
-    body = Ball("5 mm", f"{low}..{high} GPa")
+    min_modulus, max_modulus = 2.0, 4.5
+    body = Ball("5 mm", f"{min_modulus}..{max_modulus} GPa")
     tests = [
         FrictionTest(body, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty)
         for test in simulate_ball_tests(seed=4)
@@ -263,7 +263,7 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
     samples_at_mean_modulus = random.multivariate_normal(best, covariance, 400_000)
     # Contact area per load, A/F, is proportional to E*^(-2/3). The prior is flat in tau0 A/F, so tau0 is proportional
     # to E*^(2/3).
-    relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(high / low))
+    relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(max_modulus / min_modulus))
     tau0 = samples_at_mean_modulus[:, 1] * relative_moduli ** (2 / 3)
     for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
         expected = np.quantile(draws, [0.5, 0.025, 0.975])
@@ -296,9 +296,9 @@ def test_prediction_interval_from_tests_of_yielding_pairs_is_narrower_than_the_c
     write_interface(strength, tmp_path / "film.csv")
     options = {name: value for name, value in options.items() if name not in ("mu0", "tau0")}
     result = pair(*rough_surface_pair(0.02), interface=tmp_path / "film.csv", **options)
-    _, low, high = strength.predict(result, "20 MPa")
-    assert result.interval[0] < low < high < result.interval[1]
-    assert high - low < 0.9 * np.ptp(result.interval)
+    _, lower, upper = strength.predict(result, "20 MPa")
+    assert result.interval[0] < lower < upper < result.interval[1]
+    assert upper - lower < 0.9 * np.ptp(result.interval)
     fit = replace(strength.fits[0], scores={})
     _, *ends = replace(strength, fits=(fit,)).predict(result, "20 MPa")
     assert ends == pytest.approx(result.interval, abs=1e-6 * np.ptp(result.interval))
@@ -329,8 +329,8 @@ def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_pa
     distant_ball = ball_and_load(interface.area_per_load / 3)
     write_interface(interface, tmp_path / "film.csv")
     for strength in (interface, read_interface(tmp_path / "film.csv")):
-        _, low, high = strength.predict(*distant_ball)
-        assert low <= np.quantile(tau0_at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < high
+        _, lower, upper = strength.predict(*distant_ball)
+        assert lower <= np.quantile(tau0_at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < upper
         assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
 
 
@@ -471,18 +471,18 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
 
 def test_friction_tests_on_both_a_ball_and_a_plastic_pair_determine_junction_growth() -> None:
     interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), common=0.0, sliding="all")
-    low, middle, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
-    assert low < 9.0 < high
+    lower, middle, upper = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    assert lower < 9.0 < upper
     assert middle == pytest.approx(9.0, abs=1.0)
-    assert high - low < 8.0  # The interval from the given range of α alone would have a width of 25.7.
+    assert upper - lower < 8.0  # The interval from the given range of α alone would have a width of 25.7.
     assert "narrow the range to α = " in " ".join(calibration_text(interface).split())
 
 
 def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -> None:
     interface = calibrate(simulate_junction_growth_tests("0..27", 9.0, balls=False), sliding="all")
-    low, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
-    assert low < 1.5
-    assert high > 24.0
+    lower, upper = np.quantile(interface.fits[0].junction_growth, [0.025, 0.975])
+    assert lower < 1.5
+    assert upper > 24.0
     assert "α = 0..27, a range that the tests do not narrow" in " ".join(calibration_text(interface).split())
     value, *ends = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     assert value == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.01)
@@ -493,8 +493,8 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
 def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, truth: float) -> None:
     interface = calibrate(simulate_junction_growth_tests(alpha, truth), sliding="all")
     expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
-    value, low, high = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
-    assert low < expected < high
+    value, lower, upper = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
+    assert lower < expected < upper
     assert value == pytest.approx(expected, rel=0.02)
 
 
@@ -668,7 +668,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
         result: Interface = calibrate(tests, sliding="all", outliers="outliers" in settings)
         ratios = result.area_per_load * np.array([1 / 3, 1, 3])
         ends = [result.predict(*ball_and_load(ratio))[1:] for ratio in ratios]
-        is_covered.append([low <= mu0 + tau0 * x <= high for x, (low, high) in zip(ratios, ends, strict=True)])
+        is_covered.append([lower <= mu0 + tau0 * x <= upper for x, (lower, upper) in zip(ratios, ends, strict=True)])
         assert result.separated == (result.variation >= 0.1)
     return np.array(is_covered)
 
@@ -785,9 +785,9 @@ def test_calibration_with_a_known_area_loss_recovers_tau0() -> None:
 
 def test_prediction_interval_excludes_the_error_of_the_area_loss_only_for_the_tested_ball() -> None:
     interface = calibrate(simulate_soft_ball_tests(SOFT_BALL, 0.15), common=0.0, sliding="all")
-    _, low, high = interface.tau0
-    assert low < 3e-4 * 0.9
-    assert high > 3e-4 * 1.1
+    _, lower_tau0, upper_tau0 = interface.tau0
+    assert lower_tau0 < 3e-4 * 0.9
+    assert upper_tau0 > 3e-4 * 1.1
     widths = []
     for ball in (SOFT_BALL, Ball("4 mm", "2 MPa")):
         value, lower, upper = interface.predict(ball, 10.0)

@@ -53,7 +53,7 @@ def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_repl
 
 
 @pytest.mark.parametrize(
-    ("error", "expected_message"),
+    ("raised_error", "expected_message"),
     [
         (MemoryError(), "stiction: not enough memory for this computation"),
         (RecursionError(), "stiction: the input is nested too deeply"),
@@ -63,9 +63,9 @@ def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_repl
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monkeypatch, error, expected_message):
+def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monkeypatch, raised_error, expected_message):
     def raise_error(*_, **__):
-        raise error
+        raise raised_error
 
     monkeypatch.setattr("stiction.pipeline.complete_blocks", raise_error)
     assert_rejected(call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, cwd=tmp_path), expected_message)

@@ -972,8 +972,8 @@ def test_json_output_of_every_command_gives_each_value_with_its_interval_and_uni
     ]  # fmt: skip
     outputs = [check_stiction(*command, "--json", cwd=directory).stdout for command in commands]
     records = [record, *map(json.loads, outputs)]
-    for each in records:
-        for item in iterate_json_objects(each):
+    for json_record in records:
+        for item in iterate_json_objects(json_record):
             assert "value" not in item or list(item) == ESTIMATE_KEYS
             assert not {"lower", "upper"} & set(item) or list(item) == ESTIMATE_KEYS
             assert not REJECTED_JSON_KEYS & set(item)
@@ -982,7 +982,9 @@ def test_json_output_of_every_command_gives_each_value_with_its_interval_and_uni
     kinds = [rule[name]["kind"] for name in ("coefficient", "mean", "prediction")]
     assert kinds == ["combined", "mean", "prediction"]
     assert {entry["coefficient"]["kind"] for entry in point["budget"]} == {"conditional"}
-    assert [(each["kind"], each["at"]) for each in point["after_dwell"]] == [("combined", {"dwell_time": 3600.0})]
+    assert [(estimate["kind"], estimate["at"]) for estimate in point["after_dwell"]] == [
+        ("combined", {"dwell_time": 3600.0})
+    ]
     assert record["onset"]["sliding_load"]["value"] == record["onset"]["curve"][-1]["tangential_load"]["value"]
     assert {"upper_body", "lower_body", "load_definition"} <= set(record)
     assert list(point["scans"]) == list(point["cutoffs"]) == ["upper_body", "lower_body"]

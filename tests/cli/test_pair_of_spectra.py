@@ -121,8 +121,8 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
             estimate = result.at()[quantity].squeeze()
             estimate = estimate.sel(sliding="all") if "sliding" in estimate.dims else estimate
             estimates.append([float(estimate.sel(statistic=statistic)) for statistic in ("mean", "lower", "upper")])
-        (mean, low, high), (truth, *_), (coarse_mean, *_) = estimates
-        assert low < truth < high
+        (mean, lower, upper), (truth, *_), (coarse_mean, *_) = estimates
+        assert lower < truth < upper
     assert abs(coarse_mean - truth) > 2 * abs(
         mean - truth
     )  # A coarse scan lacks short wavelengths, which determine the area.
@@ -241,7 +241,7 @@ def test_spectrum_file_of_scans_with_number_signs_in_their_names_is_read(tmp_pat
 def test_checksum_of_a_spectrum_depends_on_all_digits_of_its_wave_numbers(spectra):
     other_spectrum = replace(spectra[0], wave_number=spectra[0].wave_number * (1 + 1e-12))
     assert other_spectrum.history == spectra[0].history
-    checksums = {MeasuredBodySettings.from_body(each, "first").sha256 for each in (spectra[0], other_spectrum)}
+    checksums = {MeasuredBodySettings.from_body(spectrum, "first").sha256 for spectrum in (spectra[0], other_spectrum)}
     assert len(checksums) == 2
 
 

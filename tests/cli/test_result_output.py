@@ -13,9 +13,9 @@ from stiction.solve.store import StoreError
 from support.synthetic_results import measured_study
 
 
-def result_whose_summary_raises(error, study):
+def result_whose_summary_raises(raised_error, study):
     def summary():
-        raise error
+        raise raised_error
 
     return SimpleNamespace(study=study, summary=summary, path=None)
 

@@ -278,12 +278,12 @@ def test_shear_stress_that_rises_because_the_overlap_shrinks_has_a_caveat():
 def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat_about_the_fit():
     upper, lower = create_faces()
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
-    fitting, other = (
+    fitting, unrelated_face = (
         shear_test(face, lower, **options) for face in (upper, Surface(upper.heights[::-1, ::-1], spacing=50.0))
     )
     assert fitting.attrs["fit_correlation"] > 0.99
-    assert abs(other.attrs["fit_correlation"]) < 0.3
-    assert "agree poorly where the path starts" in " ".join(list_caveats(other))
+    assert abs(unrelated_face.attrs["fit_correlation"]) < 0.3
+    assert "agree poorly where the path starts" in " ".join(list_caveats(unrelated_face))
     assert "agree poorly" not in " ".join(list_caveats(fitting))
 
 
@@ -293,9 +293,9 @@ def test_shear_test_with_an_interface_calibrated_for_opposing_contacts_has_a_cav
     film = replace(film, fits=(replace(film.fits[0], sliding=rule),))
     test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **CONDITIONS)
     assert test.attrs["interface_rule"] == rule
-    assert any("fit them with stiction calibrate --sliding all" in each for each in list_caveats(test)) == (
-        rule == "opposing"
-    )
+    assert any(
+        "fit them with stiction calibrate --sliding all" in caveat_text for caveat_text in list_caveats(test)
+    ) == (rule == "opposing")
 
 
 @pytest.mark.parametrize(
@@ -309,8 +309,8 @@ def test_shear_test_with_an_interface_calibrated_for_opposing_contacts_has_a_cav
 )
 def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_the_faces(waviness, noise, caveat):
     upper, lower = create_faces()
-    other = self_affine_surface(9, hurst_exponent=0.8, rms=1.0, shape=upper.heights.shape, spacing=50.0)
-    change = 0.7 * waviness * other.heights + np.random.default_rng(1).normal(0, noise, upper.heights.shape)
+    unrelated_face = self_affine_surface(9, hurst_exponent=0.8, rms=1.0, shape=upper.heights.shape, spacing=50.0)
+    change = 0.7 * waviness * unrelated_face.heights + np.random.default_rng(1).normal(0, noise, upper.heights.shape)
     changed = Surface(upper.heights + change, spacing=50.0)
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "register": True, "strips": 0, **CONDITIONS}
     caveats = list_caveats(shear_test(changed, lower, **options))
@@ -370,9 +370,11 @@ def test_shear_peak_with_few_contacts_has_a_caveat():
     peak = int(np.argmax(test.friction_coefficient.values))
     assert test.contact_count[peak] < 10
     assert "so the result depends on chance" in " ".join(list_caveats(test))
-    many = shear_test(*create_faces(), **options | {"load": "40 MPa"})
-    assert many.contact_count[int(np.argmax(many.friction_coefficient.values))] >= 10
-    assert "depends on chance" not in " ".join(list_caveats(many))
+    test_with_many_contacts = shear_test(*create_faces(), **options | {"load": "40 MPa"})
+    assert (
+        test_with_many_contacts.contact_count[int(np.argmax(test_with_many_contacts.friction_coefficient.values))] >= 10
+    )
+    assert "depends on chance" not in " ".join(list_caveats(test_with_many_contacts))
 
 
 def test_shear_peak_above_the_limit_of_rock_joints_has_a_caveat():

@@ -216,8 +216,8 @@ def test_onset_text_states_its_sliding_rule_if_the_interface_has_another_rule(st
     values = find_onset_values(onset)
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "0 MPa", "sliding": "opposing"}
     texts = [
-        format_paragraph(onset_paragraph(values, each, verbose=False))
-        for each in (study, study.with_changes({"friction.interface": interface}))
+        format_paragraph(onset_paragraph(values, displayed_study, verbose=False))
+        for displayed_study in (study, study.with_changes({"friction.interface": interface}))
     ]
     assert "friction at all contacts" not in texts[0]
     assert "These values assume friction at all contacts." in " ".join(texts[1].split())
@@ -240,7 +240,7 @@ def test_sliding_load_is_the_friction_coefficient_times_the_normal_load(tmp_path
     factor = limits[0] / stored_load
     assert factor > 1.02  # junction growth increases the sliding load
     for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
-        scaled, expected = (each[name].sel(statistic="mean").values for each in (result.onset, stored))
+        scaled, expected = (onset_table[name].sel(statistic="mean").values for onset_table in (result.onset, stored))
         np.testing.assert_allclose(scaled, expected * factor**power, rtol=1e-12, err_msg=name)
     np.testing.assert_array_equal(result.onset["stiffness"], stored["stiffness"])
     table = pandas.read_csv(tmp_path / "pair" / "onset.csv")

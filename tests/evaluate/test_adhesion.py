@@ -68,16 +68,16 @@ def adhesive_result():
 
 
 def test_contact_sums_of_an_adhesive_pair_equal_those_of_its_half_space_curve(adhesive_result):
-    data, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
+    dataset, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
-    directions = {"direction": data["direction"].values.tolist(), "sliding": "all"}
-    curve = half_space(*bodies, data["load"].values, **contact.solver_arguments(), **directions)
+    directions = {"direction": dataset["direction"].values.tolist(), "sliding": "all"}
+    curve = half_space(*bodies, dataset["load"].values, **contact.solver_arguments(), **directions)
     free_curve = half_space(*bodies, [0.0], **contact.solver_arguments(), **directions)
-    assert data["contact_load"].values == pytest.approx(curve.contact_load, rel=REPEATED_SOLUTION_TOLERANCE)
-    assert float(data["pull_off"]) == pytest.approx(free_curve.pull_off, rel=LOAD_PATH_TOLERANCE)
-    assert float(data["pull_off"]) > 0
+    assert dataset["contact_load"].values == pytest.approx(curve.contact_load, rel=REPEATED_SOLUTION_TOLERANCE)
+    assert float(dataset["pull_off"]) == pytest.approx(free_curve.pull_off, rel=LOAD_PATH_TOLERANCE)
+    assert float(dataset["pull_off"]) > 0
     stored_loads = {
-        name: data[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")
+        name: dataset[f"unloaded_{name}"].sel(sliding="all").values for name in ("elastic", "frictional", "adhesive")
     }
     friction = stored_loads["elastic"] + 0.3 * stored_loads["frictional"] + 0.02 * stored_loads["adhesive"]
     assert friction == pytest.approx(
@@ -363,8 +363,8 @@ def test_estimated_effect_of_adhesion_agrees_with_adhesive_solutions():
         plain_result, result = pair(*bodies, **options), pair(*bodies, **options, **ADHESION_OPTIONS)
         point = next(iterate_points(plain_result.at_study_loads))
         estimated_increase = estimate_adhesion_load_ratio(point, plain_result.study)
-        data = result.dataset.sel(load=float(result.study.friction.load[0]))
-        solved_increase = float(data["contact_load"].squeeze() / data["load"]) - 1
+        dataset = result.dataset.sel(load=float(result.study.friction.load[0]))
+        solved_increase = float(dataset["contact_load"].squeeze() / dataset["load"]) - 1
         if (estimated_increase > MAX_NEGLECTED_ADHESION_FRACTION) != (
             solved_increase > MAX_NEGLECTED_ADHESION_FRACTION
         ):
@@ -403,7 +403,7 @@ def test_stiffness_interval_between_adhesive_loads_contains_the_direct_solution(
     result = run_pair(load=loads, **ADHESION_OPTIONS)
     stiffness = result.at(["2 MPa", "3.5 MPa", "6 MPa"])["normal_stiffness"].squeeze(drop=True)
     at_2_mpa, interpolated, at_6_mpa = stiffness.sel(statistic="mean").values
-    low, high = stiffness.isel(load=1).sel(statistic=["lower", "upper"]).values
+    lower, upper = stiffness.isel(load=1).sel(statistic=["lower", "upper"]).values
     direct = run_pair(load="3.5 MPa", **ADHESION_OPTIONS).at()["normal_stiffness"].sel(statistic="mean").item()
     assert at_2_mpa < interpolated < at_6_mpa
-    assert low <= direct <= high
+    assert lower <= direct <= upper

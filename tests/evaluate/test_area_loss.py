@@ -62,8 +62,11 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
     results = [press(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
     coefficients = np.array(
         [
-            [mean_value(each, "mean_friction", mu0=[mu0], tau0=[tau0]) for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))]
-            for each in results
+            [
+                mean_value(result_at_modulus, "mean_friction", mu0=[mu0], tau0=[tau0])
+                for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))
+            ]
+            for result_at_modulus in results
         ]
     )
     coefficients /= 0.1
@@ -76,9 +79,9 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
     )
     tau0, loss = random.uniform(0.05, 0.15, count), random.uniform(0, 0.3, count)
     value, lower, upper = result.at()["mean_friction"].sel(sliding="all").values.ravel()
-    error = np.log(upper / lower) / (2 * 1.96)
+    log_standard_error = np.log(upper / lower) / (2 * 1.96)
     samples = mu0 * coefficients[2, 0] + tau0 * (1 - loss) * np.interp(modulus, moduli, coefficients[:, 1])
-    samples *= np.exp(error * random.standard_normal(count))
+    samples *= np.exp(log_standard_error * random.standard_normal(count))
     expected = np.quantile(samples, [0.025, 0.975])
     assert result.interval == pytest.approx(expected, abs=0.03 * (expected[1] - expected[0]))
     assert value == pytest.approx(0.1 * coefficients[2, 0] + 0.1 * 0.85 * coefficients[2, 1], rel=SLOPE_TOLERANCE)
@@ -109,8 +112,8 @@ def test_friction_at_zero_load_includes_the_area_loss():
     without_loss, with_loss = (press(**options, area_loss=loss) for loss in (0, 0.2))
     for name in ("friction_at_no_load", "tangential_load"):
         value, expected = (
-            float(each.at(mu0=[0.0])[name].sel(sliding="all", statistic="mean").mean())
-            for each in (with_loss, without_loss)
+            float(adhesive_result.at(mu0=[0.0])[name].sel(sliding="all", statistic="mean").mean())
+            for adhesive_result in (with_loss, without_loss)
         )
         assert value == pytest.approx(0.8 * expected, rel=0.02)  # slopes slightly increase the friction force
     widths = []
@@ -124,8 +127,8 @@ def test_soft_bodies_add_a_caveat_if_their_study_has_no_area_loss():
     result = press_with_loss(0)
     study = result.study.with_changes({"contact.area_loss": None})
     texts, texts_with_loss = (
-        " ".join(caveat.text for caveat in summarize(result.at(), each).points[0].caveats)
-        for each in (study, result.study)
+        " ".join(caveat.text for caveat in summarize(result.at(), summarized_study).points[0].caveats)
+        for summarized_study in (study, result.study)
     )
     assert "lose up to 30 % of their true area" in texts
     assert "true area" not in texts_with_loss

@@ -169,7 +169,7 @@ def run_generated_study(name):
 def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
     result = run_generated_study(name)
     quantities_of_members = {
-        str(each) for each in result.at(load_definition="elastic").data_vars if QUANTITIES[str(each)].shown
+        str(variable) for variable in result.at(load_definition="elastic").data_vars if QUANTITIES[str(variable)].shown
     }
     expected = quantities_of_members - MEAN_LOAD_QUANTITIES - {"share_opposing"}
     # The approach of an asperity study is given, not evaluated.
@@ -177,8 +177,8 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
     summary = result.summary()
     frame, table = values_frame(summary.at), summary_table(summary)
     assert expected <= {*frame["name"]}
-    for each in expected & {*quantity_names_shown_in("csv")}:
-        title = quantity_label(each, result.study)
+    for quantity_name in expected & {*quantity_names_shown_in("csv")}:
+        title = quantity_label(quantity_name, result.study)
         assert any(str(column).startswith(title) for column in table), title
     assert frame.loc[frame["name"] == "mean_pressure", "value"].notna().any()
 
@@ -188,10 +188,10 @@ def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_
     areal_study_and_dataset, profile_study_and_dataset
 ):
     measured = {
-        str(each) for study, dataset in (areal_study_and_dataset, profile_study_and_dataset)
-        for each in at_load(dataset, study.friction.load).data_vars
+        str(variable) for study, dataset in (areal_study_and_dataset, profile_study_and_dataset)
+        for variable in at_load(dataset, study.friction.load).data_vars
     }  # fmt: skip
-    generated = {str(each) for name in GENERATED_STUDIES for each in run_generated_study(name).at().data_vars}
+    generated = {str(variable) for name in GENERATED_STUDIES for variable in run_generated_study(name).at().data_vars}
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
     assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping asperities
     assert shown_ratios - generated == QUANTITIES_PER_NOMINAL_AREA
@@ -216,7 +216,7 @@ def test_overlapping_contacts_of_the_asperity_model_add_a_caveat():
     result = run_generated_study("asperities")
     ratio = result.at()["share_overlapping"]
     assert 0 <= float(ratio.min()) < float(ratio.max()) <= 1
-    assert "share_overlapping" in {each.name for point in result.summary().points for each in point.caveats}
+    assert "share_overlapping" in {caveat.name for point in result.summary().points for caveat in point.caveats}
 
 
 def test_evaluating_selected_quantities_gives_the_values_of_a_complete_evaluation(areal_study_and_dataset):
@@ -288,7 +288,7 @@ def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutio
     loads = [result.nominal_area * pressure for pressure in (0.073, 0.28, 0.34, 0.41)]
     all_loads = sorted([*loads, *result.study.contact.loading_steps().tolist()])
     direct_result = run(result.study.with_changes({"contact.load": [f"{load} mN" for load in all_loads]}))
-    interpolated, direct = (each.at(loads) for each in (result, direct_result))
+    interpolated, direct = (compared_result.at(loads) for compared_result in (result, direct_result))
     for name, tolerance in (
         ("closure", 0.005), ("closure_stiffness", 0.05), ("unloading_closure_stiffness", 0.05),
         ("tangential_stiffness_per_area", 0.05),
@@ -363,11 +363,11 @@ def test_interval_for_measured_surfaces_is_computed_from_averages_over_direction
         point["friction_by_axis"].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing", axis=60.0)
     )
     np.testing.assert_allclose(friction_along_axis, intervals.average_independent_values(axis_means), rtol=ROUND_OFF)
-    low, high = (
+    lower, upper = (
         float(point[name].isel(cut_off=0, load=0, mu0=0, tau0=0).sel(sliding="opposing"))
         for name in ("spread_low", "spread_high")
     )
-    assert (low, high) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
+    assert (lower, upper) == pytest.approx(tuple(np.quantile(friction.values, [0.1, 0.9])))
 
 
 def test_mean_along_an_axis_requires_results_in_two_opposite_directions():
@@ -480,10 +480,10 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
         upper = np.maximum(*limits)
         estimate = np.log(interpolated[name].transpose(*dims, "statistic").values)
         np.testing.assert_allclose(estimate[..., 0], mean)
-        error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))
+        interpolation_error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))
         difference = np.log(solved[name].sel(statistic="mean").transpose(*dims).values) - mean
-        numbers = (difference, error, upper - mean)
-        rows += list(zip([name] * mean.size, *(each.ravel().tolist() for each in numbers), strict=True))
+        numbers = (difference, interpolation_error, upper - mean)
+        rows += list(zip([name] * mean.size, *(array.ravel().tolist() for array in numbers), strict=True))
     return rows
 
 
@@ -495,16 +495,18 @@ def test_interval_between_computed_loads_contains_the_direct_solution_if_contact
             seed, points=32, longest_wavelength=3.2, shifts=3 + seed % 3, hardness=None if seed % 2 else 2.0
         )
     ]
-    difference, error = (np.array([row[index] for row in rows]) for index in (1, 2))
+    difference, interpolation_error = (np.array([row[index] for row in rows]) for index in (1, 2))
     assert np.abs(difference).max() > 0.1  # single contacts that appear cause jumps of friction
-    assert np.mean(np.abs(difference) <= error) > MIN_COVERAGE
+    assert np.mean(np.abs(difference) <= interpolation_error) > MIN_COVERAGE
 
 
 def test_interval_between_computed_loads_is_narrow_if_contacts_are_many():
     rows = compute_interpolation_errors(3, points=128, longest_wavelength=0.8, shifts=8, hardness=None)
-    widening = np.array([np.hypot(1, error / half_width) for _, _, error, half_width in rows])
+    widening = np.array(
+        [np.hypot(1, interpolation_error / half_width) for _, _, interpolation_error, half_width in rows]
+    )
     assert widening.max() < MAX_INTERVAL_WIDTH_RATIO
-    friction_errors = [error for name, _, error, _ in rows if name == "mean_friction"]
+    friction_errors = [interpolation_error for name, _, interpolation_error, _ in rows if name == "mean_friction"]
     assert min(friction_errors) < 0.01
     assert max(friction_errors) < 0.05
 
@@ -512,8 +514,8 @@ def test_interval_between_computed_loads_is_narrow_if_contacts_are_many():
 def test_value_at_a_computed_load_does_not_depend_on_interpolated_loads(areal_study_and_dataset):
     study, result = areal_study_and_dataset
     load = study.contact.loading_steps()[:1]
-    both = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
-    assert both.drop_attrs().equals(at_load(result, load).drop_attrs())
+    table_of_both_loads = at_load(result, [*load, 1.2 * load[0]]).isel(load=[0])
+    assert table_of_both_loads.drop_attrs().equals(at_load(result, load).drop_attrs())
 
 
 def test_upper_limit_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_dataset):
@@ -558,10 +560,10 @@ def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to
     areal_study_and_dataset, monkeypatch
 ):
     study, dataset = areal_study_and_dataset
-    other, *study_loads = study.contact.loading_steps()[:3].tolist()
+    other_load, *study_loads = study.contact.loading_steps()[:3].tolist()
     changes = {"friction.load": [f"{load!r} mN" for load in study_loads]}
     sums = MemberSums.of(dataset).with_study(study.with_changes(changes))
-    table = at_load(sums, [other, *study_loads])
+    table = at_load(sums, [other_load, *study_loads])
     monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", table["mean_friction"].size // 3 // 3)
     widths = add_uncertainty(table, sums)["remaining_width"].sel(sliding="all", input="positions")
     assert np.isfinite(widths).all(["cut_off", "mu0", "tau0"]).values.tolist() == [True, False, False]

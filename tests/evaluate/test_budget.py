@@ -53,8 +53,8 @@ def test_combined_interval_for_exact_inputs_equals_the_interval_of_the_mean() ->
     result = pair(*rough_surfaces(), load="2 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", **PAIR_OPTIONS)
     assert result.interval == pytest.approx(result.interval_of_mean, rel=1e-9)
     assert result.budget["input"].tolist() == ["positions"]
-    low, high = result.prediction_interval
-    assert low < result.interval_of_mean[0] < result.interval_of_mean[1] < high
+    lower, upper = result.prediction_interval
+    assert lower < result.interval_of_mean[0] < result.interval_of_mean[1] < upper
 
 
 def test_combined_interval_at_a_load_does_not_depend_on_other_requested_loads() -> None:
@@ -127,8 +127,8 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
     assert sorted(inputs) == ["effective_modulus", "hardness", "yield_exponent"]
     table = result.at_study_loads
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    first, samples = next(_iterate_intervals(result, table, dims, {(0.2, 0.05): (inputs, [])}, {}, {}))
-    assert table["sliding"].values[first[1]] == "all"
+    position, samples = next(_iterate_intervals(result, table, dims, {(0.2, 0.05): (inputs, [])}, {}, {}))
+    assert table["sliding"].values[position[1]] == "all"
     # The samples contain only errors of inputs, not the error of the mean over positions.
     samples.names, samples.standard_errors = tuple(inputs), {}
     for probability in (0.03, 0.7):
@@ -235,9 +235,9 @@ def test_range_of_creep_exponent_widens_only_intervals_after_a_dwell() -> None:
         ranged_point.after_dwell[0].value, rel=1e-3
     )  # not exactly equal, because both pairs are solved at different hardnesses
     assert (exact_point.lower, exact_point.upper) == pytest.approx((ranged_point.lower, ranged_point.upper), rel=1e-9)
-    low, high = (0.2 + 0.05 / 0.3 * 86400**m for m in (0.02, 0.04))
-    assert ranged_point.after_dwell[0].upper - ranged_point.after_dwell[0].lower > 0.9 * (high - low)
-    assert exact_point.after_dwell[0].upper - exact_point.after_dwell[0].lower < 0.3 * (high - low)
+    lower, upper = (0.2 + 0.05 / 0.3 * 86400**m for m in (0.02, 0.04))
+    assert ranged_point.after_dwell[0].upper - ranged_point.after_dwell[0].lower > 0.9 * (upper - lower)
+    assert exact_point.after_dwell[0].upper - exact_point.after_dwell[0].lower < 0.3 * (upper - lower)
 
 
 def test_hardness_of_a_named_material_has_a_range_but_a_given_hardness_is_exact() -> None:
@@ -451,16 +451,18 @@ SIX_DIRECTION_OPTIONS = PAIR_OPTIONS | {
 def test_interval_for_an_uncertain_mu0_of_zero_extends_from_zero_to_a_half_normal_quantile(seed: int) -> None:
     result = pair(*rough_surfaces(seed, points=24), mu0="0±0.1", **SIX_DIRECTION_OPTIONS)
     assert result.value == 0
-    low, high = result.interval
-    assert low == 0
-    assert high == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
+    lower, upper = result.interval
+    assert lower == 0
+    assert upper == pytest.approx(0.1 * halfnorm.ppf(0.975), rel=0.02)
 
 
 def test_friction_coefficient_of_one_pair_is_exactly_zero_if_mu0_and_tau0_are_zero() -> None:
     result = pair(*rough_surfaces(points=24), mu0=0.0, **SIX_DIRECTION_OPTIONS)
     assert (result.value, *result.interval) == (0, 0, 0)
     assert not result.at().friction_by_axis.sel(sliding="all").values.any()
-    assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [each.text for each in result.caveats]
+    assert "τ0 is 0, so the coefficient is the given μ0; the surfaces add 0" in [
+        caveat.text for caveat in result.caveats
+    ]
 
 
 @pytest.mark.parametrize("seed", [0, 1, 5])

@@ -53,7 +53,7 @@ def build_intervals(
         "spread_low": value * (1 - spread / 2), "spread_high": value * (1 + spread / 2), "ok": np.array(ok),
         "members": max(ok), "contact_count": np.array([50.0]), "sliding": sliding,
     }  # fmt: skip
-    uncertain = {name: each for name, each in inputs.uncertain.items() if name != "creep"}
+    uncertain = {name: uncertain_input for name, uncertain_input in inputs.uncertain.items() if name != "creep"}
     return CombinedIntervals(
         point, response, values, study, uncertain, InputSampler(study), drifts={} if drifts is None else drifts
     )
@@ -67,9 +67,9 @@ def test_prediction_interval_has_the_degrees_of_freedom_of_the_direction_with_fe
     intervals, num_members, spread = build_intervals(spread=0.2, ok=(4, 8)), 4, 0.2
     deviation = spread / (norm.ppf(0.9) - norm.ppf(0.1)) * math.sqrt(1 + 1 / num_members)
     scale = math.sqrt(math.log1p(deviation**2))
-    low, high = intervals.predict_next_test()
+    lower, upper = intervals.predict_next_test()
     expected = intervals.value * np.exp(scale * t.ppf([0.025, 0.975], num_members - 1))
-    assert np.log([low, high]) == pytest.approx(np.log(expected), abs=QUANTILE_ERROR)
+    assert np.log([lower, upper]) == pytest.approx(np.log(expected), abs=QUANTILE_ERROR)
     percentiles = intervals.value * np.exp(scale * t.ppf([0.05, 0.5, 0.95], num_members - 1))
     assert np.log(intervals.predict_percentiles()) == pytest.approx(np.log(percentiles), abs=QUANTILE_ERROR)
 

@@ -27,9 +27,11 @@ def test_range_of_computed_loads_of_a_fractal_dimension_ignores_other_dimensions
 
 def test_range_of_computed_loads_ignores_pairs_without_a_solution(result):
     elastic_loads = result.dataset["normal_elastic"]
-    first, last = elastic_loads["repetition"].values[[0, -1]]
-    is_solved = (elastic_loads["repetition"] != first) | (elastic_loads["approach"] < elastic_loads["approach"][-1])
-    is_solved &= elastic_loads["repetition"] != last
+    first_loads, last_loads = elastic_loads["repetition"].values[[0, -1]]
+    is_solved = (elastic_loads["repetition"] != first_loads) | (
+        elastic_loads["approach"] < elastic_loads["approach"][-1]
+    )
+    is_solved &= elastic_loads["repetition"] != last_loads
     incomplete = Result.of(result.dataset.assign(normal_elastic=elastic_loads.where(is_solved)))
     expected = elastic_loads.where(is_solved).mean("repetition")
     lowest, highest = find_computed_load_range(incomplete)

@@ -74,7 +74,7 @@ def test_result_at_zero_junction_growth_equals_result_without_junction_growth(re
     result = MemberSums.of(result_without_growth)
     without_key = result.with_study(study.with_changes({"contact.junction_growth": None}))
     names = ["mean_friction", "friction_coefficient", "contact_area"]
-    values, expected = (at_load(each, [20.0], names=names)[names] for each in (result, without_key))
+    values, expected = (at_load(member_sums, [20.0], names=names)[names] for member_sums in (result, without_key))
     assert values.equals(expected)
 
 
@@ -261,8 +261,8 @@ def test_slip_line_theory_agrees_with_solutions_of_sheared_contacts_at_the_hardn
     del options["hardness"]
     pressure = float(hardness_under_shear(hardness, mu0, tau0, "slip-line"))
     direct_result, result = (
-        pair(*rough_surfaces(size=128), **options, hardness=each, junction_growth=growth)
-        for each, growth in ((pressure, 0), (hardness, "slip-line 5.6"))
+        pair(*rough_surfaces(size=128), **options, hardness=given_hardness, junction_growth=growth)
+        for given_hardness, growth in ((pressure, 0), (hardness, "slip-line 5.6"))
     )
     assert mean_coefficient(result) == pytest.approx(mean_coefficient(direct_result), rel=0.02)
     area = float(result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze())
@@ -271,12 +271,15 @@ def test_slip_line_theory_agrees_with_solutions_of_sheared_contacts_at_the_hardn
 
 def solve_slip_lines(hardness, mu0, tau0, ratio):
     """Return the pressure of a yielding contact at the onset of sliding, by bisection over many samples."""
-    low, high = 0.5 * hardness, hardness
+    min_pressure, max_pressure = 0.5 * hardness, hardness
     for _ in range(60):
-        pressure = 0.5 * (low + high)
+        pressure = 0.5 * (min_pressure + max_pressure)
         fraction = np.minimum(ratio * (mu0 * pressure + tau0) / hardness, 1.0)
         limit = hardness * (1 + np.pi / 2 + np.arccos(fraction) + np.sqrt(1 - fraction**2)) / (2 + np.pi)
-        low, high = np.where(pressure < limit, pressure, low), np.where(pressure < limit, high, pressure)
+        min_pressure, max_pressure = (
+            np.where(pressure < limit, pressure, min_pressure),
+            np.where(pressure < limit, max_pressure, pressure),
+        )
     return pressure
 
 
@@ -347,11 +350,12 @@ def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_this_
 ):
     options = {**PLASTIC_OPTIONS, "mu0": 0.2, "tau0": tau0, "junction_growth": growth}
     result, result_at_small_load = (
-        pair(*rough_surfaces(), **options | {"load": f"{each} MPa"}) for each in (load, load / 10)
+        pair(*rough_surfaces(), **options | {"load": f"{nominal_pressure} MPa"})
+        for nominal_pressure in (load, load / 10)
     )
     assert math.isinf(result.interval[1])
     assert math.isfinite(result_at_small_load.interval[1]) == can_help
-    (caveat,) = (each for each in result.summary().first.caveats if "samples of the inputs" in each.text)
+    (caveat,) = (caveat for caveat in result.summary().first.caveats if "samples of the inputs" in caveat.text)
     assert ("reduce the load" in caveat.remedy) == can_help
 
 
@@ -367,7 +371,7 @@ def test_range_for_finer_scans_is_omitted_if_yielding_contacts_would_shear_the_b
 
 def test_slip_line_theory_does_not_change_the_friction_of_an_elastic_pair_with_high_mu0():
     options = PLASTIC_OPTIONS | {"mu0": 0.6, "tau0": 0.0, "hardness": 60.0}
-    result, without_growth = (pair(*rough_surfaces(), **options, junction_growth=each) for each in ("slip-line", 0))
+    result, without_growth = (pair(*rough_surfaces(), **options, junction_growth=growth) for growth in ("slip-line", 0))
     assert (result.at()["status"] == "ok").all()
     assert result.value == without_growth.value
     assert result.interval == pytest.approx(without_growth.interval, rel=1e-3)

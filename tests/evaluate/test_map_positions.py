@@ -364,8 +364,10 @@ def test_contact_area_lost_at_missing_points_is_at_most_the_estimate_in_their_ca
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
-    pierced_maps = [Surface(each.heights, spacing=0.5, missing=rng.random((64, 64)) < 0.3) for each in maps]
-    complete, pierced = (stiction.pair(*each, **CAVEAT_OPTIONS) for each in (maps, pierced_maps))
+    pierced_maps = [
+        Surface(complete_map.heights, spacing=0.5, missing=rng.random((64, 64)) < 0.3) for complete_map in maps
+    ]
+    complete, pierced = (stiction.pair(*map_pair, **CAVEAT_OPTIONS) for map_pair in (maps, pierced_maps))
     (text,) = (caveat.text for caveat in pierced.caveats if "holes" in caveat.text)
     limit = float(re.findall(r"up to (\S+) % too small", text)[0]) / 100
     areas = [

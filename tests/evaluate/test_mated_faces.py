@@ -80,9 +80,9 @@ def test_mated_maps_add_a_caveat_unless_their_mating_position_is_given(mated_fac
     text = "the faces fit into each other, but the result is a mean over positions at which they do not"
     assert text in list_caveat_texts(*mated_faces, shifts=2)
     assert text not in list_caveat_texts(*mated_faces, positions=["0 um,0 um"])
-    other = self_affine_surface(6, hurst_exponent=0.8, rms=6.0, shape=(64, 64), spacing=15.625)
-    assert text not in list_caveat_texts(mated_faces[0], other, shifts=2)
-    assert text not in list_caveat_texts(other, other, shifts=2)
+    unrelated_face = self_affine_surface(6, hurst_exponent=0.8, rms=6.0, shape=(64, 64), spacing=15.625)
+    assert text not in list_caveat_texts(mated_faces[0], unrelated_face, shifts=2)
+    assert text not in list_caveat_texts(unrelated_face, unrelated_face, shifts=2)
 
 
 def test_mated_profiles_add_a_caveat(mated_faces):

@@ -174,7 +174,7 @@ def test_limits_of_the_closure_interval_are_closures_at_the_limits_of_the_uncert
     ranged = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
     central = mean_value(pair(gap=upper, **options), "closure")
     lower, upper_limit = (
-        float(ranged["closure"].sel(statistic=each).squeeze()) / central for each in ("lower", "upper")
+        float(ranged["closure"].sel(statistic=statistic).squeeze()) / central for statistic in ("lower", "upper")
     )
     direct = [mean_value(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
     expected = np.array(sorted(direct)) / central
@@ -201,14 +201,16 @@ def test_summary_table_and_joint_table_give_a_quantity_the_same_kind_of_interval
 
 def test_reference_load_of_a_joint_table_is_the_first_load_of_the_study():
     result = press(load=["10 MPa", "40 MPa"])
-    first, second = map(float, result.study.friction.load)
-    assert result.joint_table([first, second]).reference.load == pytest.approx(first)
+    first_load, second_load = map(float, result.study.friction.load)
+    assert result.joint_table([first_load, second_load]).reference.load == pytest.approx(first_load)
 
 
 def test_uncertain_yield_exponent_widens_the_interval_of_the_contact_area():
     exact, ranged = (press(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6"))
     assert ranged.value == exact.value
-    widths = [np.ptp(each.at()["contact_area"].sel(statistic=["lower", "upper"]).values) for each in (exact, ranged)]
+    widths = [
+        np.ptp(result.at()["contact_area"].sel(statistic=["lower", "upper"]).values) for result in (exact, ranged)
+    ]
     assert widths[1] > 1.2 * widths[0]
     assert "the yield exponent m" in set(ranged.budget["input"]) - set(exact.budget["input"])
 
@@ -268,7 +270,7 @@ def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals()
     for unloading, loading in UNLOADING_PAIRS:
         assert table[unloading].values == pytest.approx(table[loading].values, rel=1e-9)
     for name in ("unloading_stiffness", "tangential_stiffness_per_area"):
-        direct_means = sorted(float(each[name].sel(statistic="mean")) for each in direct_tables)
+        direct_means = sorted(float(table[name].sel(statistic="mean")) for table in direct_tables)
         assert table[name].values[1:] == pytest.approx(direct_means, rel=0.12)
 
 
@@ -277,14 +279,14 @@ def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yiel
     new_result = press(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press(load=f"{load} MPa")
     study = new_result.study.with_changes({"contact.yield_exponent": None})
     old_result = type(new_result)(new_result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml()))
-    assert any("yielding below the surface" in each.text for each in old_result.caveats) == has_caveat
-    assert not any("yielding below the surface" in each.text for each in new_result.caveats)
+    assert any("yielding below the surface" in caveat.text for caveat in old_result.caveats) == has_caveat
+    assert not any("yielding below the surface" in caveat.text for caveat in new_result.caveats)
 
 
 def test_missing_elastic_areas_of_an_unfinished_result_are_estimated(result):
     dataset = result.dataset
     unfinished = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
-    areas = [mean_value(type(result)(each), "contact_area") for each in (dataset, unfinished)]
+    areas = [mean_value(type(result)(pair_dataset), "contact_area") for pair_dataset in (dataset, unfinished)]
     assert areas[1] == pytest.approx(areas[0], rel=0.25)
     table = type(result)(unfinished).at()
     assert np.isfinite(table["friction_combined"]).all()

@@ -153,8 +153,8 @@ def test_variability_between_scans_widens_the_interval_and_has_a_row_in_the_budg
     single_scan_result = pair(*(scans_of_part[0] for scans_of_part in scans), shifts=32, **arguments)
     assert "one scan of each part" in point_note_text(single_scan_result.summary().first)
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(single_scan_result.interval)
-    low, high = result.prediction_interval
-    assert low <= result.interval[0] < result.interval[1] <= high
+    lower, upper = result.prediction_interval
+    assert lower <= result.interval[0] < result.interval[1] <= upper
 
 
 def test_pair_function_accepts_scans_as_a_list_or_as_a_directory_or_as_file_names(tmp_path) -> None:
@@ -276,8 +276,8 @@ def test_roughness_drift_of_a_single_scan_widens_the_interval_and_appears_in_bud
     assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
         list(result.interval_of_mean), rel=0.01
     )
-    caveats = [each for each in result.caveats if DRIFT_CAVEAT in each.text]
-    assert [each.severity for each in caveats] == ["caution"]
+    caveats = [caveat for caveat in result.caveats if DRIFT_CAVEAT in caveat.text]
+    assert [caveat.severity for caveat in caveats] == ["caution"]
     assert caveats[0].text.startswith("upper: ")
     assert result.prediction_interval[0] < lower < upper < result.prediction_interval[1]
 
@@ -286,10 +286,10 @@ def test_roughness_drift_of_plastic_contacts_or_several_scans_has_no_caveat():
     plastic = pair(
         build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS | {"tau0": "50 MPa", "hardness": "0.3 GPa"}
     )  # fmt: skip
-    assert not any(DRIFT_CAVEAT in each.text for each in plastic.caveats)
+    assert not any(DRIFT_CAVEAT in caveat.text for caveat in plastic.caveats)
     upper_scans = [build_map(seed, drift=0.8) for seed in (1, 3, 4)]
     several = pair(upper_scans, build_map(2), **DRIFT_OPTIONS)
-    assert not any(DRIFT_CAVEAT in each.text for each in several.caveats)
+    assert not any(DRIFT_CAVEAT in caveat.text for caveat in several.caveats)
 
 
 @pytest.mark.parametrize("masked", [False, True])

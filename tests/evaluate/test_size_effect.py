@@ -79,7 +79,9 @@ def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_s
     assert result.interval[1] == pytest.approx(ends[0].value, rel=0.02)
     assert result.interval[0] == pytest.approx(ends[1].value, rel=0.03)
     assert result.budget["input"].iloc[0] == "the indentation size effect"
-    value, lower, upper = (format_with_unit(each, "GPa") for each in result.at()["contact_hardness"].values.ravel())
+    value, lower, upper = (
+        format_with_unit(contact_hardness, "GPa") for contact_hardness in result.at()["contact_hardness"].values.ravel()
+    )
     text = f"measured 2 µm deep, {value} [{lower}, {upper}] in the contacts"
     assert text in inputs_text(result.summary().first)
     assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
@@ -119,7 +121,8 @@ def test_missing_indentation_depth_adds_a_caveat_for_metals_only():
     result, measured = press(), press(indent="2 um")
     polymer = press(effective_modulus=5.0, hardness=0.025, load="1 MPa", tau0=1e-3)
     texts = [
-        " ".join(caveat.text for caveat in each.summary().points[0].caveats) for each in (result, polymer, measured)
+        " ".join(caveat.text for caveat in pair_result.summary().points[0].caveats)
+        for pair_result in (result, polymer, measured)
     ]
     assert "times as hard as large ones" in texts[0]
     assert "as hard as large ones" not in texts[1] + texts[2]
@@ -137,7 +140,7 @@ def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():
 
 @pytest.mark.parametrize("name", ["closure", "closure_stiffness", "normal_stiffness", "unloading_stiffness"])
 def test_closure_and_stiffness_are_computed_without_the_size_effect(name):
-    without_indent, result = (each.at()[name].values.ravel() for each in (press(), press(indent="2 um")))
+    without_indent, result = (pair_result.at()[name].values.ravel() for pair_result in (press(), press(indent="2 um")))
     assert result == pytest.approx(without_indent, rel=1e-3)
 
 

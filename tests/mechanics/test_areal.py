@@ -59,11 +59,11 @@ def assert_close(actual, expected, tolerance):
     assert np.all(np.abs(np.subtract(actual, expected)) <= tolerance * np.abs(expected)), (actual, expected)
 
 
-def assert_sums_close(one, other, tolerance, names=DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS):
+def assert_sums_close(curve, expected_curve, tolerance, names=DIRECTION_INDEPENDENT_SUMS + DIRECTION_DEPENDENT_SUMS):
     """Assert that the sums of two curves agree, relative to the load or the area to which each sum contributes."""
     for name in names:
-        actual, expected = getattr(one, name), getattr(other, name)
-        size = {"adhesive": other.contact_area}.get(name.rpartition("_")[2], other.normal_elastic)
+        actual, expected = getattr(curve, name), getattr(expected_curve, name)
+        size = {"adhesive": expected_curve.contact_area}.get(name.rpartition("_")[2], expected_curve.normal_elastic)
         size = np.abs(expected) if name in DIRECTION_INDEPENDENT_SUMS else size
         assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
 
@@ -129,7 +129,7 @@ class TestSurfacesAgainstReference:
         neighbour_gaps = [
             gap[1 + j : 39 + j, 1 + i : 39 + i] for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)
         ]
-        is_minimum = np.all([inner_gap < other for other in neighbour_gaps], axis=0)
+        is_minimum = np.all([inner_gap < neighbour_gap for neighbour_gap in neighbour_gaps], axis=0)
         approach = 0.6 * np.ptp(gap)
         curve = press(upper, lower, [approach])
         expected = np.argwhere(is_minimum & (inner_gap - gap.min() <= approach)) + 1
@@ -425,12 +425,16 @@ class TestValidityIndicators:
         return np.array([x, y]) + np.outer(np.cos(angles), a * u) + np.outer(np.sin(angles), b * v)
 
     @staticmethod
-    def ellipses_overlap(one, other):
+    def ellipses_overlap(first_rim, second_rim):
         from matplotlib.path import Path
 
-        if (one.min(axis=0) > other.max(axis=0)).any() or (other.min(axis=0) > one.max(axis=0)).any():
+        if (first_rim.min(axis=0) > second_rim.max(axis=0)).any() or (
+            second_rim.min(axis=0) > first_rim.max(axis=0)
+        ).any():
             return False
-        return bool(Path(one).contains_points(other).any() or Path(other).contains_points(one).any())
+        return bool(
+            Path(first_rim).contains_points(second_rim).any() or Path(second_rim).contains_points(first_rim).any()
+        )
 
     def test_contact_cut_by_the_map_edge_has_the_load_and_area_of_its_part_inside_the_map(self):
         body = surface_from_function(lambda x, y: -((x - 0.2) ** 2 + (y - 0.6) ** 2) / 0.4)
@@ -603,10 +607,10 @@ class TestGridRefinement:
         assert np.log2(gap_errors[0] / gap_errors[1]) > 3.5
         assert (np.log2(radius_errors[0] / radius_errors[1]) > 1.2).all()
         for points, tolerance in ((256, 1e-3), (512, 2e-4)):
-            one, finest = results_by_points[points][3], results_by_points[1024][3]
-            assert (one.contact_count == finest.contact_count).all()
+            coarser, finest = results_by_points[points][3], results_by_points[1024][3]
+            assert (coarser.contact_count == finest.contact_count).all()
             for name in ("contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
-                assert_close(getattr(one, name), getattr(finest, name), tolerance)
+                assert_close(getattr(coarser, name), getattr(finest, name), tolerance)
 
 
 class TestSmallSlopeSurfaces:
@@ -635,9 +639,9 @@ class TestSmallSlopeSurfaces:
         for rule, (tangential, normal) in loads.items():
             mean = tangential.sum() / normal.sum()
             jackknife_values = (tangential.sum() - tangential) / (normal.sum() - normal)
-            error = math.sqrt((num_pairs - 1) * np.var(jackknife_values))
+            jackknife_error = math.sqrt((num_pairs - 1) * np.var(jackknife_values))
             # The tolerance is a 95 % interval with 15 degrees of freedom, plus a term of second order in the slope.
-            assert abs(mean - expected[rule]) < 2.13 * error + mean_square_slope
+            assert abs(mean - expected[rule]) < 2.13 * jackknife_error + mean_square_slope
         # Without adhesion, friction at all contacts is mu0 for each pair of surfaces.
         curve_with_all_contacts = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
         assert abs(curve_with_all_contacts.friction_coefficient(mu0=mu0).mean() - mu0) < mean_square_slope
@@ -751,11 +755,11 @@ def test_load_curve_of_flat_valleys_is_unchanged_by_rotation_mirroring_and_excha
             assert transformed_curves == [None] * len(transformed_curves)
             continue
         num_pressed += 1
-        for other in transformed_curves:
+        for transformed_curve in transformed_curves:
             for name in COUNT_NAMES:
-                assert getattr(other, name).tolist() == getattr(original_curve, name).tolist(), name
+                assert getattr(transformed_curve, name).tolist() == getattr(original_curve, name).tolist(), name
             assert_sums_close(
-                other,
+                transformed_curve,
                 original_curve,
                 INVARIANCE_TOLERANCE,
                 ("contact_area", "normal_elastic", "load_at_edge", *DIRECTION_DEPENDENT_SUMS[:5]),
@@ -804,13 +808,13 @@ def test_normal_tangential_and_lateral_loads_equal_sums_over_the_contacts():
     curve = press(upper, lower, [0.1], direction=33)
     s = np.array([math.cos(math.radians(33)), math.sin(math.radians(33)), 0])
     total = np.zeros(3)
-    for one in result:
-        n = one["normal"]
-        total[2] += one["force"] * n[2]
+    for contact in result:
+        n = contact["normal"]
+        total[2] += contact["force"] * n[2]
         if s @ n < 0:
             t = -s + (s @ n) * n
-            friction = (0.3 * one["force"] + 0.07 * one["area"]) * t / np.linalg.norm(t)
-            total[:2] += (one["force"] * n)[:2]
+            friction = (0.3 * contact["force"] + 0.07 * contact["area"]) * t / np.linalg.norm(t)
+            total[:2] += (contact["force"] * n)[:2]
             total += friction
     assert_close(curve.normal_load(mu0=0.3, tau0=0.07), total[2], REFERENCE_TOLERANCE)
     assert_close(curve.tangential_load(mu0=0.3, tau0=0.07), -s @ total + s[2] * total[2], REFERENCE_TOLERANCE)

@@ -206,7 +206,7 @@ def test_closed_forms_return_finite_values_or_raise_value_error_for_extreme_argu
     messages = set()
     for value in EXTREME_VALUES:
         calls = [([*positional[:i], value, *positional[i + 1 :]], named) for i in range(len(positional))]
-        calls += [(positional, {**named, key: value}) for key in named]
+        calls += [(positional, {**named, argument_name: value}) for argument_name in named]
         for arguments, keywords in calls:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")

@@ -290,16 +290,16 @@ def exchanged_pair(pair):
 @pytest.mark.parametrize("law", CONTACT_LAWS_BY_NAME.values(), ids=CONTACT_LAWS_BY_NAME)
 class TestProfileScalingAndSymmetry:
     @pytest.mark.parametrize(
-        ("other", "tolerance"), [(mirrored_pair, MIRROR_TOLERANCE), (exchanged_pair, EXCHANGE_TOLERANCE)]
+        ("transform", "tolerance"), [(mirrored_pair, MIRROR_TOLERANCE), (exchanged_pair, EXCHANGE_TOLERANCE)]
     )
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
     def test_load_curve_is_invariant_under_mirroring_and_exchange_of_bodies(
-        self, law, pair, approach, choices, other, tolerance
+        self, law, pair, approach, choices, transform, tolerance
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         sums_of_transformed_pair = stack_sums(
-            press(*other(pair), [approach], law=law, **reversed_shear_options(choices))
+            press(*transform(pair), [approach], law=law, **reversed_shear_options(choices))
         )
         assert_close(sums_of_transformed_pair, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 
@@ -456,7 +456,7 @@ class TestProfileContactArguments:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             gentle_friction(0.1, rms_gradient=0.1, tau0=tau0, effective_modulus=effective_modulus)
-        assert [str(each.message) for each in caught] == ([words] if words else [])
+        assert [str(warning.message) for warning in caught] == ([words] if words else [])
 
     @pytest.mark.parametrize(
         "invalid_arguments", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}]

@@ -773,11 +773,11 @@ def test_half_space_displacements_equal_a_direct_sum_for_any_number_of_threads(p
 
 
 def test_half_space_problems_on_equal_grids_share_kernels():
-    one, other = (periodic_body((32, 32), seed=seed) for seed in (1, 2))
-    first_curve = half_space(flat_like(one), one, [0.01])
-    second_curve = half_space(flat_like(other), other, [0.02])
+    first_body, second_body = (periodic_body((32, 32), seed=seed) for seed in (1, 2))
+    first_curve = half_space(flat_like(first_body), first_body, [0.01])
+    second_curve = half_space(flat_like(second_body), second_body, [0.02])
     assert first_curve._problem.grids is second_curve._problem.grids
-    stiffer_curve = half_space(flat_like(other), other, [0.02], effective_modulus=2 * EFFECTIVE_MODULUS)
+    stiffer_curve = half_space(flat_like(second_body), second_body, [0.02], effective_modulus=2 * EFFECTIVE_MODULUS)
     assert stiffer_curve._problem.grids is not first_curve._problem.grids
     separate_solver = make_solver(first_curve._problem.gap, (1 / 32, 1 / 32), periodic=False, tolerance=1e-6)
     assert np.array_equal(separate_solver.at(0.01).pressure, first_curve.contact(0).pressure.ravel())
@@ -864,9 +864,9 @@ def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
     )  # fmt: skip
     assert {num_solved for num_solved, _, _ in events} == {0, 1}
     assert events[0][1] == 1
-    assert all(error > 1e-6 for _, _, error in events)
+    assert all(relative_error > 1e-6 for _, _, relative_error in events)
 
-    def cancel_solution(num_solved, iteration, error):
+    def cancel_solution(num_solved, iteration, relative_error):
         raise InterruptedError
 
     with pytest.raises(InterruptedError):

@@ -361,7 +361,7 @@ def test_displacement_and_stiffness_and_energy_loss_before_sliding_scale_with_si
         flat_like(lower), lower, half_space_curve.load[:1] * factor**2, boundary=boundary, tolerance=1e-8
     )
     original_onset, enlarged_onset = (
-        one.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for one in (half_space_curve, enlarged_curve)
+        curve.onset(0, mu0=0.3, tau0=0.03, steps=[0.3, 0.8]) for curve in (half_space_curve, enlarged_curve)
     )
     np.testing.assert_allclose(enlarged_onset.displacement, factor * original_onset.displacement, rtol=1e-6)
     assert enlarged_onset.stiffness == pytest.approx(factor * original_onset.stiffness, rel=1e-6)
@@ -509,14 +509,14 @@ def test_onset_of_sliding_of_a_single_asperity_agrees_with_half_space_model(radi
     asperity_curve = press(flat_like(lower), lower, [0.04])
     half_space_curve = half_space(flat_like(lower), lower, asperity_curve.normal_elastic)
     asperity_onset, half_space_onset = (
-        one.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=LOAD_FRACTIONS)
-        for one in (asperity_curve, half_space_curve)
+        curve.onset(0, mu0=mu0, tau0=tau0, poisson=0.0, steps=LOAD_FRACTIONS)
+        for curve in (asperity_curve, half_space_curve)
     )
     np.testing.assert_allclose(asperity_onset.displacement, half_space_onset.displacement, rtol=0.005)
     np.testing.assert_allclose(asperity_onset.slipped_area, half_space_onset.slipped_area, atol=0.02)
     np.testing.assert_allclose(asperity_onset.slipped_load, half_space_onset.slipped_load, atol=0.02)
     assert asperity_onset.stiffness == pytest.approx(half_space_onset.stiffness, rel=0.005)
-    energy_loss = [one.energy_lost(one.tangential_load[4:]) for one in (asperity_onset, half_space_onset)]
+    energy_loss = [curve.energy_lost(curve.tangential_load[4:]) for curve in (asperity_onset, half_space_onset)]
     np.testing.assert_allclose(energy_loss[0], energy_loss[1], rtol=0.03)
 
 

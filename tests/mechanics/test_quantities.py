@@ -105,7 +105,7 @@ def normalized_dims(name, dataset):
 
 def test_table_of_quantities_contains_every_result_variable_with_its_unit(datasets_by_title, results_at_loads):
     for title, name, item in iterate_variables(
-        datasets_by_title | {f"{key} at a load": one for key, one in results_at_loads.items()}
+        datasets_by_title | {f"{title} at a load": dataset for title, dataset in results_at_loads.items()}
     ):
         if name not in NON_QUANTITY_DIMENSIONS:
             assert name in QUANTITIES, f"{name} of {title}"
@@ -142,9 +142,9 @@ def test_intervals_at_a_load_lie_between_the_limits_listed_in_the_table_of_quant
     for title, name, item in iterate_variables(results_at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
             ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
-            low, high = QUANTITIES[name].bounds
-            assert not (ends < min(low, float(mean.min()))).any(), f"{name} of {title}"
-            assert not (ends > max(high, float(mean.max()))).any(), f"{name} of {title}"
+            lower_bound, upper_bound = QUANTITIES[name].bounds
+            assert not (ends < min(lower_bound, float(mean.min()))).any(), f"{name} of {title}"
+            assert not (ends > max(upper_bound, float(mean.max()))).any(), f"{name} of {title}"
 
 
 def test_variables_of_single_pairs_have_the_units_listed_in_the_table_of_quantities():
@@ -154,7 +154,7 @@ def test_variables_of_single_pairs_have_the_units_listed_in_the_table_of_quantit
         "lines": run(pair_study(create_profiles()[0], longer_profile, load=[1e-3], positions=[0.0, 5.0], **options)),
         "areas": run(pair_study(*create_surfaces(), load=[1.0], shifts=2, mechanics="asperities", **options)),
     }
-    values = {title: one.at(per_member=True) for title, one in result.items()}
+    values = {title: result_at_load.at(per_member=True) for title, result_at_load in result.items()}
     assert "lateral_load" in values["areas"]
     for title, name, item in iterate_variables(values):
         if name not in NON_QUANTITY_DIMENSIONS:

@@ -179,15 +179,15 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
     )
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap, periodic=True)
-    value, low, high = result.plastic_wavelength[0, 0].values
-    assert low <= value <= high
+    value, lower_wavelength, upper_wavelength = result.plastic_wavelength[0, 0].values
+    assert lower_wavelength <= value <= upper_wavelength
     # The scan resolves a wavelength of this length.
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
     # κ agrees only within a factor, because the pair has few contacts.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")
     kappa_factor = float(kappa_uncertainty_factor(curve.contact_count)[0])
     assert 1.1 <= kappa_factor <= math.exp(1)
-    assert float(roughness.gradient_at(high)) == pytest.approx(kappa * 4.0 / 115.0 / kappa_factor, rel=1e-6)
+    assert float(roughness.gradient_at(upper_wavelength)) == pytest.approx(kappa * 4.0 / 115.0 / kappa_factor, rel=1e-6)
 
 
 def test_extrapolated_slope_of_a_filtered_scan_agrees_with_the_unfiltered_scan():

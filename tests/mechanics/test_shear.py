@@ -261,7 +261,7 @@ def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_ha
         assert result.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
         assert result.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
     np.testing.assert_allclose(result.dilation_interval[0], soft.dilation, rtol=0.01, atol=1e-3)
-    angles = sorted(each.attrs["peak_dilation_angle_deg"] for each in (soft, hard))
+    angles = sorted(shear_result.attrs["peak_dilation_angle_deg"] for shear_result in (soft, hard))
     assert result.attrs["peak_dilation_angle_deg_lower"] == pytest.approx(angles[0], abs=0.3)
     assert result.attrs["peak_dilation_angle_deg_upper"] == pytest.approx(angles[1], abs=0.3)
     assert result.attrs["uncertain_inputs"] == "the hardness"
@@ -270,12 +270,14 @@ def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_ha
 def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
     result = run_shear_test(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
-    low, high = (
+    coefficient_at_lower_limit, coefficient_at_upper_limit = (
         float(run_shear_test(create_rough_map(), young=young, boundary="periodic", **options).friction_coefficient[1])
         for young in ("10 GPa", "40 GPa")
     )
     lower, upper = result.friction_coefficient_interval.values[:, 1]
-    assert low < lower < float(result.friction_coefficient[1]) < upper < high
+    assert (
+        coefficient_at_lower_limit < lower < float(result.friction_coefficient[1]) < upper < coefficient_at_upper_limit
+    )
 
 
 def test_shear_intervals_from_few_and_many_displacements_are_equal():
@@ -297,8 +299,10 @@ def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
         run_shear_test(create_rough_map(), mu0=mu0, hardness=hardness, **options).attrs
         for mu0, hardness in ((0.6, "100..300 MPa"), ("0.5..0.7", "173 MPa"), ("0.5..0.7", "100..300 MPa"))
     ]
-    first, second, both = (each["peak_upper"] - each["peak_lower"] for each in widths)
-    assert max(first, second) < both < first + second
+    width_due_to_hardness, width_due_to_mu0, width_due_to_both = (
+        attributes["peak_upper"] - attributes["peak_lower"] for attributes in widths
+    )
+    assert max(width_due_to_hardness, width_due_to_mu0) < width_due_to_both < width_due_to_hardness + width_due_to_mu0
 
 
 def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_the_largest_hardness():
@@ -320,8 +324,15 @@ def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
     assert by_name.attrs["peak_lower"] < by_name.attrs["peak"] < by_name.attrs["peak_upper"]
     name = "MoS2 on bearing steel, dry air"
     tests = [
-        shear_test(create_mate(face), face, interface=each, upper_material="bearing steel", hardness="9 GPa", **options)
-        for each in (name, interface(name))
+        shear_test(
+            create_mate(face),
+            face,
+            interface=interface_argument,
+            upper_material="bearing steel",
+            hardness="9 GPa",
+            **options,
+        )
+        for interface_argument in (name, interface(name))
     ]
     np.testing.assert_array_equal(tests[0].friction_coefficient, tests[1].friction_coefficient)
     assert tests[0].attrs["interface"] == name
@@ -355,16 +366,16 @@ def test_scatter_between_strips_equals_scatter_between_separate_shear_tests():
     face, options = create_rough_map(128), {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa"}
     result = run_shear_test(face, **options)
     strips = [
-        run_shear_test(Surface(face.heights[first : first + 32], spacing=face.spacing), strips=0, **options)
-        for first in range(0, 128, 32)
+        run_shear_test(Surface(face.heights[first_row : first_row + 32], spacing=face.spacing), strips=0, **options)
+        for first_row in range(0, 128, 32)
     ]
     assert result.attrs["strips"] == 4
-    assert all(each.attrs["strips"] == 0 for each in strips)
+    assert all(strip.attrs["strips"] == 0 for strip in strips)
     for name in ("peak", "end", "peak_dilation_angle_deg"):
-        error = np.std([each.attrs[name] for each in strips], ddof=1) / 2
+        standard_error = np.std([strip.attrs[name] for strip in strips], ddof=1) / 2
         for end, sign in (("lower", -1), ("upper", 1)):
-            limit = result.attrs[name] + sign * 3.182 * error  # Student's t with three degrees of freedom
-            assert result.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * error)
+            limit = result.attrs[name] + sign * 3.182 * standard_error  # Student's t with three degrees of freedom
+            assert result.attrs[f"{name}_{end}"] == pytest.approx(limit, abs=0.02 * standard_error)
 
 
 def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a_solution():
@@ -374,18 +385,20 @@ def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a
     )
     whole = run_shear_test(face, **options)
     strips = [
-        run_shear_test(Surface(face.heights[first : first + 32], spacing=face.spacing), **options)
-        for first in range(0, 128, 32)
+        run_shear_test(Surface(face.heights[first_row : first_row + 32], spacing=face.spacing), **options)
+        for first_row in range(0, 128, 32)
     ]
     unsolved = strips[0].copy(deep=True)
     for name in ("shear_stress", "dilation", "normal_load"):
         unsolved[name][-1] = np.nan
-    expected, result = (add_shear_intervals(whole, [], [], each) for each in (strips, [unsolved, *strips[1:]]))
+    expected, result = (
+        add_shear_intervals(whole, [], [], compared_strips) for compared_strips in (strips, [unsolved, *strips[1:]])
+    )
     for name in ("friction_coefficient_interval", "shear_stress_interval", "dilation_interval"):
         np.testing.assert_allclose(result[name][:, :-1], expected[name][:, :-1], rtol=1e-9)
     assert whole["friction_coefficient"].values.argmax() < 3
     assert result.attrs["peak_upper"] == pytest.approx(expected.attrs["peak_upper"], rel=1e-9)
-    coefficients = [float(each["friction_coefficient"][-1]) for each in strips[1:]]
+    coefficients = [float(strip["friction_coefficient"][-1]) for strip in strips[1:]]
     width = 2 * 4.303 * np.std(coefficients, ddof=1) / np.sqrt(3)  # Student's t with two degrees of freedom
     assert np.ptp(result["friction_coefficient_interval"].values[:, -1]) == pytest.approx(width, rel=0.02)
     only_one = add_shear_intervals(whole, [], [], [unsolved, unsolved, unsolved, strips[3]])
@@ -505,7 +518,7 @@ def test_shear_test_of_registered_faces_starts_at_their_best_fit():
     )
     options = {"path": "50 um", "steps": 2, "mu0": 0.6, "hardness": "200 MPa"} | FULL_FIT
     unregistered, registered = (
-        shear_test(create_mate(upper), lower, register=each, **options) for each in (False, True)
+        shear_test(create_mate(upper), lower, register=is_registered, **options) for is_registered in (False, True)
     )
     assert registered.attrs["registration_shift_x_um"] == pytest.approx(7 * large.spacing[1])
     assert registered.attrs["registration_shift_y_um"] == pytest.approx(-5 * large.spacing[0])

@@ -54,10 +54,12 @@ class PeriodicHalfSpace:
 
     def solve(self, pressure):
         """Return contact fraction, number of contacts and mean gap (µm) at a mean pressure (GPa)."""
-        error = self.solver.solve(pressure)
+        complementarity_error = self.solver.solve(pressure)
         traction = np.array(self.model.traction).ravel()
-        if not error <= self.tolerance or abs(traction.mean() / pressure - 1) > 1e-9:
-            raise RuntimeError(f"no solution at {pressure} GPa: error {error}, mean traction {traction.mean()}")
+        if not complementarity_error <= self.tolerance or abs(traction.mean() / pressure - 1) > 1e-9:
+            raise RuntimeError(
+                f"no solution at {pressure} GPa: error {complementarity_error}, mean traction {traction.mean()}"
+            )
         in_contact = traction > 0
         count = np.count_nonzero(in_contact & ~np.roll(in_contact, 1))
         fraction = (np.count_nonzero(in_contact) - EXCESS_POINTS_PER_CONTACT * count) / in_contact.size

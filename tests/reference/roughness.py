@@ -86,9 +86,9 @@ def stratified_parameters(z):
 
 def material_and_void_volumes(z):
     """Return material and void volumes, by integrating the material ratio curve in 20 000 steps."""
-    low, high = min(z), max(z)
+    min_height, max_height = min(z), max(z)
     descending = np.sort(np.ravel(z))[::-1]
-    levels = np.linspace(low, high, 20_001)
+    levels = np.linspace(min_height, max_height, 20_001)
     middle = (levels[1:] + levels[:-1]) / 2
     ratios = np.array([np.searchsorted(-descending, -c) for c in middle]) / descending.size
     step = levels[1] - levels[0]
@@ -161,11 +161,11 @@ def feature_parameters(z, spacing):
             curvature_y = (z[j - 1, i] - 2 * z[j, i] + z[j + 1, i]) / spacing[0] ** 2
             curvature_x = (z[j, i - 1] - 2 * z[j, i] + z[j, i + 1]) / spacing[1] ** 2
             curvatures.append(-(curvature_y + curvature_x) / 2)
-    high = sorted((z[p] for p in peaks), reverse=True)[:5]
+    highest_peaks = sorted((z[p] for p in peaks), reverse=True)[:5]
     pit_depths = sorted(-z[p] for p in pits)[::-1][:5]
     return {
         "Spd": len(peaks) / (rows * spacing[0] * columns * spacing[1]), "Spc": sum(curvatures) / len(curvatures),
-        "S5p": sum(high) / 5, "S5v": sum(pit_depths) / 5, "S10z": (sum(high) + sum(pit_depths)) / 5,
+        "S5p": sum(highest_peaks) / 5, "S5v": sum(pit_depths) / 5, "S10z": (sum(highest_peaks) + sum(pit_depths)) / 5,
     }  # fmt: skip
 
 

@@ -75,8 +75,8 @@ def contains(interval, value):
     return interval[0] <= value <= interval[1]
 
 
-def covers(interval, other):
-    return contains(interval, other[0]) and contains(interval, other[1])
+def covers(interval, covered_interval):
+    return contains(interval, covered_interval[0]) and contains(interval, covered_interval[1])
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,7 @@ def test_interval_of_an_elastic_pair_includes_the_result_for_tip_corrected_scans
     assert contains(blunt_result.interval, true_value)
     assert not contains(result_without_estimate.interval, true_value)
     assert covers(blunt_result.prediction_interval, result_without_estimate.prediction_interval)
-    (tip_caveat,) = (each for each in blunt_result.caveats if "tip does not resolve" in each.text)
+    (tip_caveat,) = (caveat for caveat in blunt_result.caveats if "tip does not resolve" in caveat.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "fault"
     assert blunt_result.assessment == result_without_estimate.assessment == "Do not quote"
@@ -135,7 +135,7 @@ def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(
     result_without_estimate = open_without_alternatives(spiked_result)
     assert covers(spiked_result.interval, result_without_estimate.interval)
     assert spiked_result.interval != result_without_estimate.interval
-    (spike_caveat,) = (each for each in spiked_result.caveats if "rms heights" in each.text)
+    (spike_caveat,) = (caveat for caveat in spiked_result.caveats if "rms heights" in caveat.text)
     assert "the interval includes the result for masked outliers" in spike_caveat.text
     assert spiked_result.assessment == result_without_estimate.assessment
 
@@ -143,12 +143,12 @@ def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
 def test_interval_widened_for_an_alternative_preparation_is_the_same_in_all_outputs(name, request):
     result = request.getfixturevalue(name)
-    for each in (result, open_result(result.path)):
-        point = each.summary().first
+    for opened_result in (result, open_result(result.path)):
+        point = opened_result.summary().first
         assert result.interval == (point.lower, point.upper)
-        combined = each.at()["friction_combined"].sel(sliding="all").squeeze()
+        combined = opened_result.at()["friction_combined"].sel(sliding="all").squeeze()
         assert combined.values.tolist() == [point.value, *result.interval]
-        record = json.loads(summary_json("pair", each.summary()))
+        record = json.loads(summary_json("pair", opened_result.summary()))
         coefficient = record["points"][0]["rules"][0]["coefficient"]
         assert (coefficient["lower"], coefficient["upper"]) == result.interval
         (entry,) = (
@@ -157,7 +157,7 @@ def test_interval_widened_for_an_alternative_preparation_is_the_same_in_all_outp
             if value["name"] == "friction_combined" and value["at"].get("sliding") == "all"
         )
         assert (entry["lower"], entry["upper"]) == result.interval
-        row = next(row for _, row in each.to_dataframe().iterrows() if row["sliding"] == "all")
+        row = next(row for _, row in opened_result.to_dataframe().iterrows() if row["sliding"] == "all")
         limits = [value for name, value in row.items() if name.endswith((": lower", ": upper")) and "mu_s" in name]
         assert set(result.interval) <= set(limits) or set(result.interval) <= set(row.tolist())
 
@@ -165,12 +165,12 @@ def test_interval_widened_for_an_alternative_preparation_is_the_same_in_all_outp
 @pytest.mark.parametrize("name", ["blunt_result", "spiked_result"])
 def test_interval_of_the_true_area_includes_the_result_of_an_alternative_preparation(name, request):
     result = request.getfixturevalue(name)
-    own = open_without_alternatives(result).summary().first
+    point_without_alternative = open_without_alternatives(result).summary().first
     (alternative,) = result.alternatives.values()
     for quantity in ("contact_area", "contact_area_fraction", "mean_pressure"):
         estimate = result.summary().first.quantities[quantity]
-        assert estimate.value == own.quantities[quantity].value
-        assert covers(estimate.interval, own.quantities[quantity].interval)
+        assert estimate.value == point_without_alternative.quantities[quantity].value
+        assert covers(estimate.interval, point_without_alternative.quantities[quantity].interval)
         assert contains(estimate.interval, alternative.summary().first.quantities[quantity].value)
 
 
@@ -193,16 +193,20 @@ def test_budget_lists_the_interval_without_the_alternative_preparation(blunt_res
 
 def test_combined_interval_includes_alternative_preparations_at_every_load_and_mu0_and_tau0(blunt_result):
     loads, strengths = [0.1, 0.2], {"mu0": [0.1, 0.3], "tau0": [0.0, 0.05]}
-    combined, other = (
-        each.at(loads, **strengths, budget=True)["friction_combined"].values
-        for each in (blunt_result, blunt_result.alternatives["tip"])
+    combined, alternative_intervals = (
+        compared_result.at(loads, **strengths, budget=True)["friction_combined"].values
+        for compared_result in (blunt_result, blunt_result.alternatives["tip"])
     )
-    own = add_uncertainty(
+    intervals_without_alternative = add_uncertainty(
         at_load(blunt_result, loads, **strengths), open_without_alternatives(blunt_result), budget=False
     )["friction_combined"].values
-    np.testing.assert_array_equal(combined[..., 0], own[..., 0])
-    np.testing.assert_array_equal(combined[..., 1], np.minimum(own[..., 1], other[..., 1]))
-    np.testing.assert_array_equal(combined[..., 2], np.maximum(own[..., 2], other[..., 2]))
+    np.testing.assert_array_equal(combined[..., 0], intervals_without_alternative[..., 0])
+    np.testing.assert_array_equal(
+        combined[..., 1], np.minimum(intervals_without_alternative[..., 1], alternative_intervals[..., 1])
+    )
+    np.testing.assert_array_equal(
+        combined[..., 2], np.maximum(intervals_without_alternative[..., 2], alternative_intervals[..., 2])
+    )
 
 
 def test_alternative_preparation_is_evaluated_once_for_the_interval_and_caveats_of_a_summary(blunt_result, monkeypatch):
@@ -230,7 +234,7 @@ def test_caveat_mentions_the_alternative_preparation_only_if_the_interval_includ
             other_at[name] = other_at[name] * np.nan
     other_summary = summarize(other_at, study)
     summary = summarize(at, study, input_caveats=spiked_result.input_caveats, alternatives={"spikes": other_summary})
-    (spike_caveat,) = (each for each in summary.first.caveats if "rms heights" in each.text)
+    (spike_caveat,) = (caveat for caveat in summary.first.caveats if "rms heights" in caveat.text)
     assert ("the interval includes the result for masked outliers" in spike_caveat.text) == is_evaluated
 
 
@@ -246,13 +250,13 @@ def test_area_interval_of_a_yielding_pair_includes_the_result_for_tip_corrected_
     result = pair(*scans, tip=tip_radius, directory=tmp_path / "result", **options)
     true_result = pair(*true_surfaces, cutoff="none", **options)
     estimate, own_estimate, true_estimate = (
-        each.summary().first.quantities["contact_area"]
-        for each in (result, open_without_alternatives(result), true_result)
+        compared_result.summary().first.quantities["contact_area"]
+        for compared_result in (result, open_without_alternatives(result), true_result)
     )
     assert estimate.value == own_estimate.value
     assert contains(estimate.interval, true_estimate.value)
     assert not contains(own_estimate.interval, true_estimate.value)
-    (tip_caveat,) = (each for each in result.caveats if "tip does not resolve" in each.text)
+    (tip_caveat,) = (caveat for caveat in result.caveats if "tip does not resolve" in caveat.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "caution"
 
@@ -342,7 +346,7 @@ def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_the_pair_withou
     assert own_point.bracket is not None
     point = result.summary().first
     assert point.assessment == clean_result.assessment == "Do not quote"
-    assert {each.name for each in point.faults} == {each.name for each in clean_result.summary().first.faults}
+    assert {fault.name for fault in point.faults} == {fault.name for fault in clean_result.summary().first.faults}
     assert point.bracket is None
     assert (point.value, point.rules[0].interval_of_mean) == (own_point.value, own_point.rules[0].interval_of_mean)
     (same_point,) = result.summarize_dataset(result.at(budget=True).isel(load=0, mu0=0, tau0=0)).points
@@ -380,14 +384,15 @@ def test_interval_at_each_dwell_time_includes_the_alternative_preparation(spiked
     options = PAIR_OPTIONS | {"hardness": "1..3 GPa", "wait": "1 h", "junction_growth": 9, "creep": "0.02..0.05"}
     result = pair(*spiked_scans, cutoff="none", **options)
     alternative = result.alternatives["spikes"]
-    own = open_without_alternatives(result)
+    result_without_alternative = open_without_alternatives(result)
     assert covers(result.interval, alternative.interval)
     assert result.interval == (
-        min(own.interval[0], alternative.interval[0]), max(own.interval[1], alternative.interval[1])
-    )  # fmt: skip
+        min(result_without_alternative.interval[0], alternative.interval[0]),
+        max(result_without_alternative.interval[1], alternative.interval[1]),
+    )
     (aged,), (other_aged,) = result.summary().first.after_dwell, alternative.summary().first.after_dwell
     assert covers(aged.interval, other_aged.interval)
-    rows, own_rows = result.budget.set_index("input"), own.budget.set_index("input")
+    rows, own_rows = result.budget.set_index("input"), result_without_alternative.budget.set_index("input")
     assert set(rows.index) == {*own_rows.index, ALTERNATIVE_LABELS["spikes"]}
     shared = own_rows.index
     assert (rows.loc[shared, "lower"] <= own_rows["lower"]).all()

@@ -70,14 +70,14 @@ def test_result_of_a_run_depends_on_every_study_key(result):
         "contact.curvature": "signed", "contact.detection": "gap-minimum", "contact.law": "hertz-cylinder",
         "contact.shear": "-x", "ensemble.seed": 2017,
     }  # fmt: skip
-    for key, value in changes.items():
-        changed_dataset = run(RUNNER_STUDY.with_changes({key: value, "ensemble.repetitions": 1})).dataset
+    for study_key, value in changes.items():
+        changed_dataset = run(RUNNER_STUDY.with_changes({study_key: value, "ensemble.repetitions": 1})).dataset
         changed_sums = [
             name
             for name in SUM_QUANTITIES
             if not np.array_equal(changed_dataset[name].values, result[name].values[:, :, :1])
         ]
-        assert changed_sums, key
+        assert changed_sums, study_key
 
 
 def test_results_are_bit_identical_for_all_executors_and_block_sizes(result, monkeypatch):

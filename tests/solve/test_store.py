@@ -53,15 +53,15 @@ def block_states(path):
     return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_DIRECTORY).iterdir()}
 
 
-def find_block_file(path, first):
-    return next((path / BLOCKS_DIRECTORY).glob(f"{first:07d}-*.nc"))
+def find_block_file(path, first_repetition):
+    return next((path / BLOCKS_DIRECTORY).glob(f"{first_repetition:07d}-*.nc"))
 
 
 def replace_block_content(file, content):
     """Replace the content of a block file, and rename the file by the checksum of the new content."""
-    first, last, _ = file.stem.split("-")
+    first_repetition, last_repetition, _ = file.stem.split("-")
     file.unlink()
-    path = file.with_name(BlockFile(int(first), int(last), zlib.crc32(content)).name)
+    path = file.with_name(BlockFile(int(first_repetition), int(last_repetition), zlib.crc32(content)).name)
     path.write_bytes(content)
     return path
 
@@ -168,8 +168,8 @@ def test_stored_result_that_is_read_in_pieces_equals_the_computed_dataset(
         zip(Result(store.open_stored_result(directory_copy)).pieces(), Result(incomplete_dataset).pieces(), strict=True)
     )
     assert [piece.sizes["repetition"] for piece, _ in piece_pairs] == [8, 8, 2]
-    for piece, other in piece_pairs:
-        assert_same_bits(piece, other)
+    for piece, expected_piece in piece_pairs:
+        assert_same_bits(piece, expected_piece)
     (piece,) = Result(uninterrupted_dataset.isel(repetition=slice(2))).pieces(["contact_area"])
     assert list(piece.data_vars) == ["contact_area"]
 
@@ -192,9 +192,9 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
     assert len(decoded_contents) == len(stored_result.blocks)
     assert read_names == {"normal_elastic", "contact_count"}
     expected_pieces = Result(uninterrupted_dataset).pieces(["normal_elastic", "contact_count"])
-    for first, second, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
-        assert_same_bits(second, expected)
-        assert_same_bits(first, expected[["normal_elastic"]])
+    for first_piece, second_piece, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
+        assert_same_bits(second_piece, expected)
+        assert_same_bits(first_piece, expected[["normal_elastic"]])
     # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
     path = find_block_file(directory_copy, 8)
     path.write_bytes(find_block_file(directory_copy, 20).read_bytes())
@@ -244,8 +244,8 @@ def test_reading_a_complete_result_computes_nothing(directory_copy, uninterrupte
 
 
 def test_continued_run_computes_only_missing_blocks(directory_copy, uninterrupted_dataset, computed_repetitions):
-    for first in (4, 20):
-        find_block_file(directory_copy, first).unlink()
+    for first_repetition in (4, 20):
+        find_block_file(directory_copy, first_repetition).unlink()
     states_before = block_states(directory_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
         assert_same_bits(store.read(directory_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
@@ -275,11 +275,11 @@ def test_stored_blocks_that_contain_the_same_repetitions_are_accepted(
 ):
     """Blocks overlap if writers used different block sizes; each repetition is read once."""
     other_directory = directory_copy.with_name("others")
-    for size, first in ((3, 3), (7, 7), (5, 5)):
+    for size, first_repetition in ((3, 3), (7, 7), (5, 5)):
         monkeypatch.setattr(runner, "choose_block_size", lambda study, size=size: size)
         shutil.rmtree(other_directory, ignore_errors=True)
         compute_missing_blocks(TINY_STUDY, other_directory)
-        shutil.copy(find_block_file(other_directory, first), directory_copy / BLOCKS_DIRECTORY)
+        shutil.copy(find_block_file(other_directory, first_repetition), directory_copy / BLOCKS_DIRECTORY)
     find_block_file(directory_copy, 4).unlink()
     assert_same_bits(store.read(directory_copy), uninterrupted_dataset)
 
@@ -354,9 +354,11 @@ def edit_study_file(file, kind):
     elif kind == "first line only":
         file.write_text(f"{store.STUDY_FILE_SIGNATURE} 0.1.0.\n\n{text.partition(chr(10) * 2)[2]}")
     else:
-        old, new = {"number": ("= 2_016", "= 2_017"), "comment": ("[surfaces]", "# Tuesday\n[surfaces]")}[kind]
-        assert old in text
-        file.write_text(text.replace(old, new))
+        old_text, new_text = {"number": ("= 2_016", "= 2_017"), "comment": ("[surfaces]", "# Tuesday\n[surfaces]")}[
+            kind
+        ]
+        assert old_text in text
+        file.write_text(text.replace(old_text, new_text))
 
 
 @pytest.mark.parametrize("kind", ["number", "comment", "link", "first line only"])
@@ -563,9 +565,9 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
 def test_run_does_not_recreate_a_result_directory_removed_during_the_run(tmp_path, monkeypatch):
     path, write_block = tmp_path / "r", store.write_block
 
-    def write_and_move_directory(directory, first, written, count):
-        write_block(directory, first, written, count)
-        if first == 4:
+    def write_and_move_directory(directory, first_repetition, written, count):
+        write_block(directory, first_repetition, written, count)
+        if first_repetition == 4:
             path.rename(tmp_path / "moved")
 
     monkeypatch.setattr(runner, "write_block", write_and_move_directory)
@@ -578,8 +580,8 @@ def test_run_does_not_recreate_a_result_directory_removed_during_the_run(tmp_pat
 def test_run_reports_a_study_file_removed_during_the_run(tmp_path, monkeypatch):
     write_block = store.write_block
 
-    def write_and_remove_study_file(directory, first, written, count):
-        write_block(directory, first, written, count)
+    def write_and_remove_study_file(directory, first_repetition, written, count):
+        write_block(directory, first_repetition, written, count)
         (directory / STUDY_FILE).unlink(missing_ok=True)
 
     monkeypatch.setattr(runner, "write_block", write_and_remove_study_file)
@@ -861,7 +863,9 @@ def find_dimensions_by_scale(file, name):
 
 def find_dimensions_by_number(file, name):
     """Return the names of a variable's dimensions in an open netCDF file, found by the numbers in attributes."""
-    names = {int(scale.attrs["_Netcdf4Dimid"]): key for key, scale in file.items() if scale.is_scale}
+    names = {
+        int(scale.attrs["_Netcdf4Dimid"]): dimension_name for dimension_name, scale in file.items() if scale.is_scale
+    }
     if file[name].is_scale:
         return [names[int(file[name].attrs["_Netcdf4Dimid"])]]
     numbers = [int(number) for number in file[name].attrs.get("_Netcdf4Coordinates", [])]

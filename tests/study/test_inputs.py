@@ -26,7 +26,7 @@ def compute_pair(directory=None, **options):
     return pair(*maps, **values | ({} if "upper" in options else {"effective_modulus": "80 GPa"}) | options)
 
 
-@pytest.mark.parametrize(("key", "entry", "central", "limits"), [
+@pytest.mark.parametrize(("study_key", "entry", "central", "limits"), [
     ("contact.hardness", "120 HV ± 10 %", 1.269, (1.0204, 1.5180)),
     ("contact.hardness", "0.6 GPa (0.2..1.7 GPa)", 0.6, (0.2, 1.7)), ("contact.hardness", "2 GPa", 2.0, (2.0, 2.0)),
     ("contact.effective_modulus", "80 GPa ± 5 %", 80.0, (72.16, 87.84)), ("contact.junction_growth", 9, 9.0, (9, 9)),
@@ -40,19 +40,19 @@ def compute_pair(directory=None, **options):
     ("contact.yield_exponent", "uniform 0.7 .. 1.6", 1.15, (0.7, 1.6)),
     ("contact.yield_exponent", "1.1..1.3", 1.2, (1.1, 1.3)),
 ])  # fmt: skip
-def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(key, entry, central, limits):
-    study = STUDY.with_changes({key: entry})
-    name = key.partition(".")[2]
-    for each in (study, parse_study(study.to_toml(), "text"), pickle.loads(pickle.dumps(study))):
-        assert each == study
-        inputs = Inputs.from_study(each)
+def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(study_key, entry, central, limits):
+    study = STUDY.with_changes({study_key: entry})
+    name = study_key.partition(".")[2]
+    for equal_study in (study, parse_study(study.to_toml(), "text"), pickle.loads(pickle.dumps(study))):
+        assert equal_study == study
+        inputs = Inputs.from_study(equal_study)
         assert inputs.central(name) == pytest.approx(central)
         estimate = inputs.entries[name].estimate
         assert (estimate.low, estimate.high) == pytest.approx(limits, rel=1e-4)
         assert (name in inputs.uncertain) == (limits[0] < limits[1])
 
 
-@pytest.mark.parametrize(("changes", "key", "reason"), [
+@pytest.mark.parametrize(("changes", "study_key", "reason"), [
     ({"contact.hardness": "2 GPa (0.2..1.7 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
     ({"contact.hardness": "1..2 GPa (0.2..3 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
     ({"contact.hardness": "0 GPa"}, "contact.hardness", "must be above 0, got '0 GPa'"),
@@ -79,11 +79,11 @@ def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(k
     ({"contact.junction_growth": 0, "contact.work_of_adhesion": "50 mJ/m^2"}, "contact.yield_exponent",
      "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with p"),
 ])  # fmt: skip
-def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, key, reason):
+def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, study_key, reason):
     with pytest.raises(StudyError, match=reason) as caught:
         STUDY.with_changes(changes)
     assert len(str(caught.value).splitlines()) == 1
-    assert caught.value.faults[0][0].partition("[")[0] == key
+    assert caught.value.faults[0][0].partition("[")[0] == study_key
 
 
 def test_study_of_generated_surfaces_rejects_an_uncertain_input():
@@ -93,13 +93,13 @@ def test_study_of_generated_surfaces_rejects_an_uncertain_input():
 
 @pytest.mark.parametrize("name", ["mild steel", "copper", "silicon", "PTFE"])
 def test_elastic_constants_of_two_materials_give_the_same_modulus_and_compliance_fraction_as_material_names(name):
-    for other in materials():
-        elasticity = determine_elasticity(upper_material=name, lower_material=other.name)
-        body, counterface = (material(each) for each in (name, other.name))
+    for other_material in materials():
+        elasticity = determine_elasticity(upper_material=name, lower_material=other_material.name)
+        body, counterface = (material(material_name) for material_name in (name, other_material.name))
         study = STUDY.with_changes({
-            "contact.materials": [name, other.name],
-            "contact.young": [f"{each.young_modulus:.6g} GPa" for each in (body, counterface)],
-            "contact.poisson": [float(f"{each.poisson_ratio:.6g}") for each in (body, counterface)],
+            "contact.materials": [name, other_material.name],
+            "contact.young": [f"{body_material.young_modulus:.6g} GPa" for body_material in (body, counterface)],
+            "contact.poisson": [float(f"{body_material.poisson_ratio:.6g}") for body_material in (body, counterface)],
         })  # fmt: skip
         contact = study.contact
         derived = (float(contact.effective_modulus), contact.compliance_share)
@@ -135,9 +135,9 @@ def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncerta
 def test_effective_modulus_relative_to_its_central_value_is_computed_from_samples_of_both_bodies():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
-    low, high = inputs.relative_modulus(samples)
-    assert low == pytest.approx(0.965, abs=0.01)
-    assert high == pytest.approx(1.035, abs=0.01)
+    lower, upper = inputs.relative_modulus(samples)
+    assert lower == pytest.approx(0.965, abs=0.01)
+    assert upper == pytest.approx(1.035, abs=0.01)
     assert inputs.relative_modulus({}) == 1
     exact_inputs = Inputs.from_study(MODULUS_STUDY)
     assert not {"young_upper", "effective_modulus"} & set(exact_inputs.uncertain)
@@ -164,11 +164,16 @@ def test_replacing_mu0_of_an_interface_removes_its_correlation_with_tau0():
 
 
 def test_studies_that_differ_only_in_ranges_of_inputs_can_share_stored_contact_solutions():
-    first, second = (STUDY.with_changes({"contact.hardness": text}) for text in ("1.1..1.21 GPa", "1.154 GPa"))
-    assert first.contact.hardness == 1.154
-    assert first != second
-    assert find_member_differences(first, second) == []
-    assert find_member_differences(first, STUDY.with_changes({"contact.hardness": "2 GPa"}))[0][0] == "contact.hardness"
+    first_study, second_study = (
+        STUDY.with_changes({"contact.hardness": text}) for text in ("1.1..1.21 GPa", "1.154 GPa")
+    )
+    assert first_study.contact.hardness == 1.154
+    assert first_study != second_study
+    assert find_member_differences(first_study, second_study) == []
+    assert (
+        find_member_differences(first_study, STUDY.with_changes({"contact.hardness": "2 GPa"}))[0][0]
+        == "contact.hardness"
+    )
     assert find_member_differences(STUDY, STUDY.with_changes({"contact.yield_exponent": 1.1})) == []
     by_modulus = STUDY.with_changes({"contact.effective_modulus": "78.7 GPa"})
     assert by_modulus.contact.compliance_share == STUDY.contact.compliance_share == 0.657
@@ -203,7 +208,7 @@ def study_file(tmp_path_factory):
     return directory / "study.toml"
 
 
-@pytest.mark.parametrize(("key", "entry", "text", "label"), [
+@pytest.mark.parametrize(("study_key", "entry", "text", "label"), [
     ("contact.hardness", '"0.6 GPa"', "hardness 600 MPa, ", "the hardness of the brass"),
     ("contact.hardness", '"0.5..0.7 GPa"', "hardness 592 MPa (0.5..0.7 GPa), ", "the hardness of the brass"),
     ("contact.effective_modulus", '"40 GPa"', "E* = 40 GPa, ", "Young's modulus of the mild steel"),
@@ -219,20 +224,20 @@ def study_file(tmp_path_factory):
 ])  # fmt: skip
 @pytest.mark.usefixtures("disable_figures", "omit_companion_files")
 def test_study_entry_set_on_the_command_line_appears_in_output_and_budget(
-    study_file, tmp_path, monkeypatch, key, entry, text, label
+    study_file, tmp_path, monkeypatch, study_key, entry, text, label
 ):
     # Print nothing, because `info` would print the result.
     monkeypatch.setattr("stiction.cli.result_output.print_result", lambda *_, **__: None)
-    arguments = ["--set", f"{key}={entry}", "--output", "changed"]
+    arguments = ["--set", f"{study_key}={entry}", "--output", "changed"]
     check_stiction("run", study_file, *arguments, cwd=tmp_path, without_report=True)
     document = json.loads(check_stiction("info", "changed", "--json", cwd=tmp_path).stdout)
     point = document["points"][0]
     assert text in point["sentence"]
     study = parse_study(document["study"], "json")
     assert Study.from_toml(tmp_path / "changed/study.toml") == study
-    labels = {each.label for each in Inputs.from_study(study).uncertain.values()}
+    labels = {uncertain_input.label for uncertain_input in Inputs.from_study(study).uncertain.values()}
     is_uncertain = "±" in entry or ".." in entry
     assert (label in labels) == is_uncertain
     budget = {row["input"] for row in point["budget"]}
-    assert {each for each in budget if each.startswith(("the", "Y", "P", "E", "μ", "τ"))} <= labels
+    assert {label for label in budget if label.startswith(("the", "Y", "P", "E", "μ", "τ"))} <= labels
     assert (label in budget) == is_uncertain

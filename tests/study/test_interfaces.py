@@ -96,8 +96,8 @@ def test_repr_of_an_interface_without_known_contact_area_shows_no_combination_of
     assert "A/F" not in repr(law)
     (strength,) = (line for line in lines if line.startswith("  tau0  "))
     assert strength.endswith("] MPa")
-    value, low, high = (1e3 * limit for limit in law.tau0)
-    assert strength.split()[1:4] == [f"{value:.4g}", f"[{low:.4g},", f"{high:.4g}]"]
+    value, lower, upper = (1e3 * limit for limit in law.tau0)
+    assert strength.split()[1:4] == [f"{value:.4g}", f"[{lower:.4g},", f"{upper:.4g}]"]
     assert np.isnan(law.identified).all()
 
 
@@ -150,11 +150,13 @@ def test_csv_table_and_quotable_sentence_and_joint_table_start_with_the_rule_of_
     table = pandas.read_csv(tmp_path / "pair.csv")
     assert table["sliding"].drop_duplicates().tolist() == ["opposing", "all"]
     point = opposing_result.summary().first
-    first, second = (f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules)
+    first_coefficient_text, second_coefficient_text = (
+        f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in point.rules
+    )
     sentence = quotable_sentence(replace(point, caveats=()))
-    assert sentence.startswith(f"μ_s = {first}, at")
-    assert second not in sentence
-    assert repr(opposing_result).startswith(f"μ_s = {first.replace(' with ', '  ')}\n")
+    assert sentence.startswith(f"μ_s = {first_coefficient_text}, at")
+    assert second_coefficient_text not in sentence
+    assert repr(opposing_result).startswith(f"μ_s = {first_coefficient_text.replace(' with ', '  ')}\n")
     joint_values = opposing_result.joint_table("20 MPa").reference.estimates
     assert joint_values["friction_combined"].value == pytest.approx(opposing_result.value)
 

@@ -65,9 +65,11 @@ def test_groups_of_pair_options_are_disjoint_and_complete():
 def test_pair_option_refers_to_an_existing_key_of_a_study(name):
     classes = [Study]
     for key_part in PAIR_OPTIONS[name].key.split("."):
-        fields = [each.model_fields[key_part] for each in classes if key_part in each.model_fields]
+        fields = [
+            section_class.model_fields[key_part] for section_class in classes if key_part in section_class.model_fields
+        ]
         assert fields, PAIR_OPTIONS[name].key
-        classes = [each for field in fields for each in find_section_classes(field.annotation)]
+        classes = [section_class for field in fields for section_class in find_section_classes(field.annotation)]
 
 
 def test_placeholders_in_texts_of_pair_options_are_option_names():

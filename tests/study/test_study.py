@@ -135,7 +135,7 @@ class TestStudyChanges:
         assert changed_study == Study()
 
     @pytest.mark.parametrize(
-        ("key", "value", "message"),
+        ("study_key", "value", "message"),
         [
             ("ensemble.repetitons", 3, r"ensemble\.repetitons: unknown key; is it 'repetitions'\?"),
             ("ensembel.repetitions", 3, r"ensembel: unknown key; is it 'ensemble'\?"),
@@ -159,9 +159,9 @@ class TestStudyChanges:
             ("friction.tau0", ["-1 MPa"], r"friction\.tau0\[0\]: must be at least 0"),
         ],
     )
-    def test_error_about_changing_a_study_names_the_invalid_key(self, key, value, message):
+    def test_error_about_changing_a_study_names_the_invalid_key(self, study_key, value, message):
         with pytest.raises(StudyError, match=message):
-            Study().with_changes({key: value})
+            Study().with_changes({study_key: value})
 
 
 class TestStudyFiles:
@@ -245,8 +245,8 @@ class TestStudyKinds:
 
     def test_comparison_of_two_kinds_of_studies_lists_the_keys_of_both_studies(self):
         differences_by_key = {
-            key: (first_value, second_value)
-            for key, first_value, second_value in find_section_differences(Study(), SELF_AFFINE_STUDY)
+            study_key: (first_value, second_value)
+            for study_key, first_value, second_value in find_section_differences(Study(), SELF_AFFINE_STUDY)
         }
         assert differences_by_key["surfaces.kind"] == ('"profile"', '"surface"')
         assert differences_by_key["surfaces.points"] == ("150_000", "none")
@@ -270,7 +270,7 @@ class TestStudyKinds:
         )
 
     @pytest.mark.parametrize(
-        ("study", "key", "value"),
+        ("study", "study_key", "value"),
         [
             (SURFACE_STUDY, "surfaces.points", 100),
             (Study(), "surfaces.kind", "line"),
@@ -298,10 +298,10 @@ class TestStudyKinds:
             (MEASURED_AREA_STUDY, "figures.draw", ["area"]),
         ],
     )
-    def test_error_about_changing_the_kind_of_a_study_names_the_changed_key(self, study, key, value):
+    def test_error_about_changing_the_kind_of_a_study_names_the_changed_key(self, study, study_key, value):
         with pytest.raises(StudyError) as caught:
-            study.with_changes({key: value})
-        assert f"changes: {key}" in str(caught.value)
+            study.with_changes({study_key: value})
+        assert f"changes: {study_key}" in str(caught.value)
         assert len(str(caught.value)) < 400
 
     def test_error_for_a_key_of_the_wrong_surface_kind_names_both_kinds(self):
@@ -416,10 +416,13 @@ def test_randomly_mutated_study_file_is_either_read_or_rejected(seed):
     for _ in range(300):
         lines = list(texts[random.integers(len(texts))])
         for _ in range(random.integers(1, 4)):
-            line_index, key = (changed_line := int(random.integers(len(lines)))), lines[changed_line].partition("=")[0]
+            line_index, study_key = (
+                (changed_line := int(random.integers(len(lines)))),
+                lines[changed_line].partition("=")[0],
+            )
             other_lines = texts[random.integers(len(texts))]
             lines[line_index] = random.choice(
-                [f"{key}= {random.choice(RANDOM_VALUE_TEXTS)}", random.choice(other_lines), ""]
+                [f"{study_key}= {random.choice(RANDOM_VALUE_TEXTS)}", random.choice(other_lines), ""]
             )
         try:
             study = parse_study("\n".join(lines), "changed")
@@ -492,9 +495,9 @@ class TestRequestedLoads:
         study = self.LISTED_LOADS_STUDY.with_changes(
             ensemble_changes | {"surfaces.amplitude": ["20 nm"], "contact.boundary": "periodic"}
         )
-        data = run(study).dataset
-        assert data.sizes["load"] == 4
-        friction = friction_map(data, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
+        dataset = run(study).dataset
+        assert dataset.sizes["load"] == 4
+        friction = friction_map(dataset, [float(load) for load in study.friction.load], mu0=[0.4], tau0=[0.01])
         assert set(friction["status"].values.ravel().tolist()) == {"ok"}
 
 
@@ -504,14 +507,14 @@ class TestStudyKeys:
     def test_documented_types_of_study_keys_match_their_parsers(self):
         documented_values = {}
         for title, _, rows in list_key_tables():
-            for key, _, values, _ in rows:
-                documented_values.setdefault((title, key.strip("`")), values)
+            for study_key, _, values, _ in rows:
+                documented_values.setdefault((title, study_key.strip("`")), values)
         assert documented_values["`[contact]`", "work_of_adhesion"] == "an energy per area, at least 0"
         assert documented_values["`[surfaces]`, measured", "gap"] == "`true`"
         assert documented_values["`[contact]`", "adhesion_range"] == "a length above 0"
-        for key, kind in (("effective_modulus", "a pressure"), ("hardness", "a pressure"), ("creep", "a number")):
-            table = "`[friction]`" if key == "creep" else "`[contact]`"
-            assert documented_values[table, key] == f"{kind}, a range or a value with its uncertainty"
+        for study_key, kind in (("effective_modulus", "a pressure"), ("hardness", "a pressure"), ("creep", "a number")):
+            table = "`[friction]`" if study_key == "creep" else "`[contact]`"
+            assert documented_values[table, study_key] == f"{kind}, a range or a value with its uncertainty"
         assert "hurst_exponent" in study_keys_text()
 
     def test_documentation_lists_allowed_values_and_default_of_each_study_key_in_one_table_cell(self):
@@ -533,7 +536,7 @@ class TestStudyKeys:
         assert study_of_range.surfaces.fractal_dimensions() == pytest.approx([1.2, 1.3, 1.4, 1.5, 1.6])
 
     @pytest.mark.parametrize(
-        ("study", "key", "message"),
+        ("study", "study_key", "message"),
         [
             (SELF_AFFINE_STUDY, "surfaces.hurst", "is it 'hurst_exponent'"),
             (SURFACE_STUDY, "contact.modulus", "'effective_modulus'"),
@@ -541,6 +544,6 @@ class TestStudyKeys:
             (SELF_AFFINE_STUDY, "surfaces.hurst_exponent", "surfaces.hurst_exponent: must be"),
         ],
     )
-    def test_error_about_an_unknown_key_suggests_the_nearest_key(self, study, key, message):
+    def test_error_about_an_unknown_key_suggests_the_nearest_key(self, study, study_key, message):
         with pytest.raises(StudyError, match=re.escape(message)):
-            study.with_changes({key: "much"})
+            study.with_changes({study_key: "much"})

@@ -47,7 +47,7 @@ def test_contact_models_have_separate_classes_of_contact_settings():
 
 
 @pytest.mark.parametrize(
-    ("changes", "key", "message"),
+    ("changes", "study_key", "message"),
     [
         ({"contact.hardness": "1 GPa"}, "contact.hardness", "belongs to the half-space, not to asperities of"),
         ({"contact.materials": ["a", "b"]}, "contact.materials", "belongs to measured surfaces, not to asperities of"),
@@ -64,10 +64,10 @@ def test_contact_models_have_separate_classes_of_contact_settings():
         ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
     ],
 )
-def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, key, message):
+def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, study_key, message):
     with pytest.raises(StudyError) as caught:
         Study().with_changes(changes)
-    assert caught.value.faults[0][0] == key
+    assert caught.value.faults[0][0] == study_key
     assert caught.value.faults[0][1].startswith(message)
 
 

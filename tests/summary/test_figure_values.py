@@ -28,11 +28,11 @@ def test_contact_forces_in_a_figure_equal_the_forces_of_the_contacts_function(cr
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     upper = Profile(upper.heights + 0.005 * np.sin(8 * upper.x), spacing=upper.spacing)
     forces = build_contact_forces(upper, lower, 0.02, mu0=0.3, tau0=0.05)
-    found = contacts(upper, lower, 0.02)
-    assert forces.sizes["contact"] == len(found) > 0
-    np.testing.assert_array_equal(forces["contact_force"], found.force)
-    np.testing.assert_array_equal(forces["contact_centre"].sel(axis="z"), found.centre[:, 2])
-    friction = np.where(found.opposing, 0.3 * found.force + 0.05 * found.area, 0)
+    contact_table = contacts(upper, lower, 0.02)
+    assert forces.sizes["contact"] == len(contact_table) > 0
+    np.testing.assert_array_equal(forces["contact_force"], contact_table.force)
+    np.testing.assert_array_equal(forces["contact_centre"].sel(axis="z"), contact_table.centre[:, 2])
+    friction = np.where(contact_table.opposing, 0.3 * contact_table.force + 0.05 * contact_table.area, 0)
     np.testing.assert_array_equal(forces["contact_friction"], friction)
     # The largest overlap of the undeformed profiles is the approach, 0.02 µm.
     assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
@@ -102,7 +102,7 @@ def test_figure_names_contain_the_direction_of_motion_if_there_are_several(small
     both_directions = small_result.expand_dims(direction=directions)
     results = dict(iterate_motions(Result.of(both_directions)))
     assert list(results) == ["_0", "_90"]
-    assert [float(each.dataset["direction"]) for each in results.values()] == [0.0, 90.0]
+    assert [float(direction_result.dataset["direction"]) for direction_result in results.values()] == [0.0, 90.0]
 
 
 def test_profiles_figure_shows_evenly_spaced_fractal_dimensions_of_the_study():

@@ -143,8 +143,8 @@ def test_friction_table_interval_is_consistent_with_the_standard_error_over_pair
     coefficients = (pairs["tangential_elastic"] + 0.3 * pairs["tangential_frictional"]) / (
         pairs["normal_elastic"] + 0.3 * pairs["normal_frictional"]
     )
-    error = float(coefficients.std(ddof=1)) / 2
-    assert 2 * error < upper - mean < 14 * error
+    standard_error = float(coefficients.std(ddof=1)) / 2
+    assert 2 * standard_error < upper - mean < 14 * standard_error
 
 
 def test_friction_table_rejects_a_study_of_generated_profiles(small_result):
@@ -197,12 +197,23 @@ def test_at_command_accepts_pressures_for_a_table_and_prints_assessments(tmp_pat
     )
     assert by_pressure == by_force
     frame = pandas.read_csv(tmp_path / "table" / "table.csv").set_index(["contacts with friction", "pressure (MPa)"])
-    low, high = (frame.loc[("opposing", pressure), "assessment"] for pressure in (3.0, 10.0))
-    text = f"Interpolated at 0.5 mN (5 MPa), between 0.3 mN (3 MPa): {low} and 1 mN (10 MPa): {high}."
+    assessment_at_3_mpa, assessment_at_10_mpa = (
+        frame.loc[("opposing", pressure), "assessment"] for pressure in (3.0, 10.0)
+    )
+    text = (
+        f"Interpolated at 0.5 mN (5 MPa), between 0.3 mN (3 MPa): {assessment_at_3_mpa} "
+        f"and 1 mN (10 MPa): {assessment_at_10_mpa}."
+    )
     assert text in " ".join(by_pressure.split())
     record = json.loads(check_stiction("at", "table", "--load", "5 MPa", "--json", cwd=tmp_path).stdout)
     assert record["interpolated"] == [
-        {"load": 0.5, "between": [{"load": 0.3, "assessments": {low: 1}}, {"load": 1.0, "assessments": {high: 1}}]}
+        {
+            "load": 0.5,
+            "between": [
+                {"load": 0.3, "assessments": {assessment_at_3_mpa: 1}},
+                {"load": 1.0, "assessments": {assessment_at_10_mpa: 1}},
+            ],
+        }
     ]
     assert "Interpolated" not in check_stiction("at", "table", "--load", "10 MPa", cwd=tmp_path).stdout
 
@@ -217,7 +228,7 @@ def test_table_command_accepts_materials_hardness_and_interface(tmp_path):
     brass = material("brass").hardness
     assert float(hardness["soft"]) == pytest.approx(float(brass), rel=1e-5)
     assert float(hardness["hard"]) == 5.0
-    areas = [each.groupby("pressure (MPa)")["A/A0 (%)"].first() for each in (soft, hard)]
+    areas = [table.groupby("pressure (MPa)")["A/A0 (%)"].first() for table in (soft, hard)]
     assert (areas[0] > areas[1]).all()
     assert sorted(soft["mu0"].unique()) == [0.2, 0.4, 0.6]
     assert hard["mu0"].nunique() == hard["tau0 (MPa)"].nunique() == 1
@@ -289,9 +300,9 @@ def test_table_command_rejects_invalid_options(tmp_path, changes, message):
     ],
 )  # fmt: skip
 def test_friction_table_rejects_impossible_values_without_mentioning_pydantic(arguments, message):
-    with pytest.raises(ValueError, match=message) as error:
+    with pytest.raises(ValueError, match=message) as error_info:
         table_study(**arguments)
-    assert "pydantic" not in str(error.value)
+    assert "pydantic" not in str(error_info.value)
 
 
 def test_friction_table_accepts_single_numbers_instead_of_lists():

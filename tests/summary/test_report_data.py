@@ -56,12 +56,12 @@ def test_description_of_a_study_contains_no_directories_of_scans_or_interfaces(m
 
 def test_report_data_of_measured_surfaces_equal_the_values_of_the_result(maps_dataset):
     result = Result.of(maps_dataset)
-    data = collect_report_data(result)
-    assert data.num_members == data.num_solved == 4
-    assert data.summary.points == result.summary().points
-    assert data.cut_offs == [0.0]
-    assert float(data.positions["load"]) == float(result.study.friction.load[0])
-    assert (data.contact_picture, data.loading_cycle, data.height_factors) == (None, None, {})
+    report_data = collect_report_data(result)
+    assert report_data.num_members == report_data.num_solved == 4
+    assert report_data.summary.points == result.summary().points
+    assert report_data.cut_offs == [0.0]
+    assert float(report_data.positions["load"]) == float(result.study.friction.load[0])
+    assert (report_data.contact_picture, report_data.loading_cycle, report_data.height_factors) == (None, None, {})
     slopes = {"contact_slope_x": ("contact", [0.1, -0.1, 0.2]), "contact_slope_y": ("contact", [0.0, 0.1, 0.0])}
     picture = xarray.Dataset(slopes)
     data_with_picture = collect_report_data(result, picture)
@@ -72,16 +72,16 @@ def test_report_data_of_measured_surfaces_equal_the_values_of_the_result(maps_da
 
 
 def test_report_data_of_generated_surfaces_without_contact_contain_no_coefficients():
-    data = collect_report_data(Result.of(empty_dataset(SMALL_STUDY)))
-    assert data.loads.size == 0
-    assert (data.contact_forces, data.onset) == (None, None)
+    report_data = collect_report_data(Result.of(empty_dataset(SMALL_STUDY)))
+    assert report_data.loads.size == 0
+    assert (report_data.contact_forces, report_data.onset) == (None, None)
     assert evaluate_generated_values(Result.of(empty_dataset(SMALL_STUDY))) is None
-    assert data.dimensions.tolist() == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
+    assert report_data.dimensions.tolist() == SMALL_STUDY.surfaces.fractal_dimensions().tolist()
 
 
 def test_report_data_of_generated_surfaces_contain_the_onset_of_the_study():
     changes = {"ensemble.repetitions": 2, "surfaces.points": 2000, "surfaces.fractal_dimension": [1.3, 1.4]}
-    data = collect_report_data(run(Study.named("presliding").with_changes(changes)))
-    assert data.onset.sizes["fractal_dimension"] == 2
-    assert data.onset.sizes["load"] == 3
-    assert data.contact_forces is not None
+    report_data = collect_report_data(run(Study.named("presliding").with_changes(changes)))
+    assert report_data.onset.sizes["fractal_dimension"] == 2
+    assert report_data.onset.sizes["load"] == 3
+    assert report_data.contact_forces is not None

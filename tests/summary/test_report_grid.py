@@ -109,7 +109,9 @@ def test_coefficient_interval_is_computed_only_once_for_summary_budget_and_repor
     (point,) = result.summary().points
     assert point.budget
     evaluate_measured_report(ReportGrid(result))
-    assert ("all", *(point.at[name] for name in ("load", "mu0", "tau0"))) in {key[1:] for key in counts}
+    assert ("all", *(point.at[name] for name in ("load", "mu0", "tau0"))) in {
+        call_arguments[1:] for call_arguments in counts
+    }
     assert len(counts) > 10
     assert set(counts.values()) == {1}
 
@@ -179,7 +181,7 @@ def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(n
         result = Result.of(dataset)
     grid = ReportGrid(result)
     values = evaluate_generated_report(grid, result.num_solved)
-    cell_coordinates = [result.head[each].values for each in ("fractal_dimension", "amplitude")]
+    cell_coordinates = [result.head[coordinate_name].values for coordinate_name in ("fractal_dimension", "amplitude")]
     mu0, tau0 = (axis.values[[0, 2, -1]] for axis in grid.axes)
     num_unloaded, unloaded_caveat_names = 0, set()
     for load_index in np.linspace(0, grid.loads.size - 1, 5).astype(int):
@@ -187,12 +189,14 @@ def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(n
             coordinates = (*cell_coordinates, *(axis.values for axis in grid.axes))
             keys = ("fractal_dimension", "amplitude", "mu0", "tau0")
             cell_index, amplitude_index, mu0_index, tau0_index = (
-                int(np.abs(each - point.at[key]).argmin()) for each, key in zip(coordinates, keys, strict=True)
+                int(np.abs(coordinate_values - point.at[coordinate_name]).argmin())
+                for coordinate_values, coordinate_name in zip(coordinates, keys, strict=True)
             )
             index = int(values.assessment_indices[cell_index, amplitude_index, 0, load_index, mu0_index, tau0_index])
             assert values.assessments[index] == point.assessment
             reasons, caveats = (
-                sorted(each.name or each.text for each in group) for group in (values.caveat_sets[index], point.caveats)
+                sorted(caveat.name or caveat.text for caveat in group)
+                for group in (values.caveat_sets[index], point.caveats)
             )
             assert reasons == caveats
             if point.is_unloaded:
@@ -210,6 +214,6 @@ def test_summary_pressure_and_caveats_refer_to_the_quoted_sliding_rule():
     assert point.rules[0].rule == "opposing"
     pressure = point.at["load"] / float(area.sel(sliding="opposing"))
     assert point.mean_pressure == pytest.approx(pressure, rel=1e-12)
-    assert [each.value for each in point.caveats if each.name == "mean_pressure"] == pytest.approx(
+    assert [caveat.value for caveat in point.caveats if caveat.name == "mean_pressure"] == pytest.approx(
         [pressure], rel=1e-12
     )

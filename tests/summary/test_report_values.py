@@ -20,7 +20,7 @@ def evaluate_report(*tables):
     ]
     grid = SimpleNamespace(
         study=study, motions=MOTIONS, axes=(), loads=np.array([10.0]), member_kinds=[None] * len(tables),
-        evaluate=lambda: tables, evaluate_study_inputs=lambda: [each.isel(mu0=0, tau0=0) for each in tables],
+        evaluate=lambda: tables, evaluate_study_inputs=lambda: [table.isel(mu0=0, tau0=0) for table in tables],
     )  # fmt: skip
     return evaluate_measured_report(grid)
 

@@ -73,7 +73,7 @@ def test_result_computes_its_summary_onset_and_resolution_only_once(surface_dire
     result = open_result(surface_directory / "pair")
     first_summary, second_summary = result.summary(), result.summary()
     assert first_summary.points is second_summary.points
-    assert np.shares_memory(*(each.onset["sliding_load"].values for each in (first_summary, second_summary)))
+    assert np.shares_memory(*(summary.onset["sliding_load"].values for summary in (first_summary, second_summary)))
     assert first_summary.values_at_cutoffs.sizes["cut_off"] > 1
 
 
@@ -131,9 +131,9 @@ def test_changing_a_returned_dataset_does_not_change_later_results(surface_direc
     change_in_place(get_dataset(result))
     xarray.testing.assert_identical(get_dataset(result), expected)
     assert repr(result) == summary_text
-    other = open_result(surface_directory / "pair")
-    change_in_place(get_dataset(other))
-    assert repr(other) == summary_text
+    reopened_result = open_result(surface_directory / "pair")
+    change_in_place(get_dataset(reopened_result))
+    assert repr(reopened_result) == summary_text
 
 
 def test_changing_the_returned_array_of_loads_does_not_change_later_results(surface_directory, call_counts):
@@ -153,7 +153,7 @@ def test_caveat_about_steep_scans_contains_the_rms_gradient_of_the_summary():
     )
     result = pair(*surfaces, effective_modulus="80 GPa", mu0=0.2, load="10 MPa", shifts=2)
     point = result.summary().first
-    (caveat,) = (each for each in point.caveats if each.name == "rms_gradient")
+    (caveat,) = (caveat for caveat in point.caveats if caveat.name == "rms_gradient")
     assert caveat.value == pytest.approx(point.quantities["rms_gradient"].value)
     assert caveat.value > 1
 
@@ -178,7 +178,9 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
     for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
         assert default_point.assessment == explicit_point.assessment
         assert default_point.caveats == explicit_point.caveats
-        default, explicit = (each.quantities["friction_combined"] for each in (default_point, explicit_point))
+        default, explicit = (
+            summary_point.quantities["friction_combined"] for summary_point in (default_point, explicit_point)
+        )
         limits = [explicit.value, *explicit.interval]
         np.testing.assert_allclose([default.value, *default.interval], limits, rtol=1e-12)
         assert (default.name, default.kind) == (explicit.name, explicit.kind) == ("friction_combined", "combined")

@@ -43,16 +43,16 @@ def random_study_text(random):
     """Return the text of a valid study in which lines, numbers or bytes were changed at random."""
     lines = (
         Study()
-        .with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
+        .with_changes({study_key: _parse_value(value) for study_key, value in _SMALL_STUDY_CHANGES.items()})
         .to_toml()
         .splitlines()
     )
     for _ in range(random.integers(1, 4)):
         line_index = int(random.integers(len(lines)))
-        key, _, _ = lines[line_index].partition(" = ")
+        study_key, _, _ = lines[line_index].partition(" = ")
         match random.integers(7):
             case 0 | 1 | 2 if " = " in lines[line_index]:
-                lines[line_index] = f"{key} = {random.choice(_FUZZED_STUDY_VALUES)}"
+                lines[line_index] = f"{study_key} = {random.choice(_FUZZED_STUDY_VALUES)}"
             case 3:
                 lines.insert(line_index, str(random.choice(lines)))
             case 4:
@@ -108,7 +108,7 @@ def fuzz_study_file(random, directory):
 
 def small_fuzz_study():
     """Return a study that runs in a few milliseconds."""
-    return Study().with_changes({key: _parse_value(value) for key, value in _SMALL_STUDY_CHANGES.items()})
+    return Study().with_changes({study_key: _parse_value(value) for study_key, value in _SMALL_STUDY_CHANGES.items()})
 
 
 def fuzz_stored_result(random, original, directory):
@@ -134,25 +134,27 @@ def damage_file(random, path):
     """Damage a file at random: remove, truncate, overwrite or extend the file, or change some of its bytes."""
     if not path.exists():
         return
-    data = bytearray(path.read_bytes())
+    file_bytes = bytearray(path.read_bytes())
     match random.integers(6):
         case 0:
             path.unlink()
         case 1:
-            path.write_bytes(data[: int(random.integers(len(data) + 1))])
+            path.write_bytes(file_bytes[: int(random.integers(len(file_bytes) + 1))])
         case 2:
             path.write_bytes(random.bytes(int(random.integers(200))))
-        case 3 if data:
-            data[int(random.integers(len(data)))] ^= 1 << int(random.integers(8))
-            path.write_bytes(data)
+        case 3 if file_bytes:
+            file_bytes[int(random.integers(len(file_bytes)))] ^= 1 << int(random.integers(8))
+            path.write_bytes(file_bytes)
         case 4:
             replacements = [b"null", b"[]", b"{}", b"0", b"-1", b'"x"', b"1e999", b"[" * 2000]
-            position = int(random.integers(len(data) + 1))
+            position = int(random.integers(len(file_bytes) + 1))
             path.write_bytes(
-                data[:position] + replacements[int(random.integers(len(replacements)))] + data[position + 3 :]
+                file_bytes[:position]
+                + replacements[int(random.integers(len(replacements)))]
+                + file_bytes[position + 3 :]
             )
         case _:
-            os.truncate(path, len(data) + 7)
+            os.truncate(path, len(file_bytes) + 7)
 
 
 # ---- Measured files -------------------------------------------------------------------------------------------------
@@ -182,13 +184,13 @@ _INSERTED_NUMBERS = [
 
 def fuzz_measurement_file(random, name, original, directory):
     """Read a damaged file as a profile and as a surface. Return "read" if either succeeds, or else "refused"."""
-    data = bytearray(original)
+    file_bytes = bytearray(original)
     if name.endswith(("x3p", "xlsx")) and random.random() < 0.7:
-        data = _damage_zip_archive(random, original)
+        file_bytes = _damage_zip_archive(random, original)
     else:
-        scramble_bytes(random, data)
+        scramble_bytes(random, file_bytes)
     path = directory / name
-    path.write_bytes(data)
+    path.write_bytes(file_bytes)
     options = [{}, {"unit": "um", "spacing": "0.1 um"}, {"missing": "interpolate"}, {"unit": "m", "spacing": "1 um"}]
     reader_options = options[int(random.integers(len(options)))]
     outcome = "refused"
@@ -204,32 +206,34 @@ def fuzz_measurement_file(random, name, original, directory):
                 message = f"{path}: "
                 assert np.isfinite(body.heights).all()
                 outcome = "read"
-        assert message.startswith(f"{path}: "), (bytes(data), message)
-        assert "\n" not in message, (bytes(data), message)
+        assert message.startswith(f"{path}: "), (bytes(file_bytes), message)
+        assert "\n" not in message, (bytes(file_bytes), message)
     return outcome
 
 
-def scramble_bytes(random, data):
+def scramble_bytes(random, file_bytes):
     """Return `data` with bytes that are inserted, removed and replaced at random."""
     for _ in range(random.integers(1, 5)):
-        position = int(random.integers(len(data) + 1))
+        position = int(random.integers(len(file_bytes) + 1))
         match random.integers(7):
             case 0:
-                del data[position:]
+                del file_bytes[position:]
             case 6 if (
-                match := re.compile(rb"[0-9.+-]+(?:[eE][+-]?[0-9]+)?").search(bytes(data), int(position))
+                match := re.compile(rb"[0-9.+-]+(?:[eE][+-]?[0-9]+)?").search(bytes(file_bytes), int(position))
             ) is not None:
-                data[match.start() : match.end()] = _INSERTED_NUMBERS[int(random.integers(len(_INSERTED_NUMBERS)))]
+                file_bytes[match.start() : match.end()] = _INSERTED_NUMBERS[
+                    int(random.integers(len(_INSERTED_NUMBERS)))
+                ]
             case 1:
-                del data[position : position + int(random.integers(1, 20))]
+                del file_bytes[position : position + int(random.integers(1, 20))]
             case 2 | 3:
-                data[position : position + int(random.integers(4))] = _INSERTED_BYTES[
+                file_bytes[position : position + int(random.integers(4))] = _INSERTED_BYTES[
                     int(random.integers(len(_INSERTED_BYTES)))
                 ]
-            case 4 if position < len(data):
-                data[position] = int(random.integers(256))
+            case 4 if position < len(file_bytes):
+                file_bytes[position] = int(random.integers(256))
             case _:
-                data[position:position] = data[position : position + int(random.integers(1, 60))]
+                file_bytes[position:position] = file_bytes[position : position + int(random.integers(1, 60))]
 
 
 def _damage_zip_archive(random, original):

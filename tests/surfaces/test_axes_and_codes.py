@@ -10,8 +10,8 @@ PROFILE = np.round(np.cumsum(RNG.normal(size=240)) / 50, 4)
 MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(24, 60)), axis=0), axis=1)[:, 10:40] / 100, 4)
 
 
-def write_columns(path, names, step=0.5, first=0):
-    rows = "".join(f"{first + at * step:g};{z}\n" for at, z in enumerate(PROFILE))
+def write_columns(path, names, step=0.5, first_position=0):
+    rows = "".join(f"{first_position + at * step:g};{z}\n" for at, z in enumerate(PROFILE))
     path.write_text(f"{names}\n{rows}", encoding="utf-8")
     return path
 
@@ -57,7 +57,7 @@ def test_column_of_a_spectrum_is_not_read_as_heights(tmp_path, name):
 @pytest.mark.parametrize("name", ["sample", "frame", "Pixel", "data point", "Messpunkt", "lfd. Nr.", "idx"])
 @pytest.mark.parametrize("step", [1, 10])
 def test_column_of_positions_that_may_be_point_numbers_has_a_caveat(tmp_path, name, step):
-    path = write_columns(tmp_path / "a.csv", f"{name};z", step, first=5 * (step - 1))
+    path = write_columns(tmp_path / "a.csv", f"{name};z", step, first_position=5 * (step - 1))
     assert "numbering" in caveats_of(path, unit="um")
 
 

@@ -70,8 +70,8 @@ class TestFractalProfile:
             at=indices,
             nyquist=band_limit == "nyquist",
         )
-        error = np.abs(profile.heights[indices] - expected).max() / np.ptp(profile.heights)
-        assert error < DIRECT_SUM_TOLERANCE
+        relative_error = np.abs(profile.heights[indices] - expected).max() / np.ptp(profile.heights)
+        assert relative_error < DIRECT_SUM_TOLERANCE
 
     def test_fractal_profile_equals_direct_sum_for_random_parameters(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):

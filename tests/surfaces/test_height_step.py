@@ -26,9 +26,11 @@ def test_rounding_step_of_heights_is_found_after_levelling(num_levels, shape):
         heights, step = round_to_levels(smooth_heights, num_levels)
         levelled_heights = [levelled(body_class(heights, spacing=0.5), form).heights for form in forms]
         missing_points = np.where(np.arange(heights.size).reshape(shape) % 50 == 7, np.nan, heights)
-        single_precision = [each.astype(np.float32).astype(float) for each in (heights, *levelled_heights)]
-        for each in (heights, 25.0 + heights, *levelled_heights, *single_precision, missing_points):
-            assert find_height_step(each) == pytest.approx(step, rel=STEP_TOLERANCE)
+        single_precision = [
+            profile_heights.astype(np.float32).astype(float) for profile_heights in (heights, *levelled_heights)
+        ]
+        for scan_heights in (heights, 25.0 + heights, *levelled_heights, *single_precision, missing_points):
+            assert find_height_step(scan_heights) == pytest.approx(step, rel=STEP_TOLERANCE)
 
 
 @pytest.mark.parametrize("machining", MACHINED_SURFACES)

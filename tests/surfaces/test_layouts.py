@@ -170,7 +170,10 @@ def sdf_text(magic="aISO-1.0", profiles=NUM_ROWS, missing="BAD", break_after=NUM
     cells = [format_number(value, missing=missing) for value in values]
     lines = [" ".join(cells[index : index + break_after]) for index in range(0, len(cells), break_after)]
     return (
-        "\n".join([magic, *(f"{key}{space}{value}" for key, value in texts.items()), "*", *lines, "*", "", "*"]) + "\n"
+        "\n".join(
+            [magic, *(f"{header_key}{space}{value}" for header_key, value in texts.items()), "*", *lines, "*", "", "*"]
+        )
+        + "\n"
     )
 
 
@@ -300,11 +303,11 @@ def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_enco
     accepted = 0
     for variant in variants:
         try:
-            data = write(**variant).encode(encoding)
+            file_bytes = write(**variant).encode(encoding)
         except UnicodeEncodeError:
             continue
         path = tmp_path / "map.txt"
-        path.write_bytes(data)
+        path.write_bytes(file_bytes)
         body = read_scan_or_none(path, **options)
         if body is None:
             continue
@@ -329,10 +332,10 @@ def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_enco
 )  # fmt: skip
 def test_profiles_exported_by_instruments_are_read_exactly_or_rejected_in_any_encoding(tmp_path, variant, encoding):
     try:
-        data = profile_text(**variant).encode(encoding)
+        file_bytes = profile_text(**variant).encode(encoding)
     except UnicodeEncodeError:
         pytest.skip("no such characters")
-    (tmp_path / "line.csv").write_bytes(data)
+    (tmp_path / "line.csv").write_bytes(file_bytes)
     body = read_scan_or_none(tmp_path / "line.csv")
     assert body is not None or encoding in ("cp1251", "cp1250", "gb18030")
     if body is not None:
@@ -634,10 +637,10 @@ def test_damaged_instrument_files_give_finite_heights_or_a_format_error(tmp_path
     source = np.random.default_rng(len(name))
     path = tmp_path / "a.txt"
     for index in range(60):
-        data = bytearray(write().encode())
+        file_bytes = bytearray(write().encode())
         for _ in range(2):
-            fuzzing.scramble_bytes(source, data)
-        path.write_bytes(data)
+            fuzzing.scramble_bytes(source, file_bytes)
+        path.write_bytes(file_bytes)
         # Only FormatError is caught: the test fails if the reader raises any other error.
         body = read_scan_or_none(path, **(options if index % 2 else {}))
         assert body is None or np.isfinite(body.heights).all()
@@ -897,17 +900,17 @@ def test_columns_option_can_exclude_a_column_of_flags_without_a_known_meaning(tm
 
 @pytest.mark.parametrize("count", ["inf", "nan", "1e999", "-3", "2.5", "1e12", "abc", "", "0"])
 @pytest.mark.parametrize(
-    ("name", "key"),
+    ("name", "header_key"),
     [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
-def test_point_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, key, count):
+def test_point_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, header_key, count):
     write, options, _ = EXPORT_FORMATS[name]
-    lines = [f"{key}{count}" if line.startswith(key) else line for line in write().split("\n")]
+    lines = [f"{header_key}{count}" if line.startswith(header_key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))
-    with pytest.raises(FormatError) as error:
+    with pytest.raises(FormatError) as error_info:
         read_measurement(tmp_path / "a.txt", **options)
-    assert "cannot convert" not in str(error.value)
+    assert "cannot convert" not in str(error_info.value)
 
 
 @pytest.mark.parametrize(
@@ -1014,13 +1017,15 @@ def test_impossible_numbers_in_headers_of_instrument_files_are_rejected(tmp_path
     text, quote, unit = write(**variant), '"' * (name == "keyence"), " µm" * (name == "gwyddion")
     assert line in text
     (tmp_path / "a.txt").write_text(text.replace(line, start + number + quote + unit), encoding="utf-8")
-    options = {key: value for key, value in options.items() if name != "esri" or key != "spacing"}
-    with pytest.raises(FormatError) as error:
+    options = {
+        option_name: value for option_name, value in options.items() if name != "esri" or option_name != "spacing"
+    }
+    with pytest.raises(FormatError) as error_info:
         read_measurement(tmp_path / "a.txt", **options)
-    assert "\n" not in str(error.value)
+    assert "\n" not in str(error_info.value)
     label = start.strip("# ").split("=")[0].split("\t")[0].split('"')[-3:][0].split(" 6.3")[0].strip(" :")
     if number and name not in ("zygo", "gwyddion"):
-        assert label in str(error.value)
+        assert label in str(error_info.value)
 
 
 @pytest.mark.parametrize("number", ["0", "-0.001", "1e-400", "1e400", "0x10", "nan", "inf"])
@@ -1109,8 +1114,8 @@ def test_written_scans_are_read_back_exactly_whatever_their_history_contains(tmp
 @pytest.mark.parametrize(("word", "quoted_word"), [("#DIV/0!", "'#DIV/0!'"), ("(bad)", "'(bad)'"), ("1\t2", r"'1\t2'")])
 def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, quoted_word):
     rows = format_rows(HEIGHTS, ";")
-    first, _, *others = rows[3].split(";")
-    rows[3] = ";".join([first, word, *others])
+    first_cell, _, *others = rows[3].split(";")
+    rows[3] = ";".join([first_cell, word, *others])
     (tmp_path / "a.csv").write_text("\n".join(rows))
     with pytest.raises(FormatError, match=rf"--missing-value {re.escape(quoted_word)} treats it"):
         read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")

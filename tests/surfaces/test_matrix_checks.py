@@ -208,10 +208,13 @@ def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected
     assert f"of which the last {name} has equal steps, like positions or {number_name} numbers; remove that" in message
 
 
-@pytest.mark.parametrize("first", [0, 1])
-def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, first):
+@pytest.mark.parametrize("first_number", [0, 1])
+def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, first_number):
     path = tmp_path / "a.csv"
-    rows = [["", *range(first, first + 20)], *([first + at, *row] for at, row in enumerate(HEIGHTS.tolist()))]
+    rows = [
+        ["", *range(first_number, first_number + 20)],
+        *([first_number + at, *row] for at, row in enumerate(HEIGHTS.tolist())),
+    ]
     path.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
     assert "contains no spacing" in error_message(path, unit="um")
     assert np.array_equal(read_surface(path, **OPTIONS).heights, HEIGHTS)

@@ -172,10 +172,10 @@ def test_reader_requires_unit_and_spacing_options_for_a_file_that_does_not_state
     ],
 )  # fmt: skip
 def test_units_of_other_quantities_in_the_header_do_not_apply_to_columns(write_file, text_above):
-    data = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
-    assert "does not contain the unit of its heights" in error_message(write_file(text_above + data))
+    rows_text = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
+    assert "does not contain the unit of its heights" in error_message(write_file(text_above + rows_text))
     if "z (um)" not in text_above:
-        column = "\n".join(line.split(",")[1] for line in data.split())
+        column = "\n".join(line.split(",")[1] for line in rows_text.split())
         message = error_message(write_file(text_above + column), spacing="1 um")
         assert "does not contain the unit of its heights" in message
 
@@ -270,14 +270,16 @@ def test_positions_are_accepted_if_only_rounding_or_truncation_makes_their_spaci
 
 
 def test_header_spacing_that_disagrees_with_the_positions_is_reported(write_file):
-    data = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
+    table_text = "x (um),z (um)\n" + "".join(f"{0.1 * i:.1f},{i % 3}.5\n" for i in range(50))
     with pytest.warns(FormatWarning, match=r"declared spacing is 0.2 µm, but the spacing of its positions is 0.1 µm"):
-        profile = read_profile(write_file("Spacing,0.2 um\n" + data))
+        profile = read_profile(write_file("Spacing,0.2 um\n" + table_text))
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[1] == "spacing 0.1 µm from its positions, declared as 0.2 µm"
-    assert "header and positions agree" in read_profile(write_file("Resolution,0.10 um/sample\n" + data)).history[1]
+    assert (
+        "header and positions agree" in read_profile(write_file("Resolution,0.10 um/sample\n" + table_text)).history[1]
+    )
     # A resolution declared in the header may be that of the heights instead of the positions.
-    assert "says" not in read_profile(write_file("Resolution,20 nm\n" + data)).history[1]
+    assert "says" not in read_profile(write_file("Resolution,20 nm\n" + table_text)).history[1]
 
 
 def test_missing_points_are_interpolated_inside_a_profile_and_removed_at_its_ends(write_file):
@@ -541,26 +543,26 @@ def test_workbook_columns_are_numbered_as_in_the_sheet(write_file):
 
 
 def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
-    data = workbook_bytes(("one", SHEET_ROWS))
+    workbook = workbook_bytes(("one", SHEET_ROWS))
     assert "is a workbook without a column of numbers" in error_message(
         write_file(workbook_bytes(("one", [])), "a.xlsx")
     )
-    assert "is a damaged workbook" in error_message(write_file(data[:-60], "a.xlsx"))
+    assert "is a damaged workbook" in error_message(write_file(workbook[:-60], "a.xlsx"))
     assert "is a damaged workbook" in error_message(write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
     assert "extension .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_WORKBOOK_TAGS", 300_000)
     large_workbook = io.BytesIO()
     with (
-        zipfile.ZipFile(io.BytesIO(data)) as source,
+        zipfile.ZipFile(io.BytesIO(workbook)) as source,
         zipfile.ZipFile(large_workbook, "w", zipfile.ZIP_DEFLATED) as copy,
     ):
         for name in source.namelist():
             copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + b"<row>" * 300_000))
     assert "XML tags" in error_message(write_file(large_workbook.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TEXT_BYTES", 5000)
-    assert "at most" in error_message(write_file(data, "a.xlsx"))
+    assert "at most" in error_message(write_file(workbook, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-    assert "pip install openpyxl" in error_message(write_file(data, "a.xlsx"))
+    assert "pip install openpyxl" in error_message(write_file(workbook, "a.xlsx"))
 
 
 def test_channel_option_is_rejected_for_files_in_formats_without_channels(write_file):
@@ -808,12 +810,12 @@ def x3p_bytes(
         table = np.empty(values.size, dtype=[("x", "<f8"), ("z", form)])
         table["x"], table["z"] = positions, values.ravel()
         values = table
-    data = values.tobytes()
+    height_bytes = values.tobytes()
     x_axis = "<AxisType>I</AxisType>" if positions is None else "<AxisType>A</AxisType>"
     link = "<ValidPointsLink>bindata/valid.bin</ValidPointsLink>" if is_valid is not None else ""
     points = (
         f"<DataLink><PointDataLink>bindata/data.bin</PointDataLink>"
-        f"<MD5ChecksumPointData>{hashlib.md5(data).hexdigest().upper()}</MD5ChecksumPointData>{link}</DataLink>"
+        f"<MD5ChecksumPointData>{hashlib.md5(height_bytes).hexdigest().upper()}</MD5ChecksumPointData>{link}</DataLink>"
     )
     if as_list:
         points = "".join(f"<Datum>{'' if np.isnan(z) else repr(float(z))}</Datum>" for z in heights.ravel())
@@ -827,13 +829,13 @@ def x3p_bytes(
         f"</Record1><Record3><MatrixDimension><SizeX>{columns}</SizeX><SizeY>{rows}</SizeY><SizeZ>1</SizeZ>"
         f"</MatrixDimension>{points}</Record3></p:ISO5436_2>"
     )
-    for old, new in replacements:
-        assert old in main_text
-        main_text = main_text.replace(old, new)
+    for old_text, new_text in replacements:
+        assert old_text in main_text
+        main_text = main_text.replace(old_text, new_text)
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("main.xml", main_text)
-        archive.writestr("bindata/data.bin", data)
+        archive.writestr("bindata/data.bin", height_bytes)
         if is_valid is not None:
             archive.writestr("bindata/valid.bin", np.packbits(is_valid, bitorder="little").tobytes())
     return stream.getvalue()
@@ -897,10 +899,10 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     points_xml = "".join(
         f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
     )
-    data = x3p_bytes(
+    file_bytes = x3p_bytes(
         HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old_axis_xml, y_axis)]
     )
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+    with zipfile.ZipFile(io.BytesIO(file_bytes)) as archive:
         main = archive.read("main.xml").decode()
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
@@ -930,8 +932,8 @@ def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(writ
         "1 missing points interpolated, 1.9 % of all points; the largest gap has 1 point, at x "
     )
     gaps = np.where(np.arange(9) == 4, np.nan, HEIGHTS_IN_METRES[0])
-    for data in (x3p_bytes(gaps), x3p_bytes(gaps, as_list=True)):
-        profile = read_profile(write_file(data, "b.x3p"), missing="interpolate")
+    for file_bytes in (x3p_bytes(gaps), x3p_bytes(gaps, as_list=True)):
+        profile = read_profile(write_file(file_bytes, "b.x3p"), missing="interpolate")
         assert profile.heights[4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[0, 3] + HEIGHTS_IN_METRES[0, 5]) / 2)
     corner = np.where(np.arange(54).reshape(6, 9) == 0, np.nan, HEIGHTS_IN_METRES)
     assert "1 missing points at its edges" in error_message(
@@ -1014,16 +1016,16 @@ def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_erro
 # ---- Archives from unknown sources ----------------------------------------------------------------------------------
 
 
-def x3p_archive(main, data=bytes(432), method=zipfile.ZIP_DEFLATED):
+def x3p_archive(main, height_bytes=bytes(432), method=zipfile.ZIP_DEFLATED):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", method) as archive:
         archive.writestr("main.xml", main)
-        archive.writestr("bindata/data.bin", data)
+        archive.writestr("bindata/data.bin", height_bytes)
     return stream.getvalue()
 
 
-def main_xml(data):
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+def main_xml(x3p_content):
+    with zipfile.ZipFile(io.BytesIO(x3p_content)) as archive:
         return archive.read("main.xml").decode()
 
 
@@ -1056,11 +1058,11 @@ def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacke
     well_declared_archive = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
     misdeclared_archive = well_declared_archive.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert misdeclared_archive != well_declared_archive
-    for data, expected_message in (
+    for archive, expected_message in (
         (well_declared_archive, "54 points of 8 bytes, but has 50000000 bytes"),
         (misdeclared_archive, "damaged X3P file (BadZip"),
     ):
-        path = write_file(data, "a.x3p")
+        path = write_file(archive, "a.x3p")
         assert (
             peak_memory(
                 lambda path=path, expected_message=expected_message: (

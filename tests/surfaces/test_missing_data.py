@@ -237,11 +237,11 @@ def test_outlier_detection_distinguishes_spikes_from_rounding(num_levels, shape)
         heights = filtered_noise(np.random.default_rng(seed), shape, hurst, shortest=shortest)
         spiky_heights, is_spike = add_spikes(heights, seed)
         step = np.ptp(heights) / (num_levels - 1)
-        for each in (heights, spiky_heights):
-            body = body_class(step * np.round(each / step), spacing=0.5)
+        for scan_heights in (heights, spiky_heights):
+            body = body_class(step * np.round(scan_heights / step), spacing=0.5)
             for body_heights in (body.heights, levelled(body, form).heights):
                 is_outlier = find_outliers(body_heights)
-                if each is heights:
+                if scan_heights is heights:
                     num_outliers += int(is_outlier.sum())
                 else:
                     num_outliers += int((is_outlier & ~is_spike).sum())

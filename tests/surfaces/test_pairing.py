@@ -41,8 +41,8 @@ class TestLinePairs:
             pairs.pair(5),
             LinePairs(profile, profile, surrogates="both", has_several_pairs=True).pair(5),
         )
-        for one, other in zip(later_pair, first_pair, strict=True):
-            np.testing.assert_array_equal(one.heights, other.heights)
+        for profile_of_later_pair, profile_of_first_pair in zip(later_pair, first_pair, strict=True):
+            np.testing.assert_array_equal(profile_of_later_pair.heights, profile_of_first_pair.heights)
 
 
 class TestMapPairs:
@@ -100,11 +100,11 @@ class TestMapPairs:
 
 
 def test_isotropic_surfaces_from_two_profiles_are_cut_to_the_shorter_profile():
-    one, other = (
+    first_surface, second_surface = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))
     )
-    pairs = IsotropicSurfacePairs(one, other)
+    pairs = IsotropicSurfacePairs(first_surface, second_surface)
     assert pairs.spacing == (0.01, 0.01)
     assert pairs.shape == (225, 225)
     upper, lower = pairs.surrogates(0)

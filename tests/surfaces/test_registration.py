@@ -68,8 +68,10 @@ def test_registration_of_a_large_map_finds_its_exact_shift():
 
 
 def test_registration_of_unmated_faces_keeps_the_rotation_within_its_limit():
-    other = self_affine_surface(9, shape=(64, 64), **ROUGH)
-    rotations = [register_faces(cut_piece(LARGE, row, row, points=64), other)[2].rotation for row in (0, 40, 80, 120)]
+    unrelated_face = self_affine_surface(9, shape=(64, 64), **ROUGH)
+    rotations = [
+        register_faces(cut_piece(LARGE, row, row, points=64), unrelated_face)[2].rotation for row in (0, 40, 80, 120)
+    ]
     assert np.abs(rotations).max() <= MAX_ROTATION + 1e-9
 
 
@@ -106,12 +108,12 @@ def test_registration_ignores_missing_points():
 
 
 def test_measure_of_fit_is_high_only_for_mated_faces():
-    other = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGH), 0, 0)
+    unrelated_face = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGH), 0, 0)
     piece = cut_piece(LARGE, 30, 40)
     assert measure_fit(piece, piece) == pytest.approx(1)
     assert measure_fit(cut_piece(LARGE, 37, 28), levelled(piece, "plane")) > 0.9
-    assert measure_fit(other, piece) < 0.4
-    assert measure_fit(other.row(3), piece.row(3)) < 0.9
+    assert measure_fit(unrelated_face, piece) < 0.4
+    assert measure_fit(unrelated_face.row(3), piece.row(3)) < 0.9
 
 
 def test_measure_of_fit_is_zero_for_periodic_textures_and_few_points():

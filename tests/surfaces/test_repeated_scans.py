@@ -47,7 +47,7 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     noise = [rms * coloured_noise(colour, shape, spacing, rng) for _ in range(2)]
     starts = [(0,) * dimensions, shift_in_points]
     scans = [
-        true_heights[tuple(slice(first, first + 2 * points, 2) for first in start)] + scan_noise
+        true_heights[tuple(slice(first_index, first_index + 2 * points, 2) for first_index in start)] + scan_noise
         for start, scan_noise in zip(starts, noise, strict=True)
     ]
     scans[1] = scans[1] + 0.3 + 1e-5 * np.indices(shape).sum(axis=0)
@@ -136,8 +136,8 @@ def test_comparison_of_repeated_scans_excludes_outliers_from_noise_but_not_from_
         mask[(percent * points // 100,) * dimensions] = True
     spiky_scans = [scan + 20 * scan.std() * mask for scan, mask in zip(scans, masks, strict=True)]
     clean, spiky, unmasked = (
-        compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in each), outliers=outliers)
-        for each, outliers in ((scans, None), (spiky_scans, masks), (spiky_scans, None))
+        compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in compared_scans), outliers=outliers)
+        for compared_scans, outliers in ((scans, None), (spiky_scans, masks), (spiky_scans, None))
     )
     assert unmasked.noise_rms > 3 * clean.noise_rms
     assert spiky.noise_rms == pytest.approx(clean.noise_rms, rel=NOISE_TOLERANCE)
@@ -146,9 +146,11 @@ def test_comparison_of_repeated_scans_excludes_outliers_from_noise_but_not_from_
     np.testing.assert_allclose(spiky.noise[:3], clean.noise[:3], rtol=NOISE_TOLERANCE)
     assert np.ptp(spiky.scan.heights) > 8 * scans[0].std()
     no_outliers = [np.zeros(scan.shape, bool) for scan in scans]
-    same = compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in scans), outliers=no_outliers)
-    np.testing.assert_array_equal(same.scan.heights, clean.scan.heights)
-    assert (same.shift, same.limit) == (clean.shift, clean.limit)
+    comparison_without_outliers = compare_repeated_scans(
+        *(body_class(scan, spacing=spacing) for scan in scans), outliers=no_outliers
+    )
+    np.testing.assert_array_equal(comparison_without_outliers.scan.heights, clean.scan.heights)
+    assert (comparison_without_outliers.shift, comparison_without_outliers.limit) == (clean.shift, clean.limit)
 
 
 def test_comparison_of_repeated_scans_rejects_invalid_outliers():

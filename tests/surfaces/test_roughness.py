@@ -302,11 +302,13 @@ def test_surface_parameters_agree_with_surfacetopography():
     topography = pytest.importorskip("SurfaceTopography")
     surface = gaussian_surface()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    other = topography.Topography(surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False)
+    topography_surface = topography.Topography(
+        surface.heights.T - surface.heights.mean(), (columns * dx, rows * dy), periodic=False
+    )
     result = surface_parameters(surface, derivative="neighbours")
-    assert result.Sq == pytest.approx(np.sqrt(np.mean(other.heights() ** 2)), rel=ROUND_OFF)
+    assert result.Sq == pytest.approx(np.sqrt(np.mean(topography_surface.heights() ** 2)), rel=ROUND_OFF)
     # SurfaceTopography uses triangles. Each mesh has slopes along x and y on both sides.
-    assert result.Sdq == pytest.approx(other.rms_gradient(), rel=0.01)
+    assert result.Sdq == pytest.approx(topography_surface.rms_gradient(), rel=0.01)
 
 
 @pytest.mark.parametrize(

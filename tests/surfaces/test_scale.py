@@ -264,15 +264,17 @@ class TestMachinedTexture:
             for depth in (0.15, 0.3)
             for seed in range(30)
         ]
-        assert not any(instrument_limit(each).matters for each in profiles)
+        assert not any(instrument_limit(profile).matters for profile in profiles)
         # At the shorter feed, noise that contributes most of the mean square slope is still found.
         rng = np.random.default_rng(1)
         noisy_profiles = [
-            Profile(each.heights + 0.1 * each.heights.std() * rng.normal(size=len(each)), spacing=each.spacing)
-            for each in profiles[:10]
+            Profile(
+                profile.heights + 0.1 * profile.heights.std() * rng.normal(size=len(profile)), spacing=profile.spacing
+            )
+            for profile in profiles[:10]
         ]
         if feed == 120:
-            assert sum(instrument_limit(each).matters for each in noisy_profiles) >= 5
+            assert sum(instrument_limit(profile).matters for profile in noisy_profiles) >= 5
 
     @pytest.mark.parametrize("hurst", [0.3, 0.8, 1.0])
     def test_random_profile_has_no_feed_marks(self, hurst):

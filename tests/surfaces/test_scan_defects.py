@@ -128,7 +128,7 @@ def test_cutoff_of_a_scan_with_spikes_equals_its_cutoff_without_spikes(num_spike
     rng, kind = np.random.default_rng(3), Profile if len(shape) == 1 else Surface
     heights = 0.1 * scale_to_unit_rms(filtered_noise(rng, shape, 0.8)) + 0.1 * noise * rng.normal(size=shape)
     scans = (heights, add_spikes(heights, num_spikes))
-    clean, spiky = (ScanDefects(kind(each, spacing=0.5), None, textured=False) for each in scans)
+    clean, spiky = (ScanDefects(kind(scan_heights, spacing=0.5), None, textured=False) for scan_heights in scans)
     assert clean.body_without_outliers is clean.body
     assert (find_cutoff(clean) > 0) == (noise > 0)
     assert find_cutoff(spiky) == pytest.approx(find_cutoff(clean), rel=CUTOFF_TOLERANCE)
@@ -170,7 +170,7 @@ def test_spikes_are_found_in_a_partly_flat_scan_before_and_after_levelling(flat_
     spiky_heights = heights.copy()
     spiky_heights.flat[[300, 700, 1100, 1500]] += 1.0
     body = kind(spiky_heights, spacing=0.5)
-    assert [ScanDefects(each, None, textured=False).num_spikes for each in (body, levelled(body, form))] == [4, 4]
+    assert [ScanDefects(scan, None, textured=False).num_spikes for scan in (body, levelled(body, form))] == [4, 4]
     assert ScanDefects(kind(heights, spacing=0.5), None, textured=False).num_spikes == 0
 
 
@@ -182,8 +182,8 @@ def test_spikes_are_found_in_a_scan_with_rounded_heights(num_levels, shape):
     spiky_heights = add_spikes(heights, 5)
     for form in ("none", "line" if len(shape) == 1 else "plane"):
         num_spikes = []
-        for each in (heights, spiky_heights):
-            body = kind(0.1 * step * np.round(each / step), spacing=0.5)
+        for scan_heights in (heights, spiky_heights):
+            body = kind(0.1 * step * np.round(scan_heights / step), spacing=0.5)
             body = body if form == "none" else levelled(body, form)
             num_spikes.append(ScanDefects(body, None, textured=False).num_spikes)
         assert num_spikes == [0, 5]
@@ -233,7 +233,9 @@ def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_not_a_spike():
 def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
     profile = Profile(filtered_noise(np.random.default_rng(1), (512,), 0.8), spacing=0.1)
     options = {"tip_radius": 2.0, "textured": False}
-    defects, periodic_defects = (find_scan_defects(profile, **options, periodic=each) for each in (False, True))
+    defects, periodic_defects = (
+        find_scan_defects(profile, **options, periodic=is_periodic) for is_periodic in (False, True)
+    )
     assert (defects.periodic, periodic_defects.periodic) == (False, True)
 
 
@@ -254,7 +256,7 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
     options = {"effective_modulus": "80 GPa", "mu0": 0.2, "load": "10 MPa", "shifts": 1}
     roughnesses = []
     for num_spikes in (0, 20):
-        bodies = (Surface(add_spikes(each.heights, num_spikes), spacing=0.1) for each in rough_maps(points=64))
+        bodies = (Surface(add_spikes(surface.heights, num_spikes), spacing=0.1) for surface in rough_maps(points=64))
         study = MeasuredPair(PairOptions(**dict(zip(("upper", "lower"), bodies, strict=True)), **options)).study
         roughnesses.append(find_resolved_roughness(study))
     clean, spiky = roughnesses

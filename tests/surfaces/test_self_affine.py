@@ -52,8 +52,8 @@ class TestSelfAffineProfile:
 
     def test_self_affine_profile_is_reproducible_and_depends_on_seed(self):
         assert np.array_equal(rough_profile(1).heights, rough_profile(1).heights)
-        for other in (rough_profile(2), rough_profile(1, repetition=1), rough_profile(1, side="upper")):
-            assert not np.allclose(rough_profile(1).heights, other.heights)
+        for other_profile in (rough_profile(2), rough_profile(1, repetition=1), rough_profile(1, side="upper")):
+            assert not np.allclose(rough_profile(1).heights, other_profile.heights)
 
     @pytest.mark.parametrize(
         ("invalid_arguments", "match"),
@@ -112,8 +112,8 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
     assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25
     law = np.maximum(q * 1.28 / (2 * np.pi), 1) ** (-2 - 2 * hurst)
     level = mean[(q > 0) & (q < 2 * np.pi / 0.08)].sum() / law[(q > 0) & (q < 2 * np.pi / 0.08)].sum()
-    for low, high in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
-        is_in_ring = (q > low) & (q < high)
+    for min_wavenumber, max_wavenumber in ((0.5, 4.0), (6.0, 10.0), (10.0, 20.0), (20.0, 40.0), (40.0, 75.0)):
+        is_in_ring = (q > min_wavenumber) & (q < max_wavenumber)
         # The squared Fourier coefficients are exponentially distributed.
         # The tolerance is four standard errors of a mean over n / 2 independent coefficients of each of 8 surfaces.
         # The level of the plateau has the same tolerance, because few of the longest wavelengths determine it.
@@ -126,8 +126,8 @@ def test_self_affine_surface_is_isotropic_on_any_grid():
         create_surface(shape=(128, 256), spacing=(0.02, 0.01), shortest_wavelength=0.08, repetition=r)
         for r in range(20)
     ]
-    rms_slopes_y = np.array([np.gradient(one.heights, 0.02, axis=0).std() for one in surfaces])
-    rms_slopes_x = np.array([np.gradient(one.heights[:, ::2], 0.02, axis=1).std() for one in surfaces])
+    rms_slopes_y = np.array([np.gradient(surface.heights, 0.02, axis=0).std() for surface in surfaces])
+    rms_slopes_x = np.array([np.gradient(surface.heights[:, ::2], 0.02, axis=1).std() for surface in surfaces])
     # Hundreds of the shortest wavelengths determine the slope, so the mean of 20 surfaces agrees to 1 %.
     assert np.mean(rms_slopes_y**2) / np.mean(rms_slopes_x**2) == pytest.approx(1, abs=0.03)
 
@@ -154,8 +154,8 @@ def test_surface_generated_on_a_finer_grid_contains_the_points_of_the_coarser_gr
 def test_self_affine_surface_is_reproducible_and_depends_on_seed():
     original_surface = create_surface()
     assert create_surface().heights.tobytes() == original_surface.heights.tobytes()
-    for other in (create_surface(seed=4), create_surface(repetition=1), create_surface(side="upper")):
-        correlation = (other.heights * original_surface.heights).mean() / 0.01
+    for other_surface in (create_surface(seed=4), create_surface(repetition=1), create_surface(side="upper")):
+        correlation = (other_surface.heights * original_surface.heights).mean() / 0.01
         # Long wavelengths dominate the heights, so two surfaces may be correlated by chance.
         assert abs(correlation) < 0.8
     ensemble = [

@@ -113,11 +113,11 @@ def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
         y, x = spacing * np.arange(shape[0])[:, np.newaxis] - 1.0, spacing * np.arange(shape[1]) - 2.0
         for pair in ((small, Surface(height(y, x), spacing=spacing)), (Surface(height(y, x), spacing=spacing), small)):
-            one, other = on_common_grid(*pair, align="middle")
-            assert one.spacing == other.spacing == (0.1, 0.1)
-            assert one.heights.shape == other.heights.shape == (41, 61)
-            assert np.abs(one.heights - other.heights).max() < 3e-4  # tolerance for the error of the splines
-    assert other.history == () or "about its middle" in "".join((*one.history, *other.history))
+            first_map, second_map = on_common_grid(*pair, align="middle")
+            assert first_map.spacing == second_map.spacing == (0.1, 0.1)
+            assert first_map.heights.shape == second_map.heights.shape == (41, 61)
+            assert np.abs(first_map.heights - second_map.heights).max() < 3e-4  # tolerance for the error of the splines
+    assert second_map.history == () or "about its middle" in "".join((*first_map.history, *second_map.history))
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
     assert lines[0].history == ("cropped to its middle 5 points",)
@@ -206,7 +206,7 @@ def test_surrogate_of_a_surface_preserves_its_heights_and_slopes_and_lay():
     assert surrogate_parameters[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
     # The window emphasises the middle of the map, whose long wavelengths differ from those of the complete map.
     for name, tolerance in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
-        assert np.mean([getattr(other, name) for other in surrogate_parameters]) == pytest.approx(
+        assert np.mean([getattr(surrogate, name) for surrogate in surrogate_parameters]) == pytest.approx(
             getattr(result, name), rel=tolerance
         )
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()

@@ -93,8 +93,8 @@ class TestSurrogate:
         profile = rough_profile()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
         others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
-        for one, two in pairwise(others):
-            assert not np.allclose(one.heights, two.heights)
+        for first_surrogate, two in pairwise(others):
+            assert not np.allclose(first_surrogate.heights, two.heights)
 
     def test_surrogate_rejects_invalid_arguments(self):
         with pytest.raises(ValueError, match="flat"):
@@ -178,10 +178,10 @@ def test_isotropic_surface_scales_with_its_section_and_depends_on_the_seed():
     assert np.abs(original_surface.heights.mean()) < FIT_ROUND_OFF
     assert isotropic_surface(section, 7).heights.shape == (512, 512)
     for changed_arguments in ({"seed": 8}, {"repetition": 3}, {"side": "lower"}):
-        other = isotropic_surface(
+        other_surface = isotropic_surface(
             section, **{"seed": 7, "shape": (64, 96), "repetition": 2, "side": "upper"} | changed_arguments
         )
-        assert np.abs(other.heights - original_surface.heights).max() > 0.01
+        assert np.abs(other_surface.heights - original_surface.heights).max() > 0.01
 
 
 @pytest.mark.parametrize(

@@ -341,7 +341,7 @@ def test_caveat_mentions_the_interval_only_at_loads_at_which_the_coefficient_has
         dataset[name].loc[{"load": 1.0, "statistic": ["lower", "upper"]}] = np.nan
     points = summarize(dataset, measured_study(), input_caveats=[caveat]).points
     assert [point.rules[0].has_interval for point in points] == [False, True]
-    texts = [next(each.text for each in point.caveats if each.remedy == "mask them") for point in points]
+    texts = [next(caveat.text for caveat in point.caveats if caveat.remedy == "mask them") for point in points]
     assert texts == [caveat.text, caveat.text + note]
 
 
@@ -364,7 +364,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     summary_points = summarize(dataset, study, input_caveats=[caveat]).points
     assert [point.covered for point in summary_points] == [False, False, True, True]
     assert [point.at["cut_off"] for point in summary_points] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
-    for point in [other for other in summary_points if not other.covered]:
+    for point in [summary_point for summary_point in summary_points if not summary_point.covered]:
         assert point.assessment == ("Quote with care" if is_floor else "Do not quote")
         assert (point.value, point.lower, point.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         word = "with" if is_floor else "without"

@@ -111,7 +111,9 @@ def test_tip_radius_adds_a_line_of_text_but_no_second_cutoff(profile):
         ("noisy", 0.05, "which are unreliable in any case"),
         ("noisy", 50.0, "does not resolve wavelengths below"),
     ):
-        with_tip, without_tip = (Characterisation(scans[name], tip_radius=each) for each in (radius, None))
+        with_tip, without_tip = (
+            Characterisation(scans[name], tip_radius=given_radius) for given_radius in (radius, None)
+        )
         texts, texts_without_tip = (
             {row.label: row.texts[0] for row in CharacterisationTable(result).rows}
             for result in (with_tip, without_tip)
@@ -225,7 +227,7 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
     for body, height_name, moments_name in ((profile, "Pt", "m2"), (surface, "Sz", None)):
         heights = body.heights.copy()
         heights.flat[np.arange(331, heights.size, heights.size // 20)] += 10 * float(heights.std())
-        results = [Characterisation(each) for each in (body, type(body)(heights, spacing=body.spacing))]
+        results = [Characterisation(scan) for scan in (body, type(body)(heights, spacing=body.spacing))]
         clean, spiky = ({row.label: row for row in CharacterisationTable(result).rows} for result in results)
         assert results[1].power_law_fit.value == pytest.approx(results[0].power_law_fit.value, abs=0.02)
         assert results[1].roughness.gradient[-1] == pytest.approx(results[0].roughness.gradient[-1], rel=0.02)

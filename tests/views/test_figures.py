@@ -104,7 +104,9 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
     points = summary.reported_points
     assert len(points) == 8
     assert any(point.upper > point.rules[0].interval_of_mean[1] for point in points)
-    for point, rule_result in [(other, rule_result) for other in points for rule_result in other.rules]:
+    for point, rule_result in [
+        (summary_point, rule_result) for summary_point in points for rule_result in summary_point.rules
+    ]:
         interval = pytest.approx([rule_result.lower, rule_result.upper], rel=1e-12)
         conditions = point.at["load"], point.at["mu0"], 1000 * point.at["tau0"], rule_result.rule
         table_row = rows.loc[(True, *conditions)]
@@ -112,7 +114,11 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
         assert [table_row[f"{title}, interval of the mean: {end}"] for end in ("lower", "upper")] == list(
             rule_result.interval_of_mean
         )
-        value = next(other for other in combined_values if other["at"] == point.at | {"sliding": rule_result.rule})
+        value = next(
+            combined_value
+            for combined_value in combined_values
+            if combined_value["at"] == point.at | {"sliding": rule_result.rule}
+        )
         assert [value["lower"], value["upper"]] == interval
         conditions = {"rule": rules.index(rule_result.rule), "load": loads.index(point.at["load"])}
         report_point = report.evaluate_quantity("friction", point.at["mu0"], point.at["tau0"], **conditions)
@@ -207,7 +213,7 @@ def test_hatching_of_invalid_cells_leaves_most_of_their_colours_visible(generate
     def render_panel():
         canvas.draw()
         box = axes.get_window_extent()
-        rows, columns = (slice(int(low), int(high)) for low, high in ((box.y0, box.y1), (box.x0, box.x1)))
+        rows, columns = (slice(int(start), int(stop)) for start, stop in ((box.y0, box.y1), (box.x0, box.x1)))
         return np.asarray(canvas.buffer_rgba())[::-1][rows, columns].astype(int)
 
     with_hatching = render_panel()
@@ -386,8 +392,8 @@ def test_contacts_figure_frames_the_contact_with_the_largest_load_even_at_the_ed
     strongest = int(picture["contact_force"].values.argmax())
     assert picture["contact_at_edge"].values[strongest] == 1
     for axis in ("x", "y"):
-        low, high = picture[f"zoom_{axis}"].values[[0, -1]]
-        assert low <= picture[f"contact_{axis}"].values[strongest] <= high
+        lower_edge, upper_edge = picture[f"zoom_{axis}"].values[[0, -1]]
+        assert lower_edge <= picture[f"contact_{axis}"].values[strongest] <= upper_edge
     pressure_axes = contacts_and_pressure_figure(picture).axes[1]
     assert "edge of the pressed area" in pressure_axes.get_title(loc="left")
 
@@ -483,7 +489,7 @@ def test_cutoff_figure_shows_unfiltered_scans_to_the_left_of_the_shortest_cutoff
         position, *_ = axes.lines[0].get_xdata()
         assert position < first_cutoff / 1.01
         # No point of the curve lies in the grey area of wavelengths that are not resolved.
-        (unresolved,) = (each for each in axes.patches if each.get_label() == "not resolved")
+        (unresolved,) = (patch for patch in axes.patches if patch.get_label() == "not resolved")
         assert unresolved.get_x() + unresolved.get_width() < position
 
 
@@ -496,10 +502,10 @@ def test_resolution_limits_of_a_result_with_several_cutoffs_have_combined_interv
 def test_resolved_wavelengths_do_not_depend_on_whether_the_filtered_result_is_quoted(maps_at_two_cutoffs):
     study = parse_study_of_dataset(maps_at_two_cutoffs)
     points = Result.of(maps_at_two_cutoffs).at().isel(load=0, mu0=0, tau0=0)
-    filtered_first = study.with_changes({"surfaces.cut_off": [each.text for each in study.surfaces.cut_off[::-1]]})
+    filtered_first = study.with_changes({"surfaces.cut_off": [cutoff.text for cutoff in study.surfaces.cut_off[::-1]]})
     shortest_wavelengths = [
-        find_resolution_limits(dataset, each).shortest
-        for dataset, each in ((points, study), (points.isel(cut_off=[1, 0]), filtered_first))
+        find_resolution_limits(dataset, matching_study).shortest
+        for dataset, matching_study in ((points, study), (points.isel(cut_off=[1, 0]), filtered_first))
     ]
     assert shortest_wavelengths[0] == shortest_wavelengths[1] < float(points["cut_off"].max())
 

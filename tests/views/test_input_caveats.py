@@ -90,7 +90,7 @@ def test_interface_adds_a_caveat_only_if_the_ranges_of_mu0_and_tau0_are_unknown(
     study = pair_study(
         rough_profile, rough_profile, effective_modulus="10 GPa", load="1 MPa", interface=name, mechanics="asperities"
     )
-    texts = [each.text for each in find_input_caveats(rough_profile, rough_profile, study)]
+    texts = [caveat.text for caveat in find_input_caveats(rough_profile, rough_profile, study)]
     assert any("does not include the uncertainty of μ0 and τ0" in text for text in texts) == has_caveat
     assert interface(name).has_unknown_range == has_caveat
 
@@ -240,11 +240,11 @@ def test_slope_fraction_that_the_tip_does_not_resolve_is_computed_from_filtered_
     clean = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.8, rms=0.005, longest_wavelength=5.0, shortest_wavelength=0.1
     )
-    scans = [Profile(clean.heights + 3e-4 * each, spacing=0.01) for each in noise]
+    scans = [Profile(clean.heights + 3e-4 * noise_heights, spacing=0.01) for noise_heights in noise]
     study = pair_study(*scans, tip="2 um", load="10 MPa", mu0=0.2, effective_modulus="80 GPa", **options)
     cutoff = study.surfaces.reported_cut_off()
     own_cutoffs = [
-        min(cutoff, float(each.max_cut_off or cutoff)) for each in (study.surfaces.upper, study.surfaces.lower)
+        min(cutoff, float(body.max_cut_off or cutoff)) for body in (study.surfaces.upper, study.surfaces.lower)
     ]
     filtered_scans = [cut_off(scan, own_cutoff) for scan, own_cutoff in zip(scans, own_cutoffs, strict=True)]
     expected_percentages = [
@@ -271,12 +271,14 @@ def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
     ):  # fmt: skip
         assert instrument_limit(scan).matters
         study = pair_study(scan, scan, cutoff=cutoff, **options)
-        (caveat,) = (each for each in find_input_caveats(scan, scan, study) if "spectrum is flat" in each.text)
+        (caveat,) = (caveat for caveat in find_input_caveats(scan, scan, study) if "spectrum is flat" in caveat.text)
         assert caveat.severity == expected_severity
         noise = Profile(scan.heights - clean.heights[: scan.heights.size], spacing=0.25)
         filter_length = study.surfaces.reported_cut_off()
         if scan is scans[0]:
-            gradients = [scale_dependent_roughness(cut_off(each, filter_length)).gradient[-1] for each in (noise, scan)]
+            gradients = [
+                scale_dependent_roughness(cut_off(profile, filter_length)).gradient[-1] for profile in (noise, scan)
+            ]
             percentage = float(re.search(r"(\d+) %", caveat.text)[1])
             assert percentage == pytest.approx(100 * (gradients[0] / gradients[1]) ** 2, abs=2)
 
@@ -311,7 +313,7 @@ class TestNoiseHiddenByRoughness:
             shortest_wavelength=shortest,
         )
         rng = np.random.default_rng(1)
-        return [Surface(each.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for each in maps]
+        return [Surface(surface.heights + noise * 0.02 * rng.normal(size=(96, 96)), spacing=0.1) for surface in maps]
 
     def test_suspected_noise_adds_a_result_for_filtered_scans(self):
         noisy_maps = self.create_maps_with_noise(0.1)

@@ -38,10 +38,10 @@ def evaluate_once():
         values = {}
 
         def call_or_copy(result, *arguments, **options):
-            key = id(result), pickle.dumps((arguments, options))
-            if key not in values:
-                values[key] = result, method(result, *arguments, **options)
-            return copy.deepcopy(values[key][1])
+            call_key = id(result), pickle.dumps((arguments, options))
+            if call_key not in values:
+                values[call_key] = result, method(result, *arguments, **options)
+            return copy.deepcopy(values[call_key][1])
 
         return call_or_copy
 
@@ -105,16 +105,16 @@ def test_joint_table_contains_the_values_of_the_result_at_each_nominal_pressure(
     kinds = {}
     for name, factor in factors.items():
         estimates = [row.estimates[name] for row in table.rows]
-        in_table = np.array([[each.value, each.lower, each.upper] for each in estimates])
+        in_table = np.array([[estimate.value, estimate.lower, estimate.upper] for estimate in estimates])
         expected = values[name].sel(statistic=["mean", "lower", "upper"])
         np.testing.assert_allclose(in_table * factor, expected, rtol=1e-12)
-        (kinds[name],) = {each.kind for each in estimates}
+        (kinds[name],) = {estimate.kind for estimate in estimates}
     assert set(kinds.values()) == {"combined"}
     for percentile in (5, 50, 95):
         percentiles = [row.friction(percentile) for row in table.rows]
         expected = values["friction_percentiles"].sel(percentile=percentile)
-        np.testing.assert_allclose([each.value for each in percentiles], expected)
-        assert {each.kind for each in percentiles} == {"prediction"}
+        np.testing.assert_allclose([estimate.value for estimate in percentiles], expected)
+        assert {estimate.kind for estimate in percentiles} == {"prediction"}
 
 
 def test_joint_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(table):
@@ -123,13 +123,13 @@ def test_joint_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(ta
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
         assert row.estimates["closure_stiffness"].value <= unloading * 1.001
     (note,) = [note for note in table.notes if "parallel grooves" in note]
-    (first_shear, first), (second_shear, second) = (
-        (each.young_modulus / (2 + 2 * each.poisson_ratio), each.poisson_ratio)
-        for each in (material("mild steel"), material("brass"))
+    (first_shear, first_poisson), (second_shear, second_poisson) = (
+        (metal.young_modulus / (2 + 2 * metal.poisson_ratio), metal.poisson_ratio)
+        for metal in (material("mild steel"), material("brass"))
     )
     # Dundurs' constant β of steel on brass in plane strain
-    beta = (first_shear * (1 - 2 * second) - second_shear * (1 - 2 * first)) / (
-        2 * (first_shear * (1 - second) + second_shear * (1 - first))
+    beta = (first_shear * (1 - 2 * second_poisson) - second_shear * (1 - 2 * first_poisson)) / (
+        2 * (first_shear * (1 - second_poisson) + second_shear * (1 - first_poisson))
     )
     assert f"beta is {abs(beta):.1g}," in note
 
@@ -145,7 +145,7 @@ def test_joint_table_assesses_the_coefficient_at_each_pressure(result, directory
     rows = [line.rsplit("; ", 1)[1] for line in card_lines if line.endswith(("; Do not quote", "; Quote with care"))]
     assert rows == expected
     assert any(
-        f"Do not quote ({expected.count('Do not quote')} of {len(expected)} pressures)" in each for each in table.notes
+        f"Do not quote ({expected.count('Do not quote')} of {len(expected)} pressures)" in note for note in table.notes
     )
 
 
@@ -183,16 +183,21 @@ def test_csv_file_of_a_joint_contains_every_number_of_the_joint_table(result, di
     csv = export_text(result, directory / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(directory / "joint.csv")
     cells = {cell for line in csv.splitlines()[1:] for cell in line.split(",")}
-    estimates = [each for row in table.rows for each in row.estimates.values()]
-    values = [number for each in estimates for number in (each.value, each.lower, each.upper) if not np.isnan(number)]
+    estimates = [estimate for row in table.rows for estimate in row.estimates.values()]
+    values = [
+        number
+        for estimate in estimates
+        for number in (estimate.value, estimate.lower, estimate.upper)
+        if not np.isnan(number)
+    ]
     in_rows = {f"{value:.9g}" for value in values}
     assert cells - in_rows == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
     assert frame.filter(like="kind").nunique().eq(1).all()
     record = json.loads(export_text(result, directory / "joint.json", joint=True, units=units))
-    in_record = {f"{each[name]:.9g}" for each in record["values"] for name in ("value", "lower", "upper")
-                 if each[name] is not None}  # fmt: skip
+    in_record = {f"{value[name]:.9g}" for value in record["values"] for name in ("value", "lower", "upper")
+                 if value[name] is not None}  # fmt: skip
     assert in_record == in_rows
     rounded = {f"{value:.{digits}g}" for value in values for digits in (4, 6)}
     for ending in (".inp", ".mac", ".liggghts"):
@@ -262,10 +267,10 @@ def test_json_file_of_a_joint_contains_units_and_notes_and_kinds_of_intervals(re
     record = json.loads(export_text(result, directory / "joint.json", joint=True, units="um,mN,GPa"))
     assert record["units"] == {"length": "um", "force": "mN", "pressure": "GPa"}
     assert record["notes"][0] == table.notes[0]
-    values = [each for each in record["values"] if each["at"]["load"] == table.reference.load]
-    percentiles = {each["at"]["percentile"]: each["value"] for each in values if "percentile" in each["at"]}
+    values = [value for value in record["values"] if value["at"]["load"] == table.reference.load]
+    percentiles = {value["at"]["percentile"]: value["value"] for value in values if "percentile" in value["at"]}
     assert percentiles == {percentile: table.reference.friction(percentile).value for percentile in (5, 50, 95)}
-    (closure,) = [each for each in values if each["name"] == "closure"]
+    (closure,) = [value for value in values if value["name"] == "closure"]
     assert (closure["unit"], closure["kind"]) == ("um", "combined")
     assert record["assessments"] == [{"load": row.load, "assessment": row.assessment} for row in table.rows]
 

@@ -97,7 +97,7 @@ def test_latex_table_contains_pressures_materials_ranges_and_positions(pair_tabl
 def test_latex_table_is_a_table_float_with_booktabs_rules(pair_table):
     lines = [line for line in pair_table.splitlines() if line.startswith("\\") or line.startswith("%")]
     commands = [re.match(r"\\?\w+(\{\w+\})?|%.*", line)[0] for line in lines]
-    assert [each for each in commands if not each.startswith("%")] == [
+    assert [command for command in commands if not command.startswith("%")] == [
         r"\begin{table}", r"\centering", r"\caption", r"\begin{tabular}", r"\toprule", r"\midrule", r"\bottomrule",
         r"\end{tabular}", r"\end{table}",
     ]  # fmt: skip

@@ -65,7 +65,7 @@ def true_and_noisy_results(seed, noise_kind):
 def test_range_for_finer_scans_of_noisy_scans_contains_the_result_without_noise(noise_kind):
     results = [true_and_noisy_results(seed, noise_kind) for seed in range(NUM_PAIRS)]
     values_and_brackets = [(true_value, point.bracket) for true_value, point in results if point.bracket is not None]
-    is_covered = [low - 1e-9 <= true_value <= high for true_value, (low, high) in values_and_brackets]
+    is_covered = [lower - 1e-9 <= true_value <= upper for true_value, (lower, upper) in values_and_brackets]
     print(
         f"{noise_kind}: {sum(is_covered)} of {len(values_and_brackets)} brackets of {NUM_PAIRS} pairs "
         "contain the true value"

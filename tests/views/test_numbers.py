@@ -33,9 +33,9 @@ def create_arbitrary_sums(tangential_factor):
 
     Loads rise and fall with the approach and may be negative, and some repetitions carry no load.
     """
-    data = empty_dataset(SMALL_STUDY)
+    dataset = empty_dataset(SMALL_STUDY)
     random = np.random.default_rng(9)
-    shape = data["normal_elastic"].shape
+    shape = dataset["normal_elastic"].shape
     load_growth = np.arange(1, shape[-1] + 1) ** 1.5
     random_loads = random.lognormal(0, 0.6, shape[:3])[..., np.newaxis] * load_growth * random.lognormal(0, 0.3, shape)
     random_loads[:, :, 5:8, :4] = 0
@@ -43,21 +43,21 @@ def create_arbitrary_sums(tangential_factor):
     random_loads[2, 0] = 0  # no repetition of this pair of parameters carries a load
     has_contact = random_loads > 0
     for name in ("normal_elastic", "tangential_frictional", "contact_area", "overlap_load", "normal_adhesive"):
-        data[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
+        dataset[name].values[:] = random_loads * random.uniform(0.1, 0.9, shape)
     for name in ("load_beyond_hertz", "load_below_grid"):
-        data[name].values[:] = data["normal_elastic"].values * random.uniform(0, 1, shape)
-    data["normal_frictional"].values[:] = -random_loads * random.uniform(0, 0.7, shape)
-    data["normal_adhesive"].values *= -0.5
-    data["tangential_elastic"].values[:] = random_loads * random.uniform(-0.2, 0.4, shape) * tangential_factor
-    data["tangential_adhesive"].values[:] = random_loads * random.uniform(0, 0.5, shape)
+        dataset[name].values[:] = dataset["normal_elastic"].values * random.uniform(0, 1, shape)
+    dataset["normal_frictional"].values[:] = -random_loads * random.uniform(0, 0.7, shape)
+    dataset["normal_adhesive"].values *= -0.5
+    dataset["tangential_elastic"].values[:] = random_loads * random.uniform(-0.2, 0.4, shape) * tangential_factor
+    dataset["tangential_adhesive"].values[:] = random_loads * random.uniform(0, 0.5, shape)
     for name in ("tangential_elastic", "tangential_frictional", "tangential_adhesive"):
-        data[name].values[3, 1, 1:] = (
+        dataset[name].values[3, 1, 1:] = (
             0  # only one repetition has a tangential force, and the mean of all others is 0, which has no logarithm
         )
-    data["normal_elastic"].values[3, 0, :, 0] = 0.5  # the mean load is 0.5 at the first approach
-    data["contact_count"].values[:] = 3 * has_contact
-    data["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
-    return data
+    dataset["normal_elastic"].values[3, 0, :, 0] = 0.5  # the mean load is 0.5 at the first approach
+    dataset["contact_count"].values[:] = 3 * has_contact
+    dataset["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
+    return dataset
 
 
 @functools.cache
@@ -388,7 +388,7 @@ def drawing_functions(report_evaluator):
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "is_log", "expected_texts"),
+    ("lower_limit", "upper_limit", "is_log", "expected_texts"),
     [
         (0.0, 1.0, False, ["0", "0.2", "0.4", "0.6", "0.8", "1"]),
         (1.0, 1.72, False, ["1", "1.2", "1.4", "1.6"]),
@@ -399,10 +399,12 @@ def drawing_functions(report_evaluator):
         (5.0, 5.0, False, ["5"]),
     ],
 )
-def test_axis_ticks_have_round_values_within_the_axis_limits(drawing_functions, low, high, is_log, expected_texts):
-    ticks = drawing_functions("(...at) => ticksOf(...at)", low, high, is_log, 6)
+def test_axis_ticks_have_round_values_within_the_axis_limits(
+    drawing_functions, lower_limit, upper_limit, is_log, expected_texts
+):
+    ticks = drawing_functions("(...at) => ticksOf(...at)", lower_limit, upper_limit, is_log, 6)
     assert [tick["text"] for tick in ticks if tick["text"]] == expected_texts
-    assert all(low * (1 - 1e-9) <= tick["value"] <= high * (1 + 1e-9) for tick in ticks)
+    assert all(lower_limit * (1 - 1e-9) <= tick["value"] <= upper_limit * (1 + 1e-9) for tick in ticks)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-4, 1e4])

@@ -74,8 +74,8 @@ def test_report_of_a_dataset_without_a_study_is_rejected(generated_dataset):
 
 def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset, tmp_path, monkeypatch):
     # Evaluate the data only once, because this test is only about the written files.
-    data = collect_report_data(Result.of(generated_dataset))
-    monkeypatch.setattr("stiction.views.report.result.collect_report_data", lambda *_: data)
+    report_data = collect_report_data(Result.of(generated_dataset))
+    monkeypatch.setattr("stiction.views.report.result.collect_report_data", lambda *_: report_data)
     path = tmp_path / "report.html"
     path.write_text(f"{REPORT_FILE_SIGNATURE}old")
     save_report(generated_dataset, path)
@@ -158,13 +158,13 @@ def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_termina
 ):
     monkeypatch.setenv("COLUMNS", "200")
     result = Result(request.getfixturevalue(fixture_name))
-    data, values = collect_report_data(result), evaluate_measured_values(result)
+    report_data, values = collect_report_data(result), evaluate_measured_values(result)
     load_index = values.loads.size // 2
     summary = result.summary(float(values.loads[load_index]), mu0=0.3, tau0=0.0)
     terminal_text = result_text(summary, verbose=True)
     printed_tables = [
         table
-        for table in measured_report_content(data, values, "").quantities
+        for table in measured_report_content(report_data, values, "").quantities
         if f"\n{table.words.lower()}" in terminal_text.lower()
     ]
     assert len(printed_tables) > 5

@@ -67,7 +67,7 @@ def expected_point(table, facts, rule, cell, load, way):
     name = "friction_combined" if facts["isMeasured"] and direction_choice["isWhole"] else "friction_coefficient"
     indices_by_dim |= {"direction": direction_choice["directions"][0]}
     point = table[name].isel({dim: index for dim, index in indices_by_dim.items() if dim in table[name].dims})
-    return [float(point.sel(statistic=each)) for each in ("mean", "lower", "upper")]
+    return [float(point.sel(statistic=statistic)) for statistic in ("mean", "lower", "upper")]
 
 
 def test_numbers_in_a_report_agree_with_the_library_at_random_settings(result_and_driver):

@@ -29,7 +29,7 @@ def list_result_caveats():
         {"rms_gradient": 1.5}, {"contact_count": 7.0}, {"share_on_largest": 0.45}, {"share_at_edge": 0.3},
         {"fraction_on_small": 0.6}, {"contact_area": 1.0}, {"half_width_ratio": 0.6}, {"ok": 7},
     ]  # fmt: skip
-    cases = [(measured_result(**each), elastic_study) for each in changes]
+    cases = [(measured_result(**change), elastic_study) for change in changes]
     cases += [
         (measured_result(**{name: 0.6}), asperity_study)
         for name in ("share_beyond_hertz", "share_below_grid", "share_overlapping")
@@ -59,7 +59,10 @@ def list_scan_caveats():
     spikes = np.isin(np.arange(4096), [1000, 3000])
     map_spikes = np.isin(np.arange(96 * 96), [1000, 5000]).reshape(96, 96)
     scans = [
-        *(Profile(smooth.heights + each, spacing=0.01) for each in (2e-4 * noise, 5e-4 * line, 2.0 * step, spikes)),
+        *(
+            Profile(smooth.heights + added_heights, spacing=0.01)
+            for added_heights in (2e-4 * noise, 5e-4 * line, 2.0 * step, spikes)
+        ),
         Surface(rough_map.heights + 0.5 * map_spikes, spacing=0.1),
         Surface(rough_map.heights + 0.002 * rng.normal(size=(96, 96)), spacing=0.1),
     ]
