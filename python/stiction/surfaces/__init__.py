@@ -1,1 +1,1 @@
-"""Measured and generated profiles and height maps, their preparation and their roughness."""
+"""Measured and generated profiles and height maps: reading, preparation, spectra and roughness."""

@@ -7,7 +7,7 @@ from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
 # Longest filter cutoff, as a fraction of the shortest side of a body.
-# With a longer cutoff, fewer than three of the transmitted wavelengths would fit on that side.
+# With a longer cutoff, the shortest side would contain fewer than three transmitted wavelengths.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

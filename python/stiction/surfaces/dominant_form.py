@@ -101,7 +101,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Exclude the blocks on the edge of the step, which average heights from both of its sides.
+    # Exclude the blocks on the edge of the step, whose mean heights mix both sides.
     is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]

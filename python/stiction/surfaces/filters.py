@@ -216,7 +216,7 @@ def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
-    """Apply a Gaussian low-pass filter to heights that are continued by reflection beyond their ends.
+    """Apply a Gaussian low-pass filter to heights that are extended by reflection at the ends of the profile or map.
 
     A tilt is not changed.
 
@@ -240,7 +240,7 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums of heights by the sums of weights. Points with too little weight keep their heights."""
+    """Divide weighted sums of heights by the sums of weights. If a sum of weights is too small, keep the height."""
     is_covered = weights > _MIN_WEIGHT_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
@@ -251,7 +251,7 @@ def _reshape_along_axis(values: Any, axis: int, ndim: int) -> Any:
 
 
 def _linear_exponents(ndim: int) -> list[MonomialExponents]:
-    """Return the exponents of 1 and x for profiles, and of 1, y, x and xy for maps."""
+    """Return the exponents of the polynomial terms 1 and x for profiles, and of 1, y, x and xy for maps."""
     return list(product(range(2), repeat=ndim))
 
 

@@ -34,7 +34,7 @@ class BinnedSpectrum(NamedTuple):
 
 
 class NoiseFloorFit(NamedTuple):
-    """Fit of a power law A q^-s to each of several spectra, plus white noise whose level is common to all spectra."""
+    """Fit of a power law A q^-s plus white noise to several spectra, with the same noise level in all spectra."""
 
     level: float
     gain: float  # increase of the log-likelihood due to the noise floor

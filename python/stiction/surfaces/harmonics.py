@@ -11,12 +11,12 @@ from stiction._checks import Floats
 # Minimum distance between the harmonics of a texture, in bins of the spectrum.
 # Between closer harmonics, too few bins are left to estimate the spectral density without the texture.
 MIN_HARMONIC_DISTANCE = 10
-# The first harmonic of a texture lies above this bin.
+# The first harmonic of a texture is searched for above this bin of the spectrum.
 # In lower bins, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8  # maximum number of harmonics whose density is compared with the density between harmonics
 # Minimum number of significant harmonics, in addition to the first harmonic, of a spectrum with a texture.
-# At least a third of the compared harmonics must also be significant.
+# In addition, more than a third of the compared harmonics must be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
 _MAX_TESTED_PEAKS = 6  # maximum number of spectral peaks that are tested as the first harmonic of a texture
 # A harmonic is significant if its density exceeds the density between harmonics by this factor.

@@ -10,7 +10,7 @@ from stiction._checks import Floats
 # Second differences of the heights are regarded as equal if they differ by at most this fraction of the height range.
 # This tolerance exceeds the round-off of levelling and of single-precision heights.
 _TOLERANCE_RATIO = 1e-6
-_MIN_REPETITIONS = 5  # a second difference is attributed to rounding only if it occurs at least this often
+_MIN_REPETITIONS = 5  # minimum number of occurrences of a second difference that is attributed to rounding
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of the second differences that occur repeatedly if heights are rounded
 # minimum fraction of second differences that are multiples of the rounding step, and tolerance of a multiple (steps)
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05

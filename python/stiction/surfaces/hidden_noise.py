@@ -36,7 +36,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class HiddenNoise:
-    """White noise that a scan may contain although its spectrum shows no noise floor, and a cutoff to remove it."""
+    """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
 
     slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
     # cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope

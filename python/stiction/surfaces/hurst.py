@@ -24,7 +24,7 @@ _NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
 MAX_HURST_INTERVAL_WIDTH = 0.5
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to which a Hurst exponent is fitted
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
-# If heights are below this fraction of their original magnitude after subtracting a straight line, they are round-off.
+# After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded after a Hann window.
 # A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
@@ -76,7 +76,7 @@ class PowerLawFit:
         return self._log_power_at_mean_q(self.exponent) + self.exponent * self._mean_log_q
 
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
-        """Return the smallest and the largest exponent whose loss is at most `max_loss`."""
+        """Return the smallest and the largest exponent whose negative log-likelihood is at most `max_loss`."""
         interval_ends = []
         for sign in (-1.0, 1.0):
             inner_offset, outer_offset = 0.0, 0.1
@@ -130,7 +130,7 @@ def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Float
 
 @dataclass(frozen=True, repr=False)
 class HurstEstimate(TableReprMixin):
-    """Hurst exponent of a profile or a height map, with its uncertainty and the fitted wavelength band.
+    """Hurst exponent of a profile or a height map, with 95 % interval and fitted wavelength band.
 
     Attributes
     ----------
@@ -486,7 +486,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     size: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Return the consecutive pieces of a binned spectrum with the smallest sum of losses and penalties."""
+    """Return the division of a binned spectrum into consecutive pieces with the least sum of losses and penalties."""
     min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

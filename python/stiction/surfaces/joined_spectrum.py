@@ -101,7 +101,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's spectral density to the density of the other scans, at their common wavelengths.
+        """Mean ratio of each scan's spectral density to the density of the other scans, at common wavelengths.
 
         The shape is (scans,), and the ratio is NaN for a scan without overlap.
         """
@@ -155,7 +155,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian height map with this spectrum, without wavelengths outside its range.
+        """Generate a periodic Gaussian height map with this spectrum, without longer or shorter wavelengths.
 
         Parameters
         ----------
@@ -299,7 +299,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, siz
 def _find_reliable_band(
     body: Profile | Surface, limit: float | None, tip: float | None
 ) -> tuple[tuple[float, float], str]:
-    """Return the wavelength band (µm) in which a scan is reliable, and the reason for its lower limit."""
+    """Return the wavelength band (µm) in which a scan is reliable, and the reason for the lower limit of the band."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if limit is not None:
         shortest_wavelength, reason = limit, "given"

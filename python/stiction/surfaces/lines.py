@@ -21,7 +21,7 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 MAX_POWER_LAW_MISFIT = 1.5  # maximum rms factor between a spectral density and a fitted power law
-# Two wavelength bands agree if both their lower limits and their upper limits differ by less than this factor.
+# Two wavelength bands agree if their shortest and their longest wavelengths each differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _VARIANCE_OF_LOG_MODEL = 0.04
@@ -142,7 +142,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        # Repeat the fit of one line: it raises an error that states why all fits failed.
+        # Repeat the fit of one line, to raise the error with the reason why all fits failed.
         estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):

@@ -116,7 +116,7 @@ def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ..
 
 
 def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[np.bool_]:
-    """Find the outliers of a scan: single points, or groups of up to four points, that deviate from their neighbours.
+    """Find the outliers of a scan: groups of one to four points that deviate from neighbouring points.
 
     Parameters
     ----------
@@ -167,14 +167,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return, at each point, the smaller ratio of two deviations to their typical values, ignoring NaN."""
+    """Return, at each point, the smaller of two ratios of a deviation to a typical deviation, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Median deviation of a scan's heights from their neighbours, and each point's deviation relative to the median.
+    """Median deviation of heights from neighbouring heights, and deviation of each point relative to the median.
 
     The medians differ between edge points and other points.
     """
@@ -257,7 +257,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return the deviations of heights from their neighbours for a strip of rows, or for a profile."""
+    """Return the deviations of heights from neighbouring heights, for a strip of map rows or for a profile."""
     neighbour_steps = _NEIGHBOUR_STEPS[heights.ndim]
 
     def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:

@@ -30,9 +30,9 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of line pairs. With this number, a result and its interval take one or two seconds to compute.
+# Default number of line pairs. With this number, computing a result with interval takes one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
-# The largest shift between two maps is their length divided by this number, so that three quarters overlap.
+# The largest shift between two maps is the map length divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
 MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map
@@ -73,7 +73,7 @@ class LinePairs:
     count: int | None = None  # number of equally spaced pairs of lines, or None for an unlimited sequence of pairs
 
     def max_pair_count(self) -> int | None:
-        """Return the number of different line pairs, or None for surrogates, whose number is unlimited."""
+        """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
         if self.surrogates != "none":
             return None
         line_counts = [self._count_lines(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
@@ -112,8 +112,8 @@ class LinePairs:
         if start < 0 or 2 * slider_points < min(upper_points, track_points) - 1:
             max_travel = (track_points - min(upper_points, track_points) // 2) * spacing
             raise ValueError(
-                f"travel must be between 0 and {max_travel:g} µm, because a slider of half of the shorter profile "
-                f"must remain, got {short_repr(self.travel)}"
+                f"travel must be between 0 and {max_travel:g} µm, so that the slider has at least half of the length "
+                f"of the shorter profile, got {short_repr(self.travel)}"
             )
         slider_profile = (
             upper_line if slider_points == upper_points else cropped(upper_line, 0.0, slider_points * spacing)
@@ -166,7 +166,7 @@ def paired_lines(
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Return pairs of profiles from two scans for `press`, each with a flipped slider and its counterface.
+    """Return sliders (flipped profiles of the upper scan) and counterfaces (profiles of the lower scan) for `press`.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # map of the flipped upper body, in which heights increase upwards into the body
+    upper: Surface  # map of the upper body after flipping: heights are positive upwards, into the body
     lower: Surface
     level: SurfaceTrend = "plane"  # trend that is subtracted from each piece of a map
     seed: int = 2016  # seed of the random phases of surrogates

@@ -12,7 +12,7 @@ NOT_LEVELLED_VALUE = "no"  # value of the field `levelled` if the heights are no
 
 @dataclass(frozen=True)
 class ParameterDefinition:
-    """Definition of a roughness parameter: its name, standard, formula, unit and requirements.
+    """Definition of a roughness parameter: name, standard, formula, unit and requirements.
 
     Attributes
     ----------
@@ -193,7 +193,7 @@ class RoughnessParameterSet(TextReprMixin):
 
     def __getattr__(self, name: str) -> float:
         """Return a computed roughness parameter by its name."""
-        # While a parameter set is being copied, its field `values` does not exist yet.
+        # The field `values` does not exist yet while a parameter set is being copied.
         values: Mapping[str, float] = self.__dict__.get("values", {})
         if name in values:
             return values[name]

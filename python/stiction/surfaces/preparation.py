@@ -53,7 +53,7 @@ def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
 @overload
 def levelled(body: ArrayLike, trend: Any, *, spacing: Any, unit: str = ...) -> Profile | Surface: ...
 def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") -> Profile | Surface:
-    r"""Level a body: subtract a least-squares trend or form from its heights (F-operation of ISO 16610).
+    r"""Level a body: subtract a least-squares trend or form from the heights (F-operation of ISO 16610).
 
     Parameters
     ----------
@@ -183,12 +183,12 @@ def flipped(body: AnyBody) -> AnyBody:
 
 
 def count_flips(body: Profile | Surface) -> int:
-    """Return how often a profile or a height map was flipped, according to its history."""
+    """Return how often a profile or a height map was flipped, according to the history of the body."""
     return sum(step in _FLIP_HISTORY_ENTRIES for step in body.history)
 
 
 def list_history_without_flips(body: Profile | Surface) -> tuple[str, ...]:
-    """Return the history of a profile or a height map without its entries for flips."""
+    """Return the history of a profile or a height map without the entries for flips."""
     return tuple(step for step in body.history if step not in _FLIP_HISTORY_ENTRIES)
 
 
@@ -275,7 +275,7 @@ def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tup
 def on_common_grid(
     a: Any, b: Any, *, align: GridAlignment = "start"
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two height maps to the finer of their spacings, over their common length.
+    """Resample two profiles or two height maps to the finer spacing of the two, over the common length.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Body(PlotReprMixin):
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
     def _store(self, heights: Floats, spacing: Any) -> None:
-        """Check the heights, the spacing, the history and the mask of missing points of a body, and store them."""
+        """Check and store the heights, the spacing, the history and the mask of missing points of a body."""
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
@@ -88,11 +88,11 @@ class Body(PlotReprMixin):
 
     @cached_property
     def height_step(self) -> float:
-        """Step (µm) to which the measured heights are rounded, or 0 if there is none; see `find_height_step`."""
+        """Step (µm) to which the measured heights are rounded, or 0 without rounding (see `find_height_step`)."""
         return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
-        """Return a copy of the body with new heights and a further entry in its history."""
+        """Return a copy of the body with new heights and with an additional history entry."""
         return replace(self, heights=heights, history=(*self.history, step), **others)
 
     def __repr__(self) -> str:

@@ -64,7 +64,7 @@ class Registration:
 
 @dataclass(frozen=True)
 class _FacePosition:
-    """Position of the upper face relative to the lower face: shift (µm) of its middle, and rotation (radians)."""
+    """Position of the upper face relative to the lower face: shift (µm) between the middles, and rotation (radians)."""
 
     shift: tuple[float, ...]
     rotation: float
@@ -274,7 +274,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return a position as an offset in whole points, or None if it is farther than `GRID_TOLERANCE` from the grid."""
+    """Convert a position to an offset in whole points, or return None if no offset is within `GRID_TOLERANCE`."""
     steps = _convert_shift_to_steps(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -290,7 +290,7 @@ def _measure_distances(body: Any) -> list[Floats]:
 
 
 def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
-    """Interpolate the rotated upper face at distances (µm) from its middle.
+    """Interpolate the rotated upper face at distances (µm) from the middle of this face.
 
     Returns the heights and a mask of missing points.
     """
@@ -393,7 +393,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Estimate the rms noise (µm) of a gap from its fourth differences, or return 0 for too few points.
+    """Estimate the rms noise (µm) of a gap from fourth differences, or return 0 for too few points.
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """
@@ -418,7 +418,7 @@ def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, 
 
 
 def _compute_gap(upper: Any, lower: Any) -> Any:
-    """Compute the gap of two bodies on the same grid, and subtract its least-squares plane or line."""
+    """Compute the gap between two bodies on the same grid, minus the least-squares plane or line of the gap."""
     gap = lower.changed(upper.heights - lower.heights, "gap", missing=combine_missing_masks(upper, lower))
     return levelled(gap, "line" if isinstance(gap, Profile) else "plane")
 

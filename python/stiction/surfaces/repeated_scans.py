@@ -29,8 +29,7 @@ MIN_CORRELATION = 0.5  # minimum height correlation at which two scans are regar
 # Standard deviations (points) of the Gaussian filters that smooth both scans in successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
-# Distance (points) of independent heights in white noise after a Gaussian filter with a standard deviation of one
-# point.
+# Distance (points) of independent heights in white noise after a Gaussian filter (standard deviation one point).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN = 3  # number of points beyond the overlap of two scans that spline interpolation requires
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried in the search for the shortest sufficient cutoff
@@ -40,7 +39,7 @@ _INTEGER_SHIFT_TOLERANCE = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotReprMixin):
-    """Noise and common roughness of two scans of the same area, in each octave of wavelength.
+    """Noise of two scans of the same area, and roughness that both scans share, in each octave of wavelength.
 
     Attributes
     ----------
@@ -85,7 +84,7 @@ class RepeatedScans(PlotReprMixin):
     slope_fraction: float
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the noise of two scans and their common roughness against the wavelength.
+        """Draw the noise of two scans, and the roughness that both scans share, against the wavelength.
 
         Draws into the given axes, or into new ones, and returns them.
         """

@@ -36,13 +36,13 @@ _NUM_SECTORS = 90  # number of sectors of two degrees over which the spectral po
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form, such as "plane", that was last subtracted from a body according to its history."""
+    """Return the form, such as "plane", that was last subtracted from a body according to the body's history."""
     forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 
 
 class RoughnessParameters(RoughnessParameterSet):
-    """Roughness parameters of a primary profile about its mean, named as in ISO 21920-2.
+    """Roughness parameters of a primary profile about the mean height, named as in ISO 21920-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
 
@@ -64,7 +64,7 @@ class RoughnessParameters(RoughnessParameterSet):
 def roughness_parameters(
     profile: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> RoughnessParameters:
-    """Compute the roughness parameters of a primary profile about its mean (P-parameters of ISO 21920-2).
+    """Compute the roughness parameters of a primary profile about the mean height (P-parameters of ISO 21920-2).
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def height_and_slope_parameters(z: Floats, spacing: float, derivative: Derivativ
 
 
 class SurfaceParameters(RoughnessParameterSet):
-    """Roughness parameters of a height map about its mean, named as in ISO 25178-2.
+    """Roughness parameters of a height map about the mean height, named as in ISO 25178-2.
 
     The reference page on roughness parameters lists the names, formulas and units.
 
@@ -153,7 +153,7 @@ class SurfaceParameters(RoughnessParameterSet):
 def surface_parameters(
     surface: BodyLike, *, derivative: DerivativeFormula = "seven-point", spacing: Any = None, unit: str = "um"
 ) -> SurfaceParameters:
-    r"""Compute the roughness parameters of a height map about its mean (ISO 25178-2).
+    r"""Compute the roughness parameters of a height map about the mean height (ISO 25178-2).
 
     Parameters
     ----------

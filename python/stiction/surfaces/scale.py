@@ -28,12 +28,11 @@ _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
 _WINDOW_OCTAVES = (1.0, 2.0)  # widths (octaves) of the windows in which the exponent of a spectrum is fitted
 # A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0.
-# The two exponents must differ by at least this number of standard deviations.
+# The exponents of measured and surface spectrum must differ by at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument at wavelengths up to this limit (points), else to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Wavelengths are reliable only if their spectral density is at least this multiple of the density where noise
-# dominates.
+# Minimum ratio of the spectral density at reliable wavelengths to the density at which noise dominates.
 _MIN_TRUSTED_DENSITY_RATIO = 4.0
 # A spectrum is regarded as rising if its density exceeds the lowest density at longer wavelengths by this factor.
 # Spectra of surfaces never rise so much.
@@ -47,8 +46,7 @@ _MIN_SLOPE_FRACTION = 1e-4  # smallest fraction of the mean square slope that is
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent.
-# This limit reduces false detections of noise from 22 to 8 in 1080 generated turned profiles (feeds of 15 to 500
-# points). It has no effect on the detection of added noise.
+# In 1080 generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
@@ -193,7 +191,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law between its fitted band and a shorter wavelength (µm)."""
+    """Return the mean square slope of a power law at wavelengths from its fitted band down to a given limit (µm)."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -365,7 +363,7 @@ class InstrumentLimit(TableReprMixin):
 def instrument_limit(
     body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False, texture: bool = False
 ) -> InstrumentLimit:
-    """Find the wavelength below which a scan is unreliable, because of its pixels, noise or tip.
+    """Find the wavelength below which pixels, noise or the tip make a scan unreliable.
 
     Parameters
     ----------
@@ -461,8 +459,7 @@ def instrument_limit(
     )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
         is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
-        # If the noise differs between x and y, report the axis along which noise contributes more to the mean square
-        # slope.
+        # If noise differs between x and y, report the axis with more noise in the mean square slope.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
@@ -748,7 +745,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
-    """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in its shortest octave."""
+    """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in the shortest octave."""
     for max_wavelength, max_exponent in (
         (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -819,7 +816,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether the noise of a body is caused by rounding of its heights."""
+    """Return whether rounding of the heights causes the noise of a body."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

@@ -112,7 +112,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Scan with interpolated outliers, for computing spectra, in which outliers would resemble white noise.
+        """Scan with interpolated outliers. Without interpolation, outliers would resemble white noise in spectra.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -122,7 +122,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest wavelength at which the scan is reliable, limited by its pixels and its noise.
+        """Shortest wavelength at which the scan is reliable, limited by pixels and noise.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -164,7 +164,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength after a low-pass filter, or None if the tip does not determine it.
+        """Return the shortest reliable wavelength after a low-pass filter, or None if the tip does not set this limit.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -190,7 +190,7 @@ class ScanDefects:
 
 
 def compute_mean_square_slope(body: Profile | Surface) -> float:
-    """Compute the mean square slope of a body from the first differences of its heights along all axes."""
+    """Compute the mean square slope of a body from first differences of the heights along all axes."""
     axes = range(body.heights.ndim)
     return sum(float(np.square(np.diff(body.heights, axis=axis)).mean()) / body.spacings[axis] ** 2 for axis in axes)
 
@@ -288,7 +288,7 @@ def _find_height(body: Profile | Surface) -> float:
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Return a mask of the points that stand out sharply from their neighbours.
+    """Return a mask of the points that deviate abruptly from neighbouring points.
 
     Sharp points of a profile are next to a large second difference. Sharp points of a map are far from the median of
     the 3 x 3 points around them.
@@ -298,8 +298,8 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point beside a large second difference is sharp, too, as in a spike of several points. At both ends of a
-        # profile, the second difference is unknown and set to 0.
+        # A point beside a large second difference is also sharp, as in a spike of several points.
+        # At both ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -351,7 +351,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 def find_scan_defects(
     body: Profile | Surface, tip_radius: float | None, *, textured: bool, periodic: bool = False
 ) -> ScanDefects:
-    """Return the defects of a scan, each of which is computed on first use.
+    """Return the defects of a scan as an object that computes each defect on first use.
 
     All calls for one scan return the same object. The defects are cached as an attribute of the body, so that the
     memory of both is released together.

@@ -60,7 +60,7 @@ class SectionLengthError(ValueError):
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filter cutoffs and number of sections for roughness and waviness parameters, with the reason for their choice.
+    """Filter cutoffs and number of sections for roughness and waviness parameters, with the reason for the cutoffs.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Return the index of the setting class to which Ra and RSm belong if class `index` is used to compute them."""
+        """Return the index of the setting class that matches Ra and RSm computed with the setting class `index`."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -268,7 +268,7 @@ def _compute_with_setting_class(
 
 
 def _format_setting_class_reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm of a profile, which are the reasons for its setting class."""
+    """Format Ra and RSm of a profile as the reason for the choice of a setting class."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 

@@ -1,4 +1,4 @@
-"""Power spectra of profiles and height maps, and the moments of these spectra.
+"""Power spectra and spectral moments of profiles and height maps.
 
 The spectrum of a `periodic` body is computed without a window. Any other body has a jump between its ends, which would
 add a spectrum proportional to 1/q². A Hann window, applied along both axes of a surface, suppresses this spectrum.
@@ -83,7 +83,7 @@ class PowerSpectrum(PlotReprMixin):
         return PowerSpectrum(*_average_in_bins(per_decade, self.wave_number, self.density, self.count), self.resolution)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the spectrum on logarithmic axes, with its mean in each tenth of a decade.
+        """Draw the spectrum on logarithmic axes, with the mean density in each tenth of a decade.
 
         Draws into the given axes, or into new ones, and returns them.
         """
@@ -108,7 +108,7 @@ def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats)
 def power_spectrum(
     profile: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> PowerSpectrum:
-    r"""Compute the power spectral density C1D of a profile about its mean.
+    r"""Compute the power spectral density C1D of a profile about the mean height.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def power_spectrum(
 
 
 def profile_spectrum(heights: Floats, spacing: float, *, windowed: bool) -> PowerSpectrum:
-    """Compute the power spectral density of a profile from its heights (µm), with or without a Hann window."""
+    """Compute the power spectral density of a profile from heights (µm), with or without a Hann window."""
     points = heights.size
     if windowed:
         heights = heights * (1 - np.cos(2 * math.pi * np.arange(points) / points)) / math.sqrt(1.5)
@@ -433,7 +433,7 @@ class SurfaceSpectrum(TextReprMixin):
 def surface_spectrum(
     surface: BodyLike, *, periodic: bool = False, spacing: Any = None, unit: str = "um"
 ) -> SurfaceSpectrum:
-    r"""Compute the power spectral density C2D of a height map about its mean.
+    r"""Compute the power spectral density C2D of a height map about the mean height.
 
     Parameters
     ----------
@@ -484,7 +484,7 @@ def surface_spectrum(
 
 
 def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: bool) -> SurfaceSpectrum:
-    """Compute the power spectral density of a map from its heights (µm), with or without a Hann window on both axes."""
+    """Compute the power spectral density of a map from heights (µm), with or without a Hann window on both axes."""
     from scipy.fft import fft2, fftshift
 
     if windowed:

@@ -190,5 +190,6 @@ def reject_flat_body(body: Profile | Surface) -> None:
         raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")
     if not _MIN_HEIGHT < height < 1 / _MIN_HEIGHT:
         raise ValueError(
-            f"the height of the {kind_name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, got {height:g}"
+            f"the height range of the {kind_name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, "
+            f"got {height:g}"
         )

@@ -87,7 +87,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 
 
 def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
-    """Sharpen a scan: subtract a multiple of the tip correction, which is the scan minus the reconstructed surface.
+    """Sharpen a scan: subtract a multiple of the tip correction (the scan minus the reconstructed surface).
 
     The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
     Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
@@ -142,7 +142,7 @@ def _tip_offsets_and_heights(
 def _tip_half_width(
     shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
 ) -> tuple[float, list[int]]:
-    """Return the half width of a spherical tip, in µm and in points per axis, at a height above its lowest point."""
+    """Return the half width of a spherical tip at a height above the lowest point, in µm and in points per axis."""
     half_width = math.sqrt(radius**2 - max(0.0, radius - tip_height) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)

@@ -16,7 +16,7 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 
 # The header of a known file layout is searched for in this many lines, and in this many characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-PIECE_LENGTH = 250_000  # number of characters of a text that are processed at a time to classify its lines
+PIECE_LENGTH = 250_000  # number of characters per step when the lines of a text are classified
 _MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that a message shows
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
@@ -101,7 +101,7 @@ class DecodedText:
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
-        """First non-empty lines of the text, by which the layouts of instruments are recognised."""
+        """First non-empty lines of the text, from which the file layout of an instrument is recognised."""
         lines = (
             self.data[start : start + MAX_FIRST_LINE_LENGTH].partition(b"\n")[0]
             for start in self.line_starts[:-1][:MAX_FIRST_LINES].tolist()
@@ -129,7 +129,7 @@ class DecodedText:
 
     @cached_property
     def line_kinds(self) -> NDArray[np.uint8]:
-        """Kind of each line of the text: blank, numbers only, or other text."""
+        """Kind of each line in the text: blank line, line of numbers, or other text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE

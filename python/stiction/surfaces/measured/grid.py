@@ -51,7 +51,7 @@ def fill_grid(
     shape: tuple[int, int], rows: np.ndarray, columns: np.ndarray, heights: Floats,
     describe_position: Callable[[int], str],
 ) -> tuple[Floats, int]:  # fmt: skip
-    """Write the heights of listed grid nodes to a matrix, with NaN at all other nodes.
+    """Write the heights of listed grid nodes to a matrix, and NaN at nodes that are not listed.
 
     Returns the matrix, and the number of nodes that are not listed. A node may be listed repeatedly with the same
     height. Raises `FormatError` if its heights differ.
@@ -102,14 +102,14 @@ def _find_step_and_node_indices(
     if deviations[worst_index] > allowed_deviation or (last_node > 1 and deviations[worst_index] > 0.3 * step):
         raise FormatError(
             f"lists points that are not on a grid: point {worst_index}, counted from 0, is at {name} "
-            f"{positions[worst_index]:g}, and its distance from a node is {deviations[worst_index] / step:.2g} grid "
-            f"steps of {step:g} (in the unit of the file); interpolate the points onto a grid, or export a matrix"
+            f"{positions[worst_index]:g}, which is {deviations[worst_index] / step:.2g} grid steps from the nearest "
+            f"node (grid step {step:g} in the unit of the file); interpolate the points onto a grid, or export a matrix"
         )
     return step, nodes.astype(np.int64)
 
 
 def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Estimate the grid step of positions that were rounded when they were printed. Each grid node must have a point.
+    """Estimate the grid step of positions that were rounded for output. Each grid node must have a point.
 
     Returns None if the positions do not fit a grid.
     """

@@ -314,7 +314,7 @@ _UNPAIRED_INCH_MARK_PATTERN = LazyPattern(r'(?<=[,;\t:=_ ])"(?=[,;\t]|$)')
 
 
 def normalise_line(line: str) -> str:
-    """Replace unusual characters in a header line by common ones, and remove double quotes.
+    """Replace unusual characters in a header line by common characters, and remove double quotes.
 
     Unusual characters are full-width characters, unit ligatures, inch marks and HTML entities.
     """
@@ -328,7 +328,7 @@ def normalise_line(line: str) -> str:
 def parse_declarations(
     header: Sequence[str], *, footer: Sequence[str] = (), is_profile: bool = False, has_names: bool = False
 ) -> HeaderDeclarations:
-    """Parse units, spacings, factors and codes that the lines above and below a table declare.
+    """Parse declarations above and below a table: units, spacings, factors and codes for missing points.
 
     Of several declarations of the same kind, the first one counts. In the header of a profile, y denotes the heights.
     With `has_names`, the last line contains column names.
@@ -396,7 +396,7 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
-    """Return the units of positions and heights that the header declares, or None.
+    """Return the units of positions and heights that the header declares, or None without such units.
 
     One line may contain both units, or several lines may contain the same unit.
     """
@@ -478,7 +478,7 @@ def _parse_factor_unit(match: re.Match[str]) -> str | None:
 
 
 def _is_declaration(line: str) -> bool:
-    """Return whether a header line declares a unit, spacing, factor or code, rather than column names."""
+    """Return whether a header line declares a unit, spacing, factor or missing-point code, rather than column names."""
     full_patterns = (
         _UNKNOWN_UNIT_PATTERN,
         _POSITION_UNIT_PATTERN,
@@ -495,7 +495,7 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last header line that contains letters, without comment characters at its start, or None."""
+    """Return the last header line with letters, without leading comment characters, or None without such a line."""
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
@@ -533,7 +533,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity that a column of positions contains instead of a length, such as "time", or None.
+    """Return the quantity, such as "time", that a column contains instead of positions, or None for positions.
 
     The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
@@ -601,7 +601,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
-            return cells[:width]  # ignore names at the end of the header for which the table has no columns
+            return cells[:width]  # ignore surplus names at the end of a header with more names than columns
         if len(cells) == width:
             return cells
         if len(cells) == width - 1 and line[:1] in "\t;, ":  # the header may have no name for the column of row numbers
@@ -727,7 +727,7 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after the name of an axis if they may be a unit, and None if they are a remark or a number."""
+    """Return the words after an axis name that may be a unit, or None if these words are a remark or a number."""
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
@@ -741,7 +741,7 @@ def _is_unit_word(word: str) -> bool:
 
 
 def _find_scaled_unit(name: str) -> str | None:
-    """Return the unit with a factor at the end of a column name, such as "1e-6m", or None."""
+    """Return a unit with a factor, such as "1e-6m", from the end of a column name, or None without such a unit."""
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
     if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
         return None

@@ -84,7 +84,7 @@ def validate_read_options(
         raise ValueError(f'crop must be "x0,x1" or "x0,x1,y0,y1", got {short_repr(crop)}')
     pair = spacing if isinstance(spacing, tuple) else (spacing, spacing)
     if len(pair) != 2:
-        raise ValueError(f"spacing must be one quantity or a pair (Δy, Δx), got {short_repr(spacing)}")
+        raise ValueError(f"spacing must be one length or a pair of lengths (Δy, Δx), got {short_repr(spacing)}")
     if columns is not None:
         columns = (columns,) if isinstance(columns, (str, int)) else columns
         if not isinstance(columns, (tuple, list)) or len(columns) not in (1, 2, 3):
@@ -394,7 +394,7 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes a header line whose length may be a spacing, or "" if there is no such line."""
+    """Return a clause that quotes a header line with a length that may be a spacing, or "" without such a line."""
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"
@@ -442,7 +442,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _compute_spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Compute the spacings of a map from the size that its header declares, and return them with a history entry.
+    """Compute the spacings of a map from the size in the header, and return the spacings and a history entry.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -547,7 +547,7 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
 
 
 def _find_declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
-    """Return the spacing (µm) that the header of a profile declares, and its tolerance (µm) due to rounding."""
+    """Return the spacing (µm) that the header of a profile declares, and the rounding error (µm) of this spacing."""
     if raw.declared_spacing is None:
         return None
     return raw.declared_spacing.to_micrometres(), 0.51 * raw.declared_spacing.digit_in_micrometres
@@ -571,7 +571,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, digit: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return the point whose position deviates most from a uniform grid, with its deviation.
+    """Return the index and the deviation of the point that deviates most from a uniform grid.
 
     Returns None if the rounding of the printed positions explains all deviations.
     """
@@ -581,14 +581,13 @@ def _find_worst_unexplained_deviation(
 
 
 def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
-    """Return the point whose position deviates most from a uniform grid, given the last digit of each position.
+    """Find the point that deviates most from a uniform grid, for positions with given place values of the last digit.
 
     Returns the index of the point and its deviation, or None if rounding to this digit explains all deviations.
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding to the last digit changes the distance between first and last point by up to one unit, truncation by
-    # less.
+    # Rounding to the last digit changes the distance from first to last point by up to one unit, truncation by less.
     tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
     excess = np.abs(deviations) - tolerance - slack - round_off
@@ -661,8 +660,7 @@ def _crop_and_fill_gaps(
         position = f"point {first[0]}" if is_gap.ndim == 1 else f"row {first[0]}, column {first[1]}"
         raise FormatError(
             f"lacks {int(is_gap.sum())} of {is_gap.size} heights, the first at {position}, counted from 0; "
-            "use only the measured points (--missing mask), or interpolate between their neighbours (--missing "
-            "interpolate)"
+            "use only the measured points (--missing mask), or interpolate the missing points (--missing interpolate)"
         )
     if options.outliers == "mask" and (outlier_mask := find_outliers(heights)).any():
         missing = "mask" if missing == "error" else missing
@@ -682,7 +680,7 @@ def _crop_and_fill_gaps(
     filled_heights = interpolate_missing_points(heights, extrapolate=missing == "mask")
     if num_left := int(np.isnan(filled_heights).sum()):
         raise FormatError(
-            f"has {num_left} missing points at its edges, which lack neighbours on one side for interpolation; "
+            f"has {num_left} missing points at its edges, where interpolation is impossible; "
             "use only the measured points (--missing mask)"
         )
     treatment = "masked" if missing == "mask" else "interpolated"

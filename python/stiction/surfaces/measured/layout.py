@@ -46,7 +46,7 @@ def parse_header_integer(
 
 @dataclass(frozen=True)
 class TextLayout:
-    """Layout of the text files of an instrument: its name, and functions that recognise and read such files."""
+    """File layout of an instrument: layout name, and functions that recognise and read text files in this layout."""
 
     name: str
     recognises: Callable[[DecodedText], bool]
@@ -55,7 +55,7 @@ class TextLayout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Layout of the Excel workbooks of an instrument: its name, and functions that recognise and read workbooks."""
+    """Workbook layout of an instrument: layout name, and functions that recognise and read Excel workbooks."""
 
     name: str
     recognises: Callable[[WorkbookSheets], bool]

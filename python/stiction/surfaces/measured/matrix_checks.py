@@ -127,7 +127,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Return a phrase for a column that cannot contain heights of a map, or None if there is no such column.
+    """Describe a column that cannot contain heights of a map, or return None if there is no such column.
 
     Such columns contain integers, equal numbers, or components of unit vectors.
     """

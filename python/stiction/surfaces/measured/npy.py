@@ -84,7 +84,7 @@ def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tu
 
 
 def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
-    """Read the next array in a NumPy file without copying its bytes."""
+    """Read the next array in a NumPy file without copying the data."""
     try:
         with warnings.catch_warnings(action="ignore"):
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)

@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme height may be a code for missing points if it occurs at least this often, or if it is a usual code.
+# Minimum number of occurrences of an extreme height that may be an uncommon code for missing points.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
@@ -26,16 +26,16 @@ KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# A scan is searched for codes for missing points only if it has at least this many different heights.
+# Minimum number of different heights in a scan that is searched for codes for missing points.
 MIN_DISTINCT_HEIGHTS = 5
-MAX_MISSING_CODES = 4  # maximum number of different codes for missing points below or above all heights of a scan
+MAX_MISSING_CODES = 4  # maximum number of different codes for missing points below, and above, all measured heights
 # minimum distance of a code for missing points from the median height, in median absolute deviations
 MIN_CODE_DEVIATION = 3.0
 # maximum number of heights of a scan from which the median and the frequency of each height are estimated
 MAX_SAMPLED_HEIGHTS = 65_536
-# A scan is searched for heights of unusual frequency only if it has at least this many different heights.
+# Minimum number of different heights in a scan that is searched for unusually frequent heights.
 MIN_COMPARED_HEIGHTS = 20
-# The frequency of a height is compared with the frequencies of this many lower and this many higher heights.
+# number of neighbouring heights, on each side, with which the frequency of a height is compared
 NUM_NEIGHBOURS = 12
 # A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 # The symbol m stands for the median frequency of similar heights.
@@ -45,7 +45,7 @@ MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Rows that equal the row before them get a caveat if they are at most this fraction of all rows.
+# Maximum fraction of repeated rows for which a caveat is reported.
 # If the fraction is larger, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
@@ -88,7 +88,7 @@ class ScannedHeights:
 
 
 class PlausibilityCheck(NamedTuple):
-    """Plausibility check of a scan: its name, a function that yields its findings, and the remedy for a finding."""
+    """Plausibility check of a scan: name of the check, function that yields findings, and remedy for a finding."""
 
     name: str
     find: Callable[[ScannedHeights], Iterator[str]]
@@ -112,7 +112,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Report extreme heights that may be codes for missing points, because they are far from all other heights."""
+    """Report extreme heights far from all other heights, which may be codes for missing points."""
     for code, count, distance in _find_missing_point_codes(scan):
         number = _to_number_in_file(code, scan)
         yield (
@@ -151,8 +151,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # Search a sample first: the gap between a code and other heights cannot be narrower in a sample than in all
-    # heights.
+    # Search a sample first: a gap next to a code cannot be narrower in a sample than in all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -264,7 +263,7 @@ def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str |
 
 
 def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
-    """Report repeated rows, columns or points of a scan, which may not have been measured."""
+    """Report repeated rows, columns or points, which may not have been measured."""
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:

@@ -37,7 +37,7 @@ MAX_FILE_BYTES = 2_000_000_000
 # Largest size of a text file, in bytes: parsing needs ten times as much memory as the text.
 MAX_TEXT_BYTES = 300_000_000
 MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
-MAX_POINTS_OF_SMALL_MAP = 1_000_000  # number of points that every map may have, however small its file is
+MAX_POINTS_OF_SMALL_MAP = 1_000_000  # number of points that a map may have regardless of the file size
 # smallest and largest spacing or size that a header can declare, µm
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
@@ -90,7 +90,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Caveat about a scan file: its name, its text, and a remedy (an option, or a change to the file)."""
+    """Caveat about a scan file: name and text of the caveat, and a remedy (an option, or a change to the file)."""
 
     name: str
     text: str
@@ -156,7 +156,7 @@ PlaceValueFunction = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class RawHeights:
-    """Heights of a scan file before conversion to µm, with unit, positions and spacing as far as they are known.
+    """Heights of a scan file before conversion to µm, with unit, positions and spacing if the file contains these.
 
     Missing heights are NaN.
     """
@@ -187,7 +187,7 @@ class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
     place: int  # index of the column of words in its table
-    words: str  # most frequent words in the column, with their counts
+    words: str  # most frequent words in the column, with counts
     rarest: str  # least frequent word in the column
     missing: NDArray[np.bool_]  # mask of the rows in which a word marks a missing point
     units: tuple[str, ...] = ()  # different units of length in the column, if all its words are units
@@ -293,7 +293,7 @@ def parse_length_unit(text: str) -> str | None:
 
 
 def check_point_count(points: int, stored_bytes: int) -> None:
-    """Raise `FormatError` if a file, even if compressed, has too few bytes for its declared number of points."""
+    """Raise `FormatError` if a file declares more points than even a compressed file of this size can contain."""
     if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
         raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
 

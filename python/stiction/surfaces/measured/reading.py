@@ -121,7 +121,7 @@ class FileReading(Generic[_Body]):
         return "; ".join(parts)
 
     def to_json_fields(self) -> dict[str, Any]:
-        """Return the record of the interpretation (layout, column, units, caveats and others) as fields for JSON."""
+        """Return how the file was interpreted (layout, column, units, caveats and others) as fields for JSON."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -415,7 +415,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with the reader that suits its file name extension and its first bytes."""
+    """Read a file with the reader for the file name extension and for the first bytes of the file."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)
@@ -454,7 +454,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a file of DABAM, a database of X-ray mirrors, if its description declares slopes."""
+    """Raise `FormatError` for a file of DABAM, a database of X-ray mirrors, if the description file declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return
@@ -467,7 +467,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file with SurfaceTopography, although its name has the extension of a text file."""
+    """Read a binary file with SurfaceTopography, although the file name ends like that of a text file."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

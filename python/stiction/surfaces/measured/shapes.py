@@ -51,11 +51,11 @@ MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text
 MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of grid points of a map that is built from a table
 MAX_LISTED_NAMES = 12  # maximum number of column names that a message lists
 MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of slightly uneven positions that count as measured positions
+MIN_JITTERED_POSITIONS = 8  # minimum number of slightly unevenly spaced numbers that are regarded as measured positions
 MAX_JITTER = 0.5  # largest difference between steps of measured positions, relative to the mean step
 # A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
 MIN_TILT_CORRELATION = 0.98
-# A first number with fewer decimals is suspicious if at least this number of following numbers have equal decimals.
+# A first number with fewer decimals gets a caveat only above at least this number of values with equal decimals.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
 # If the step is below three such units, coarsely rounded heights may have equal steps by chance.
@@ -154,7 +154,7 @@ def _remove_unit_from_name(name: str) -> str:
 
 
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Format the first few names of columns or channels, with their numbers, for an error message."""
+    """Format the numbers and names of the first few columns or channels for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
     pairs = list(zip(numbers, names, strict=True))
     shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
@@ -186,7 +186,7 @@ def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawH
 
 
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
-    """Combine heights with the units, factors and codes that the header of their table declares."""
+    """Combine heights with the units, factors and missing-point codes that the header of the table declares."""
     declared = table.declared
     # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
@@ -234,7 +234,7 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the range of the heights equals the declared range, which must have at least three digits."""
+    """Return whether the range of the heights equals a declared range of at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -308,7 +308,7 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _find_height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a column of heights, or None if it is unknown.
+    """Return the unit of a column of heights, or None if the unit is unknown.
 
     Raises `FormatError` if the column name denotes another quantity.
     """
@@ -334,12 +334,12 @@ def _reject_positions_above_heights(column: Floats) -> None:
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a column of heights if it is the number of the heights that follow.
+    """Remove the first number of a column if it is the count of the heights below.
 
     Returns the heights and, if a number was removed, a history entry.
     """
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        # number of leading numbers that may be counts or sizes instead of heights
+        # number of entries at the start of the column that may be counts or sizes instead of heights
         for leading_number_count in range(place + 1, 4):
             if heights[place] != heights.size - leading_number_count:
                 continue
@@ -700,7 +700,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether printed numbers rise or fall in steps that are equal within their last digit."""
+    """Return whether printed numbers rise or fall in steps that are equal within rounding to the last digit."""
     if has_equal_steps(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
@@ -713,7 +713,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 
 
 def _is_labelled_matrix(table: ColumnTable) -> bool:
-    """Return whether a table has positions in its first row and its first column, and an empty corner."""
+    """Return whether a table has positions in the first row and in the first column, and an empty corner."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
         return False
@@ -785,7 +785,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether a table lists points x, y, z with a single y, which form a profile along x."""
+    """Return whether a table lists points x, y, z of a profile along x, with the same y at all points."""
     places = _find_xyz_columns(table)
     if places is None or table.area or (table.values.shape[1] != 3):
         return False

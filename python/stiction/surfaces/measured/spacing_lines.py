@@ -259,7 +259,7 @@ def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length whose unit follows the number, or stands in brackets after the name of the length."""
+    """Parse a length with the unit after the number, or in brackets after the name of the length."""
     return parse_length(match[2], match[3] or match[1], line=match.string)
 
 

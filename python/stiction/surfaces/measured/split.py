@@ -170,7 +170,7 @@ def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
 
 
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
-    """Detect the separator and the decimal mark with which most lines in a range consist of numbers.
+    """Detect the separator and the decimal mark with which most lines in a range can be parsed as numbers.
 
     Raises `FormatError` if there is no such format, or if there are two.
     """
@@ -375,7 +375,7 @@ def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -
 
 
 def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
-    """Parse all numbers in a range of lines, in which blanks or line breaks separate the numbers."""
+    """Parse all numbers in a range of lines, where blanks or line breaks separate numbers."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing_word_pattern.sub(b"nan", blob)
@@ -441,7 +441,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number 
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes. The test is faster than a text search."""
+    """Return whether a text contains two adjacent dashes, by a test that is faster than a text search."""
     pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
     return len(blob) >= 2 and any((pair == _TWO_DASHES).any() for pair in pairs)
 

@@ -1,4 +1,4 @@
-"""Second step of reading a text file: parse it as an instrument's layout, or else as a table with header and footer."""
+"""Second step of reading a text file: parse an instrument's layout, or else a table with header and footer."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def parse_content(text: DecodedText) -> ReaderResult:
 
 
 def find_layout(text: DecodedText) -> TextLayout | None:
-    """Return the instrument layout that recognises a text, or None if no layout recognises it."""
-    # A file written by stiction is not an instrument's file, even if its history looks like the header of one.
+    """Return the first instrument layout that recognises a text, or None if no layout recognises the text."""
+    # A file written by stiction is not an instrument's file, even if the history looks like an instrument's header.
     if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None
     return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)

@@ -42,21 +42,21 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each proc
 MAX_HISTORY_STEPS = 1000
 
 
-# A few lines of numbers above or below a table are ignored.
-# Up to this fraction of the number of table lines, plus 2 lines, are ignored.
+# A few number lines above or below a table are ignored.
+# The maximum count of ignored lines is this fraction of the number of table lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a text may be cut off only if at least this many numbers above it have equally many decimals.
+# A truncated last number is reported only if at least this number of values above it have equal counts of decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# A block of numbers above a table contains sizes or counts if it has fewer rows than this.
+# A block above a table with fewer rows than this number is regarded as sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the longest run of number lines in a text as a table, with the header above it.
+    """Parse the longest run of number lines in a text as a table, with the header above the numbers.
 
     If other runs have as many columns as the longest, each run is a channel.
     """
@@ -104,7 +104,7 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if words separate the first row of a profile from its other rows.
+    """Raise `FormatError` if words separate the first row of a profile from the other rows.
 
     The separate row has two cells, and its position precedes the first position of the other rows by whole steps.
     """
@@ -306,7 +306,7 @@ def _find_runs_of_equal_width(
 def _to_channels(
     text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
 ) -> HeightChannels:
-    """Convert several tables with equal numbers of columns to channels, each with its own header."""
+    """Convert several tables with equal numbers of columns to channels, one channel per table."""
     header_starts = [0, *(last + 1 for _, last in runs)]
     names = []
     for (first, last), header_start in zip(runs, header_starts, strict=False):

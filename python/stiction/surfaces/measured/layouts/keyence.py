@@ -104,7 +104,7 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _extract_single_image(text: DecodedText, values: np.ndarray, last: int) -> np.ndarray:
-    """Return the heights of an image, which must be the only image in its file.
+    """Return the heights of the only image in a file, or raise `FormatError` if the file contains several images.
 
     Raises `FormatError` if the file contains another image.
     """

@@ -1,4 +1,4 @@
-"""Layout of CSV files from Olympus OLS (LEXT) microscopes. Each row begins with its row number.
+"""Layout of CSV files from Olympus OLS (LEXT) microscopes. Each row begins with the row number.
 
 ::
 

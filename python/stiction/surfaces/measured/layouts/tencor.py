@@ -1,4 +1,4 @@
-"""Layout of text maps from KLA and Tencor stylus profilers. Each row is a trace, after the trace number.
+"""Layout of text maps from KLA and Tencor stylus profilers. Each row begins with the trace number.
 
 Profiles of these instruments, with columns such as Raw, RawLevel, Normal, Rough and Wavi, are ordinary tables. The
 file contains no units: by default, resolutions are in µm and heights in Å.

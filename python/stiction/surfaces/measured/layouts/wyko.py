@@ -1,4 +1,4 @@
-"""Layout of ASCII files from Wyko and Veeco interferometers, which consist of blocks.
+"""Layout of ASCII files from Wyko and Veeco interferometers: a header, and named blocks of numbers.
 
 Each line in the block of heights is a column of the map.
 
