@@ -16,12 +16,9 @@ from stiction._checks import check_choice, validate_number
 from stiction._units import short_repr
 
 
-def parameter_field(unit: str, *, default: Any = MISSING, least: float | None = None, most: float | None = None) -> Any:
-    """Return a dataclass field for a parameter of a contact law, with unit ("µm", "GPa" or ""), default and limits.
-
-    Parameters without limits must be above 0.
-    """
-    return field(default=default, metadata={"unit": unit, "least": least, "most": most})
+def parameter_field(unit: str, *, default: Any = MISSING) -> Any:
+    """Return a dataclass field for a parameter of a contact law, with unit ("µm", "GPa" or "") and default."""
+    return field(default=default, metadata={"unit": unit})
 
 
 @dataclass(frozen=True)
@@ -115,7 +112,7 @@ class JacksonGreen(ContactLaw):
     """
 
     yield_strength: float = parameter_field("GPa")
-    poisson_ratio: float = parameter_field("", least=0.0, most=0.5)
+    poisson_ratio: float = parameter_field("")
 
 
 CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
