@@ -139,10 +139,10 @@ def calibrate(
         for ratio, test in zip(first_problem.area_per_load, tests, strict=True)
     ]
     advice = () if is_separated else first_problem.suggest_tests()
-    entries = {"kind": "measured"} | (
+    header_entries = {"kind": "measured"} | (
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
-    entries |= (
+    header_entries |= (
         {JUNCTION_GROWTH_HEADER_ENTRY: first_problem.junction_growth.short_text}
         if first_problem.junction_growth is not None
         else {}
@@ -154,5 +154,5 @@ def calibrate(
         is_separated,
         advice,
         tuple(test_points),
-        entries,
+        header_entries,
     )

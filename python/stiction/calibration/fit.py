@@ -29,17 +29,16 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Numbers of nuisance points (combinations of the nuisance parameters): drawn in each adaptation of the proposal
-# distribution, and at most in the result.
-NUM_NUISANCE_POINTS_PER_ROUND, MAX_NUISANCE_POINTS = 256, 8192
-# Number of nuisance points with which the result starts: the first number, doubled for each nuisance parameter, but at
-# most the second number. Points are added until the effective sample size is large enough.
+# number of nuisance points (samples of all nuisance parameters together) in each adaptation of the proposal
+NUM_NUISANCE_POINTS_PER_ROUND = 256
+MAX_NUISANCE_POINTS = 8192  # maximum number of nuisance points in the final importance sampling
+# initial number of points in the final sampling: first number · 2**(nuisance parameters), at most the second number
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter, in standard deviations
 MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the proposal distribution
-# The adaptation ends if the effective sample size is at least this fraction of the number of nuisance points.
+# The proposal is adapted until the effective sample size exceeds this fraction of the number of nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# Nuisance points are added to the result until their effective sample size reaches this number.
+# The final sampling doubles its number of nuisance points until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of cells of the probability grid, along tau0 and along mu0
 NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that a fit returns as samples
@@ -53,7 +52,8 @@ MEDIAN_RUN_SPREAD = 0.10  # median of the relative standard deviation between ru
 
 # maximum number of nuisance points that are evaluated together if contacts grow under shear
 MAX_GROWTH_BATCH_POINTS = 256
-GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"  # names of two nuisance parameters
+# names of the nuisance parameters for the common gain of all tests, and for the deviations between runs
+GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Linear equations for mu0 and tau0, one per friction test, with errors and nuisance parameters.
+    """Friction tests as linear equations for mu0 and tau0, with the errors of the tests and the nuisance parameters.
 
     In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
@@ -211,7 +211,7 @@ class CalibrationProblem:
             if GAIN_NUISANCE_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # A test measures its coefficient times the gain, and its error refers to the measured coefficient.
+        # A measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -223,7 +223,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the change of the residuals by a common offset of all tests in a run, as unit vectors and norms.
+        """Return the change of all residuals by a common offset of each run, as one unit vector and one norm per run.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -252,19 +252,19 @@ class CalibrationProblem:
 
     @property
     def mean_area_per_load(self) -> float:
-        """Weighted mean of the true area per load, A/F (1/GPa), over the tests with sliding."""
+        """Mean true area per load, A/F (1/GPa), over the tests with sliding, weighted by 1/error²."""
         return float(np.average(self.area_per_load, weights=self._weights_of_tests))
 
     @property
     def area_per_load_variation(self) -> float:
-        """Weighted relative standard deviation of the true area per load, A/F, among the tests with sliding."""
+        """Relative standard deviation of the true area per load, A/F, over tests with sliding, weighted by 1/error²."""
         return float(
             np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weights_of_tests))
             / self.mean_area_per_load
         )
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation between runs for each sample of the nuisance parameters."""
+        """Return the relative standard deviation of friction between runs for each sample of nuisance parameters."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
@@ -275,7 +275,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Divide the equations of tests with sliding by their errors, and remove the correlation of tests of one run.
+        """Divide each equation of a test with sliding by the test's error, and decorrelate the equations of each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -291,16 +291,18 @@ class CalibrationProblem:
         log_norm = -np.count_nonzero(self.slid) * np.log(scale)
         if len(self._offsets):
             run_directions = self._offsets[:, self.slid]
-            ratio = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
-            log_norm = log_norm - 0.5 * np.log(ratio).sum(axis=1)
-            run_components = np.einsum("rn,pnk->prk", run_directions, rows) * (1 - 1 / np.sqrt(ratio))[..., np.newaxis]
+            variance_ratios = 1 + np.square(np.multiply.outer(spread / scale, self._offset_sizes))
+            log_norm = log_norm - 0.5 * np.log(variance_ratios).sum(axis=1)
+            run_components = (
+                np.einsum("rn,pnk->prk", run_directions, rows) * (1 - 1 / np.sqrt(variance_ratios))[..., np.newaxis]
+            )
             rows = rows - np.einsum("rn,prk->pnk", run_directions, run_components)
         return rows, np.asarray(log_norm, dtype=np.float64)
 
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, in units of the errors, and the coefficients of the equations.
+        """Return the residuals of tests with sliding, divided by the test errors, and the equation coefficients.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -352,7 +354,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of the tests with sliding, including junction growth, for each row of `points`."""
+            """Return the residuals of tests with sliding, with junction growth, for each row of fit parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), scale)
             misfit, _ = self._compute_residuals(
@@ -372,7 +374,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # The residual is infinite after a step that makes the interface stronger than the softer body.
+                # A step that makes the interface stronger than the softer body gives infinite residuals.
                 test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
             else:
                 free_scores = x[len(free_indices) :] + step * np.concatenate(
@@ -436,33 +438,36 @@ class CalibrationProblem:
             sum(value is None for value in self.fixed_strengths),
             1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2,
         )
-        freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
-        probability = float(chi2.sf(chi_squared, freedom)) if self.has_errors and freedom else math.nan
-        is_scaled = freedom > 0 and (
+        degrees_of_freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
+        probability = (
+            float(chi2.sf(chi_squared, degrees_of_freedom)) if self.has_errors and degrees_of_freedom else math.nan
+        )
+        is_scaled = degrees_of_freedom > 0 and (
             not self.has_errors or (probability < ERROR_SCALING_P_VALUE_LIMIT and not self.outliers)
         )
-        scale = best_fit.scale * math.sqrt(chi_squared / freedom) if is_scaled else 1.0
+        scale = best_fit.scale * math.sqrt(chi_squared / degrees_of_freedom) if is_scaled else 1.0
         loads = np.log(self.load[self.slid])
         trend_probability = (
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
-        mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), freedom if is_scaled else None)
+        mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         scores_by_name = {
             name: scores[:, index]
             for index, name in enumerate(self.nuisances)
             if name not in (GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME)
         }
         return StrengthFit(
-            self.sliding, chi_squared, freedom, probability, scale if self.has_errors else 1.0, trend_probability,
-            mu0, tau0, self._compute_hardness_samples(scores_by_name), self._compute_growth_samples(scores_by_name),
-            self._compute_area_per_load_samples(scores, mu0, tau0), scores_by_name,
+            self.sliding, chi_squared, degrees_of_freedom, probability, scale if self.has_errors else 1.0,
+            trend_probability, mu0, tau0, self._compute_hardness_samples(scores_by_name),
+            self._compute_growth_samples(scores_by_name), self._compute_area_per_load_samples(scores, mu0, tau0),
+            scores_by_name,
         )  # fmt: skip
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return samples of the true area per load, A/F (1/GPa), each averaged over the tests with sliding."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
-        ratio = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
-        return np.asarray(np.average(ratio, axis=1, weights=self._weights_of_tests[self.slid]))
+        area_per_load = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
+        return np.asarray(np.average(area_per_load, axis=1, weights=self._weights_of_tests[self.slid]))
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
@@ -488,25 +493,25 @@ class CalibrationProblem:
 
         if self.junction_growth is None or self.junction_growth.is_exact:
             return np.full(NUM_STRENGTH_PAIRS, math.nan if self.junction_growth is None else self.junction_growth.value)
-        keys = [
+        growth_nuisances = [
             equation.area_factor.nuisance_name("junction_growth")
             for equation in self._friction
             if equation.area_factor and equation.area_factor.junction_growth
         ]
-        return np.asarray(self.junction_growth.quantile(ndtr(scores[keys[0]])))
+        return np.asarray(self.junction_growth.quantile(ndtr(scores[growth_nuisances[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
         """Uncertain hardness that all tests share, or None if the tests share no hardness."""
         first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
-        names = {
+        hardness_nuisances = {
             area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.uncertain_inputs else ""
             for area_factor in area_factors
         }
         return (
             first_area_factor.uncertain_inputs["hardness"]
-            if first_area_factor is not None and len(names) == 1 and all(names)
+            if first_area_factor is not None and len(hardness_nuisances) == 1 and all(hardness_nuisances)
             else None
         )
 
@@ -607,7 +612,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
-        # The logarithm is infinite or NaN if the interface seizes in all cells.
+        # `log_volume` is infinite or NaN if the interface seizes in all cells.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -620,7 +625,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the grid limits if contacts grow under shear: the range of tau0, and of mu0 around its best fit.
+        """Return the range of tau0 and, at each tau0, a range around the best mu0, if contacts grow under shear.
 
         `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
         """
@@ -706,7 +711,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            power = 1.0  # exponents below 1 reduce the influence of a few nuisance points with large weights
+            power = 1.0  # exponent of the weights; exponents below 1 reduce the influence of a few large weights
             while (
                 power > 1e-3
                 and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
@@ -757,7 +762,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw samples of the nuisance parameters, and return the samples, their grids and their log-weights."""
+        """Draw nuisance parameters, and return for each sample: parameters, grid of mu0 and tau0, and log-weight."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -785,7 +790,7 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # The difference is NaN if the interface seizes in all cells.
+        # `log_excess` is NaN for a grid in which the interface seizes in all cells.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
@@ -805,7 +810,7 @@ class CalibrationProblem:
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
-        """Suggest further tests that would separate mu0 from tau0, each with the expected standard errors of both.
+        """Suggest tests that would separate mu0 from tau0, and the standard errors of mu0 and tau0 that would result.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -832,27 +837,27 @@ class CalibrationProblem:
         plans_with_errors = []
         for plan, further_areas_per_load in plans:
             areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
-            errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
-            design_matrix = np.stack([1 / errors, areas_per_load / errors], axis=1)
+            coefficient_errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
+            design_matrix = np.stack([1 / coefficient_errors, areas_per_load / coefficient_errors], axis=1)
             covariance = np.linalg.inv(design_matrix.T @ design_matrix)
             plans_with_errors.append((plan, math.sqrt(covariance[0, 0]), math.sqrt(covariance[1, 1])))
         return tuple(plans_with_errors)
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Concatenate the grids of several batches of nuisance points."""
+    """Concatenate the probability grids of several batches of nuisance parameters."""
     limits = [grid.limits for grid in grids]
-    names = (
+    array_names = (
         "triangular_factors",
         "min_tau0",
         "max_tau0",
         *(("best_mu0", "width_below", "width_above") if limits[0].best_mu0 is not None else ()),
     )
-    concatenated: dict[str, Any] = {
-        name: np.concatenate([getattr(grid_limits, name) for grid_limits in limits]) for name in names
+    concatenated_arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(grid_limits, name) for grid_limits in limits]) for name in array_names
     }
     return _ProbabilityGrid(
-        replace(limits[0], **concatenated), np.concatenate([grid.log_probability for grid in grids])
+        replace(limits[0], **concatenated_arrays), np.concatenate([grid.log_probability for grid in grids])
     )
 
 
@@ -869,22 +874,22 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 
 
 def _solve_nonnegative_least_squares(
-    rows: Floats, weight: Floats, known: Sequence[float | None]
+    rows: Floats, weight: Floats, fixed_strengths: Sequence[float | None]
 ) -> tuple[float, float]:
     """Return the nonnegative mu0 and tau0 (GPa) that fit the weighted test equations by least squares."""
     from scipy.optimize import lsq_linear
 
-    is_free = [value is None for value in known]
-    values = np.array([0.0 if value is None else value for value in known])
+    is_free = [value is None for value in fixed_strengths]
+    strengths = np.array([0.0 if value is None else value for value in fixed_strengths])
     if any(is_free):
         root_weight = np.sqrt(weight)[:, np.newaxis]
-        right_side = rows[:, 2] - rows[:, :2] @ values
+        right_side = rows[:, 2] - rows[:, :2] @ strengths
         columns = rows[:, :2][:, is_free]
         scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-        values[is_free] = (
+        strengths[is_free] = (
             lsq_linear(columns / scale * root_weight, right_side * root_weight[:, 0], (0.0, np.inf)).x / scale
         )
-    return float(values[0]), float(values[1])
+    return float(strengths[0]), float(strengths[1])
 
 
 def _compute_triangular_factors(rows: Floats) -> Floats:
@@ -903,7 +908,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) where the posterior density, at its best mu0, is not negligible."""
+    """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
     unbounded_best, best_at_bound = (
@@ -913,7 +918,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # best mu0 at this tau0, times a positive factor
+        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # a positive multiple of the best mu0 at this tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(
@@ -944,7 +949,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
 def _find_tau0_range_at_fixed_mu0(
     mu0: float, triangular_factors: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the density at a fixed mu0 is not negligible."""
+    """Return the range of tau0 (GPa) in which the posterior density at a fixed mu0 is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     centre = (

@@ -1,4 +1,4 @@
-"""Friction tests, with their contact sums per load and with the uncertainty of their true area."""
+"""Friction tests, and for each test the contact sums per load and the uncertainty of the true area."""
 
 from __future__ import annotations
 
@@ -59,14 +59,14 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = field(default=None, compare=False)  # comparisons use `moduli` instead
+    effective_modulus: float | str | None = field(default=None, compare=False)  # balls are compared by `moduli` instead
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # Comparisons use `lost_fraction` instead.
+    # Balls are compared by `lost_fraction` instead.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
-    # Elastic constants for the central values of the moduli of both bodies.
+    # Elastic constants of ball and flat, computed from the central values of their moduli.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
     lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
@@ -89,7 +89,7 @@ class Ball:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def __repr__(self) -> str:
-        """Return the call that creates an equal ball, with arguments that include their uncertainty."""
+        """Return a constructor call that creates an equal ball, with the uncertainty of each argument."""
         direct_modulus = self.moduli.effective_modulus
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
@@ -99,7 +99,7 @@ class Ball:
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
-        """Return the true area per load A/F (1/GPa) before shear at a load (mN), for central values of the moduli."""
+        """Return the true area per load A/F (1/GPa) before shear, at a load (mN) and at the central value of E*."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -113,7 +113,7 @@ class _FrictionTestSums:
 
     sums: Mapping[str, float]
     scatter: float = 0.0  # relative standard error of the true area in a test
-    surfaces: Hashable = None  # key of the surfaces; tests with equal keys have the same error of the area
+    surfaces: Hashable = None  # identifies the surfaces; tests on the same surfaces have the same error of the area
     hardness: float = math.nan
     area_factor: AreaFactor | None = None
 
@@ -124,7 +124,7 @@ class AreaFactor:
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
-    surfaces: Hashable  # key of the surfaces; tests with equal keys have the same area loss
+    surfaces: Hashable  # identifies the surfaces; tests on the same surfaces have the same area loss
 
     def nuisance_name(self, name: str) -> Hashable:
         """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter.
@@ -180,14 +180,14 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the area at the onset of sliding divided by that for central moduli, and 1 as friction fraction."""
+        """Return the area at the onset of sliding, divided by that for the central E*, and a friction fraction of 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a test on measured surfaces, from a result in which their contacts were computed."""
+    """Area factor of a friction test on measured surfaces, from the computed result for these surfaces."""
 
     area: AreaFunction
     load: float
@@ -346,7 +346,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Ratio of true to computed area as a function of the inputs; None if inputs and shear do not change it."""
+        """Ratio of true to computed contact area as a function of the inputs; None if the ratio is always 1."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
@@ -425,10 +425,10 @@ def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _F
         if len(adhesive_sums) > 1
         else 0.0
     )
-    means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
+    mean_sums = {name: values[is_reached].mean() for name, values in contact_sums.items()}
     surfaces = dataset.attrs["study"]
     return _FrictionTestSums(
-        sums=sums_per_load(means),
+        sums=sums_per_load(mean_sums),
         scatter=relative_error,
         surfaces=surfaces,
         hardness=float(parse_study_of_dataset(dataset).contact.hardness or math.nan),

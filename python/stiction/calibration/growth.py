@@ -1,4 +1,4 @@
-"""Fit of mu0 and tau0 to friction tests whose contacts grow under shear: least-squares mu0, and range of tau0."""
+"""Best mu0 at each tau0, and range of tau0, in fits to friction tests whose contacts grow under shear."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stiction._checks import Floats
 # Number of values of tau0 in one search for the range of tau0, and number of searches, each in a smaller range.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
-MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 for the numerical derivative with respect to mu0, as a fraction of 0.1 + mu0
+MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 in numerical derivatives, divided by 0.1 + mu0
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function of mu0 and tau0 in GPa (points, ...) that returns residuals in units of the errors (points, tests, ...).

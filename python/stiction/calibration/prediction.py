@@ -30,7 +30,7 @@ from stiction.study.interfaces import (
 
 
 class Interface(InterfaceStrength):
-    """Fitted strength of an interface, a joint distribution of mu0 and tau0 that predicts friction of other surfaces.
+    """Interface with a joint distribution of mu0 and tau0, fitted to tests, that predicts friction of other surfaces.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Interface(InterfaceStrength):
             )
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
-            """Return coefficients and their upper limits. An upper limit is infinite if the softer body shears."""
+            """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
             law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
                 area, fraction = area_factor.onset_factors(samples, law)
@@ -138,12 +138,16 @@ class Interface(InterfaceStrength):
         sums = MemberSums.of(result)
         if not sums.study.is_measured:
             return value, lower, upper
-        combined = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
+        combined_interval = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
         # The mean over a single position has no interval. Then return the interval of the fit.
-        return (value, lower, upper) if math.isnan(combined.lower + combined.upper) else (value, *combined)
+        return (
+            (value, lower, upper)
+            if math.isnan(combined_interval.lower + combined_interval.upper)
+            else (value, *combined_interval)
+        )
 
     def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the nuisance parameters of an area factor that the fit of mu0 and tau0 does not include, by name."""
+        """Return the names of an area factor's nuisance parameters, except those with joint samples in the fit."""
         uncertain_inputs = area_factor.uncertain_inputs
         joint_names = {
             "hardness": "hardness" in uncertain_inputs

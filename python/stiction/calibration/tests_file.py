@@ -98,7 +98,7 @@ def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
         name, unit = _COLUMN_ALIASES.get(name, name), (match[2] or match[3] or "") if match else ""
         if name not in FRICTION_TEST_COLUMNS:
             raise ValueError(
-                f"has the unknown column {_quote_cell(cell)}; columns are {', '.join(FRICTION_TEST_COLUMNS)}"
+                f"has the unknown column {_quote_cell(cell)}; known columns are {', '.join(FRICTION_TEST_COLUMNS)}"
             )
         if name == "load" and unit in unit_names("pressure"):
             name = "pressure"
