@@ -110,7 +110,8 @@ def render_parameter_descriptions() -> str:
         optional_text = (
             "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"
         )
-        text = option.help.format_map(PythonOptionNames()) + (f" By default {option.usual}." if option.usual else "")
+        default_sentence = f" By default {option.default_text}." if option.default_text else ""
+        text = option.help.format_map(PythonOptionNames()) + default_sentence
         lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional_text}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"

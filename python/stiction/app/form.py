@@ -53,7 +53,7 @@ def fields_html(place: Literal["scan", "more"]) -> str:
 
 def _field_html(flag: str, field: FormField) -> str:
     if field.choices:
-        choices = [("", field.empty), *field.choices]
+        choices = [("", field.default_label), *field.choices]
         choice_options = "".join(
             f'<option value="{html.escape(value)}">{html.escape(text)}</option>' for value, text in choices
         )

@@ -35,7 +35,7 @@ def pair_option(name: str, *, repeatable: bool = True) -> Any:
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
     suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
     flags = f"{format_command_line_name(name)} {declared.value}".strip()
-    return option(flags, format_option_help(name) + suffix, declared.usual or False, panel=panel)
+    return option(flags, format_option_help(name) + suffix, declared.default_text or False, panel=panel)
 
 
 def pair_argument(name: str) -> Any:

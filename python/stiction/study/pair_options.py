@@ -34,7 +34,7 @@ from stiction.surfaces.surface import Surface
 
 
 class HeightData(Protocol):
-    """Object of a library such as surfalize or xarray that contains heights in its attribute `data`."""
+    """Object with heights in its attribute `data`, from a library such as surfalize or xarray."""
 
     @property
     def data(self) -> object:
@@ -195,7 +195,7 @@ class PairProperties(Protocol):
 class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
-    holds: Callable[[PairProperties], bool]
+    is_met: Callable[[PairProperties], bool]
     message: str  # message of a condition, after the option name; {name} stands for another option
 
 
@@ -215,8 +215,8 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
     """Return a decorator that converts a function of a pair to an option condition with an error message."""
 
-    def decorate(holds: Callable[[PairProperties], bool]) -> OptionCondition:
-        return OptionCondition(holds, message)
+    def decorate(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
+        return OptionCondition(is_met, message)
 
     return decorate
 
@@ -412,12 +412,12 @@ DEFAULT_UNITS: dict[OptionKind, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Input field for an option in the form of the app: label, place, example and choices."""
+    """Input field of an option in the app's form: label, group of fields, example and choices."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    empty: str = ""  # label of the default in the drop-down list of a form
+    default_label: str = ""  # label of the default in the drop-down list of a form
     choices: tuple[tuple[str, str], ...] = ()  # choices in the drop-down list of a form, each with its label
     size: int = 0  # width of the input field of a form, in characters; 0 for the default width
     unit: str = ""  # unit that is added to a number without a unit
@@ -432,7 +432,7 @@ class PairOption:
     value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
     help: str  # help text of an option, in one or two sentences; {name} stands for another option
     kind: OptionKind | None = None
-    usual: str = ""  # text that describes the default of an option
+    default_text: str = ""  # text that describes the default of an option
     flag: str = ""  # name of an option on the command line, if it differs from the field name
     argument: str = ""  # name of an option in Python, if it differs from the field name
     key: str = ""  # key of the study file that an option sets
@@ -473,36 +473,37 @@ class SurfaceOptions(OptionGroup):
     )] = None  # fmt: skip
     lay: Annotated[Lay | None, PairOption(
         "grooves|isotropic", "Lay of two profiles: measured across grooves, or on isotropic surfaces, which are then "
-        "pressed as areas.", usual="pressed as lines",
+        "pressed as areas.", default_text="pressed as lines",
         applies=(has_two_profiles, has_complete_scans_for_surrogates),
         field=FormField(
-            label="lay of profiles", empty="not given",
+            label="lay of profiles", default_label="not given",
             choices=(("grooves", "across grooves"), ("isotropic", "none, isotropic")),
         ),
     )] = None  # fmt: skip
     lines: Annotated[PositiveInteger | None, PairOption(
         "N", "Press this many pairs of lines of two maps instead of their areas; for surrogates of profiles, the "
-        "number of surrogates.", usual="128 of surrogates, and of a map and a profile",
+        "number of surrogates.", default_text="128 of surrogates, and of a map and a profile",
         applies=(has_no_spectrum, has_several_line_pairs, has_two_bodies),
     )] = None  # fmt: skip
     along: Annotated[LineOrientation | None, PairOption(
-        "x|y", "Direction of the lines of maps.", usual="x", key="surfaces.along", applies=(presses_lines_of_maps,),
+        "x|y", "Direction of the lines of maps.", default_text="x", key="surfaces.along",
+        applies=(presses_lines_of_maps,),
     )] = None  # fmt: skip
     level: Annotated[LevellingForm | None, PairOption(
         "TREND", "Trend to subtract from each line (mean, line, quadratic or none) or map (mean, plane or "
-        "quadratic).", usual="line for profiles, plane for maps", key="surfaces.level",
+        "quadratic).", default_text="line for profiles, plane for maps", key="surfaces.level",
         field=FormField(
-            label="level", empty="plane or line", choices=(("quadratic", "quadratic"), ("mean", "mean")),
+            label="level", default_label="plane or line", choices=(("quadratic", "quadratic"), ("mean", "mean")),
         ),
     )] = None  # fmt: skip
     cutoff: Annotated[QuantityInputs | None, PairOption(
         "LENGTHS", 'Cutoff wavelength of a Gaussian low-pass filter, "0.1 um". Several cutoffs give several results; '
         '"none" attributes all wavelengths to the surfaces.', kind="length",
-        usual="unfiltered; also filtered if some wavelengths may not belong to the surface",
+        default_text="unfiltered; also filtered if some wavelengths may not belong to the surface",
         key="surfaces.cut_off", field=FormField(label="cutoff wavelength", example="0.5 um, or none"),
     )] = None  # fmt: skip
     rotate: Annotated[Degrees | None, PairOption(
-        "DEGREES", "Rotate the upper map in its plane.", usual="0", key="surfaces.rotate",
+        "DEGREES", "Rotate the upper map in its plane.", default_text="0", key="surfaces.rotate",
         applies=(has_two_bodies, presses_areas),
         field=FormField(label="turn upper, °", keyboard="decimal", example="0"),
     )] = None  # fmt: skip
@@ -517,7 +518,7 @@ class FileReadingOptions(OptionGroup):
         "UNIT", 'Unit of the lengths in the file, "um", or of positions and heights, "mm,um". Required if the file '
         "has no unit.", is_repeatable=True, is_common=True, is_list=True,
         field=FormField(
-            label="unit", place="scan", empty="its own", choices=(
+            label="unit", place="scan", default_label="its own", choices=(
                 ("nm", "nm"), ("um", "um"), ("mm", "mm"), ("m", "m"), ("mm,um", "mm, heights µm"),
                 ("mm,nm", "mm, heights nm"), ("um,nm", "µm, heights nm"),
             ),
@@ -531,9 +532,9 @@ class FileReadingOptions(OptionGroup):
     missing: Annotated[MissingPointTreatment | None, PairOption(
         "error|mask|interpolate", "Points without a height: reject the file, press only the measured points, or "
         "interpolate.",
-        usual="error", is_common=True,
+        default_text="error", is_common=True,
         field=FormField(
-            label="missing points", place="scan", empty="are an error",
+            label="missing points", place="scan", default_label="are an error",
             choices=(("mask", "leave them out"), ("interpolate", "interpolate")),
         ),
     )] = None  # fmt: skip
@@ -544,8 +545,10 @@ class FileReadingOptions(OptionGroup):
     )] = None  # fmt: skip
     outliers: Annotated[OutlierTreatment | None, PairOption(
         "keep|mask", "Treat up to 4 adjacent points beyond 6 robust deviations of their neighbours as missing.",
-        usual="keep",
-        field=FormField(label="outliers", place="scan", empty="keep them", choices=(("mask", "leave them out"),)),
+        default_text="keep",
+        field=FormField(
+            label="outliers", place="scan", default_label="keep them", choices=(("mask", "leave them out"),)
+        ),
     )] = None  # fmt: skip
     crop: Annotated[QuantityInputs | None, PairOption(
         "X0,X1[,Y0,Y1]", 'Region of the file to read: "10 um,60 um"; for a map, first along x, then along y.',
@@ -553,7 +556,7 @@ class FileReadingOptions(OptionGroup):
         field=FormField(label="crop", place="scan", example="10 um,60 um", size=11),
     )] = None  # fmt: skip
     channel: Annotated[QuantityInputs | None, PairOption(
-        "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", usual="the first of heights",
+        "NAME|NUMBER", "Channel or sheet to read, by its name or number from 0.", default_text="the first of heights",
         is_repeatable=True,
         field=FormField(label="channel", place="scan", example="name or number", size=9),
     )] = None  # fmt: skip
@@ -571,7 +574,7 @@ class FileReadingOptions(OptionGroup):
         "PROCESS", "Machining process (turned, milled, ground, ...): lines and humps of the spectrum are then "
         "attributed to the surface.", is_repeatable=True,
         field=FormField(
-            label="texture", place="scan", empty="not given",
+            label="texture", place="scan", default_label="not given",
             choices=tuple((process, process) for process in MACHINING_PROCESSES),
         ),
     )] = None  # fmt: skip
@@ -611,22 +614,22 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     hardness: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", 'Hardness of the softer body, the largest contact pressure: "2 GPa", "150 HV" or "150 HV ± 10 %".',
-        kind="pressure", usual="the material's hardness", is_common=True, key="contact.hardness",
+        kind="pressure", default_text="the material's hardness", is_common=True, key="contact.hardness",
         applies=(has_contact_model_with_hardness,), field=FormField(label="hardness, GPa", place="body", unit="GPa"),
     )] = None  # fmt: skip
     yield_strength: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
-        usual="the hardness divided by 2.84",
+        default_text="the hardness divided by 2.84",
         applies=(uses_asperity_model, has_contact_law_with_yield, has_no_hardness_for_asperities),
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
         "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0.',
-        usual="slip-line", key="contact.junction_growth", applies=(uses_half_space_model,),
+        default_text="slip-line", key="contact.junction_growth", applies=(uses_half_space_model,),
         field=FormField(label="junction growth", example="slip-line, 9, or 0..27"),
     )] = None  # fmt: skip
     yield_exponent: Annotated[QuantityInput | None, PairOption(
         "NUMBER", 'Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6".',
-        usual='"uniform 0.7 .. 1.6"', key="contact.yield_exponent", applies=(uses_half_space_model,),
+        default_text='"uniform 0.7 .. 1.6"', key="contact.yield_exponent", applies=(uses_half_space_model,),
     )] = None  # fmt: skip
     indent: Annotated[QuantityInput | None, PairOption(
         "LENGTH", 'Depth of the indentation that measured the hardness of a metal, "5 um". Small contacts are harder.',
@@ -635,7 +638,7 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     area_loss: Annotated[QuantityInput | None, PairOption(
         "FRACTION", 'Fraction of the true area that soft elastic bodies lose under shear, "0.1" or "0..0.3".',
-        usual='"0..0.3" if E* is below 100 MPa', key="contact.area_loss", applies=(uses_half_space_model,),
+        default_text='"0..0.3" if E* is below 100 MPa', key="contact.area_loss", applies=(uses_half_space_model,),
         field=FormField(label="area loss under shear", example="0..0.3"),
     )] = None  # fmt: skip
     wait: Annotated[QuantityInputs | None, PairOption(
@@ -650,12 +653,12 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     work_of_adhesion: Annotated[QuantityInput | None, PairOption(
         "ENERGY", 'Work of adhesion, "50 mJ/m^2"; "0 mJ/m^2" declares that there is none.', kind="work of adhesion",
-        usual="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
+        default_text="taken as 0", flag="--adhesion", key="contact.work_of_adhesion",
         applies=(has_complete_scans, uses_only_half_space_model),
         field=FormField(label="work of adhesion, mJ/m²", example="0, or 50", unit="mJ/m^2"),
     )] = None  # fmt: skip
     adhesion_range: Annotated[QuantityInput | None, PairOption(
-        "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", usual="0.5 nm",
+        "LENGTH", "Gap over which the attraction decays to 1/e.", kind="length", default_text="0.5 nm",
         key="contact.adhesion_range", applies=(uses_only_half_space_model, has_work_of_adhesion),
     )] = None  # fmt: skip
 
@@ -671,7 +674,7 @@ class FrictionOptions(OptionGroup):
         field=FormField(label="load", place="load"),
     )]  # fmt: skip
     width: Annotated[QuantityInput | None, PairOption(
-        "LENGTH", "Width across two profiles on which a force acts.", kind="length", usual="1 um",
+        "LENGTH", "Width across two profiles on which a force acts.", kind="length", default_text="1 um",
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
     mu0: Annotated[QuantityInputs | None, PairOption(
@@ -681,7 +684,7 @@ class FrictionOptions(OptionGroup):
     )] = None  # fmt: skip
     tau0: Annotated[QuantityInputs | None, PairOption(
         "PRESSURES", 'Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa".',
-        kind="pressure", usual="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
+        kind="pressure", default_text="0 MPa", key="friction.tau0", is_common=True, applies=(has_no_interface,),
         field=FormField(label="τ0, MPa", place="load", unit="MPa"),
     )] = None  # fmt: skip
     interface: Annotated[InterfaceInput | None, PairOption(
@@ -690,7 +693,8 @@ class FrictionOptions(OptionGroup):
         key="friction.interface", is_common=True, field=FormField(label="interface", place="load"),
     )] = None  # fmt: skip
     direction: Annotated[QuantityInputs | None, PairOption(
-        "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".', usual="every 30 degrees",
+        "DEGREES", 'Directions of motion of the upper body, from +x towards +y, "0,90".',
+        default_text="every 30 degrees",
         key="contact.direction", applies=(presses_maps_or_surrogates,),
         field=FormField(label="directions, °", example="0,90"),
     )] = None  # fmt: skip
@@ -707,33 +711,33 @@ class ContactOptions(OptionGroup):
     )] = False  # fmt: skip
     mechanics: Annotated[Mechanics | None, PairOption(
         "half-space|asperities", "The elastic half-space (half-plane for lines), or isolated asperities (fast).",
-        usual="asperities for lines, except two profiles whose softer body is a material with a hardness",
+        default_text="asperities for lines, except two profiles whose softer body is a material with a hardness",
         key="contact.mechanics",
         applies=(has_complete_scans_for_asperities, uses_one_contact_model),
         field=FormField(
-            label="contact model", empty="the usual one",
+            label="contact model", default_label="the usual one",
             choices=(("half-space", "half-space (exact)"), ("asperities", "asperities (fast)")),
         ),
     )] = None  # fmt: skip
     tilt: Annotated[TiltMode | None, PairOption(
         "fixed|free", "Orientation of the slider: fixed, or tilted until the load is centred, as on a ball joint.",
-        usual="fixed", key="contact.tilt", applies=(uses_half_space_model,),
+        default_text="fixed", key="contact.tilt", applies=(uses_half_space_model,),
         field=FormField(
-            label="tilt of the slider", empty="fixed", choices=(("free", "free, as on a ball joint"),),
+            label="tilt of the slider", default_label="fixed", choices=(("free", "free, as on a ball joint"),),
         ),
     )] = None  # fmt: skip
     law: Annotated[LawChoice | None, PairOption(
-        "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", usual="hertz-sphere",
+        "hertz-sphere|hertz-cylinder|jackson-green", "Contact law of asperities.", default_text="hertz-sphere",
         key="contact.law", applies=(uses_asperity_model, has_contact_law_for_lay),
     )] = None  # fmt: skip
     detection: Annotated[DetectionMethod | None, PairOption(
-        "gap-minimum|cell", "Criterion that detects contacts of asperities.", usual="gap-minimum",
+        "gap-minimum|cell", "Criterion that detects contacts of asperities.", default_text="gap-minimum",
         key="contact.detection",
         applies=(uses_asperity_model,),
     )] = None  # fmt: skip
     curvature: Annotated[CurvatureRequirement | None, PairOption(
         "convex|signed", "Contact points to count: convex only, or concave ones too.",
-        usual="convex for lines, signed for areas", key="contact.curvature", applies=(uses_asperity_model,),
+        default_text="convex for lines, signed for areas", key="contact.curvature", applies=(uses_asperity_model,),
     )] = None  # fmt: skip
 
 
@@ -743,30 +747,30 @@ class EnsembleOptions(OptionGroup):
     title: ClassVar[str] = "Ensemble"
 
     shifts: Annotated[PositiveInteger | None, PairOption(
-        "N", "Relative positions of two maps.", usual="16", key="ensemble.repetitions",
+        "N", "Relative positions of two maps.", default_text="16", key="ensemble.repetitions",
         applies=(has_two_bodies, presses_areas, uses_default_positions),
         field=FormField(label="positions", keyboard="numeric", example="16"),
     )] = None  # fmt: skip
     offsets: Annotated[PositiveInteger | None, PairOption(
-        "N", "Positions along the lower profile.", usual="64, or 1 for several lines", key="surfaces.offsets",
+        "N", "Positions along the lower profile.", default_text="64, or 1 for several lines", key="surfaces.offsets",
         applies=(presses_lines, uses_default_positions),
     )] = None  # fmt: skip
     travel: Annotated[QuantityInput | None, PairOption(
-        "LENGTH", "The largest offset.", kind="length", usual="half the length", key="surfaces.travel",
+        "LENGTH", "The largest offset.", kind="length", default_text="half the length", key="surfaces.travel",
         applies=(presses_lines, uses_default_positions),
     )] = None  # fmt: skip
     positions: Annotated[Positions | None, PairOption(
         "LENGTHS", 'Positions of the slider on the counterface, "0 um,5 um"; for maps, x and y of each position.',
         kind="length",
-        usual="spread evenly", key="surfaces.positions", applies=(has_two_bodies, presses_scans),
+        default_text="spread evenly", key="surfaces.positions", applies=(has_two_bodies, presses_scans),
     )] = None  # fmt: skip
     surrogates: Annotated[SurrogateChoice | None, PairOption(
         "N|none|upper|lower|both", "For areas: number of additional pairs of random surfaces with equal spectra. For "
-        "lines: body to replace by random surfaces.", usual="none", key="surfaces.replace",
+        "lines: body to replace by random surfaces.", default_text="none", key="surfaces.replace",
         applies=(has_complete_scans_for_surrogates, has_two_bodies),
     )] = None  # fmt: skip
     seed: Annotated[Seed | None, PairOption(
-        "N", "Seed of the random phases of surrogates.", usual="2016", key="ensemble.seed",
+        "N", "Seed of the random phases of surrogates.", default_text="2016", key="ensemble.seed",
         applies=(presses_surrogates,),
     )] = None  # fmt: skip
 
@@ -778,7 +782,7 @@ class ExtraComputationOptions(OptionGroup):
 
     onset: Annotated[Seed | None, PairOption(
         "N", "Number of positions whose onset of sliding is computed; 0 for none.",
-        usual="16, or 4 for height maps with the half-space model",
+        default_text="16, or 4 for height maps with the half-space model",
     )] = None  # fmt: skip
 
 

@@ -74,7 +74,7 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# Default number of relative positions of two profiles. The computation of so many takes a few seconds.
+# Default number of relative positions of two profiles. These positions take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
 # Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
@@ -114,7 +114,7 @@ class MeasuredPair:
             if (value := self.options.option_value(name)) is None:
                 continue
             for condition in PAIR_OPTIONS[name].applies:
-                if not condition.holds(self):
+                if not condition.is_met(self):
                     value_text = "" if value is True else f" {value}"
                     raise ArgumentError(
                         f"{{{name}}} {condition.message}, got {{{name}}}{{value_text}}", value_text=value_text
@@ -365,7 +365,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs of a half-space without adhesion and junction growth: mu0, tau0, elastic constants and hardness.
+        """Inputs of a half-space contact without adhesion and junction growth, such as mu0, tau0 and hardness.
 
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
@@ -451,7 +451,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) of two profiles over which a load is distributed that the user gives as a force."""
+        """Width (µm) of two profiles, over which loads that the user gives as forces are distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -783,10 +783,10 @@ class MeasuredPair:
                 "{indent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts "
                 "are computed with the measured hardness"
             )
-        softer = softest_material(*self._materials)
-        if softer is not None and softer.kind != "metal":
+        softer_material = softest_material(*self._materials)
+        if softer_material is not None and softer_material.kind != "metal":
             raise ArgumentError(
-                f"{{indent}} must not be given for {softer.name}, because only metals have the size effect"
+                f"{{indent}} must not be given for {softer_material.name}, because only metals have the size effect"
             )
         depth = self._parse_quantity("indent", value)
         if not depth > 0:
@@ -873,8 +873,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, the settings of the surfaces equal those of the final study, so that bodies are prepared only
-        # once.
+        # With checksums, these settings of the surfaces equal those of the final study, which shares the cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property
@@ -892,13 +891,13 @@ def _build_growth_entry(estimate: UncertainInput) -> InputValue:
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
-def _validate_study(data: dict[str, Any]) -> Study:
+def _validate_study(sections: dict[str, Any]) -> Study:
     """Build a study from the contents of its sections.
 
     If the value of an option is invalid, an `ArgumentError` with the name of the option is raised.
     """
     try:
-        return validate_section(Study, data, "pair")
+        return validate_section(Study, sections, "pair")
     except StudyError as error:
         key, reason = error.faults[0]
         if (name := _find_option(key)) is None:
