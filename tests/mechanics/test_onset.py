@@ -674,7 +674,7 @@ REJECTED_ARGUMENT_CASES = [
     ({"mu0": 0.3, "steps": [0.5, 0.5]}, "strictly increasing"),
     ({"mu0": 0.3, "steps": []}, "strictly increasing"),
     ({"mu0": 0.3, "steps": [0.0, 0.5]}, "above 0"),
-    ({"mu0": 0.3, "displacements": [1.0]}, "surfaces slide"),
+    ({"mu0": 0.3, "displacements": [1.0]}, "displacement at sliding"),
     ({"mu0": 0.3, "displacements": [-1.0]}, "above 0"),
     ({"mu0": 0.3, "poisson": 0.6}, "poisson must be"),
     ({"mu0": 0.3, "poisson": (0.1, 0.2, 0.3)}, "poisson must be"),
@@ -720,7 +720,7 @@ def test_onset_method_rejects_loads_and_displacements_below_the_round_off_error(
                     compute(amplitude)
             with pytest.raises(ValueError, match="steps are fractions of the sliding load and must be between 1e-12"):
                 curve.onset(0, mu0=0.3, steps=[amplitude / onset.sliding_load, 1.0])
-        with pytest.raises(ValueError, match=r"displacements must be between .* at which the surfaces slide"):
+        with pytest.raises(ValueError, match=r"displacements must be between .* the displacement at sliding"):
             curve.onset(0, mu0=0.3, displacements=[1e-300])
         # While almost all of the contact sticks, the displacement is the load divided by the initial stiffness.
         smallest = curve.onset(0, mu0=0.3, steps=[1e-12])

@@ -39,49 +39,41 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain (not extrapolated) steps between two extrapolated steps of the attraction. Plain steps damp the
-# oscillations that extrapolation causes.
+# number of plain (not extrapolated) steps, which damp oscillations, between two extrapolated steps of the attraction
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the plain step
 # maximum number of contact solutions for one external load, including jumps between equilibria
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-# Maximum number of contact solutions for one contact load of maps during the search for the pull-off load. The
-# attraction of soft bodies converges slowly, and energy minimizations at given external loads take less time.
+# maximum number of contact solutions for one contact load of maps in the search for the pull-off load
+# The number is small, because the attraction of soft bodies converges slowly, and energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # maximum number of successive contact solutions that do not reduce the residual of the attraction
 MAX_STALLED_SOLVES = 20
-# Largest relative residual of the attraction at which the iteration has converged, as a multiple of the solver
-# tolerance
+# The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 # Minimum tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
 MIN_SOLUTION_TOLERANCE = 1e-8
 # tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# The same fraction if all steps are plain. It is larger, because plain steps do not amplify errors of the contact
-# solution.
+# tolerance as a fraction of the latest residual if all steps are plain, and so do not amplify errors of solutions
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
-# While the bodies separate, an increase of the attraction by less than this fraction of its maximum counts as numerical
-# error.
+# An increase of the attraction during separation by less than this fraction of the maximum counts as numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of each contact load to the previous one while the bodies separate
-# The search for the pull-off load ends when the bodies separate under a load that is lower than the lowest equilibrium
-# load by at most this fraction.
+# The search for the pull-off load ends if the bodies separate under a load that is lower by at most this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# A minimum of the external load over decreasing contact loads is accepted only if plain steps separate the bodies under
-# a load that is lower by this fraction.
+# A minimum of the external load is accepted if plain steps separate the bodies under a load lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# An equilibrium at an interpolated contact load is computed only if interpolation predicts an external load that is
-# lower than all equilibrium loads, by at least this fraction of the lowest.
+# An interpolated equilibrium is computed only if its predicted external load is lower than all others by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6  # maximum number of equilibria that are computed at interpolated contact loads
-# Separation proves that the bodies do not support a load only if the iteration started from an equilibrium under a
-# similar load. The two loads may differ by at most this fraction.
+# maximum relative change of the external load after which separation proves that the bodies do not support the load
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
 # The pull-off load is first searched on a coarser grid if the grid has at least this number of points along each side.
@@ -93,7 +85,7 @@ MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 
 
 class EquilibriumNotFoundError(NoSolutionError):
-    """Error raised if the iteration of the adhesive attraction finds no equilibrium."""
+    """Error raised if no equilibrium of adhesive bodies is found."""
 
 
 @dataclass
@@ -103,7 +95,7 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Attraction after the plain step, from which the iteration continues if the extrapolated step loses contact.
+    # Attraction after the plain step. The iteration returns to it if the extrapolated step loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
     least_residual: float = math.inf
@@ -111,7 +103,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Number of iterated states, and the best state, by which the caller decides when to stop the iteration.
+    # Number of iterated states, and best state. The caller decides from them when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -119,20 +111,22 @@ class _IterationState:
     last_residual: float = math.inf
 
     def to_step_result(self) -> StepResult:
-        """Return the state of the iteration as a mapping of names to arrays and numbers, for storage."""
+        """Convert the iteration state to a mapping of names to arrays and numbers, which can be stored."""
         result = {name: value for name, value in vars(self).items() if value is not None and name != "best_state"}
         best_state = {} if self.best_state is None else vars(self.best_state)
         return result | {f"best_{name}": value for name, value in best_state.items()}
 
     @classmethod
     def from_step_result(cls, result: StepResult) -> _IterationState:
-        """Restore the state of the iteration from the mapping that `to_step_result` returned."""
-        values = {field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result}
+        """Restore an iteration state from a mapping that `to_step_result` returned."""
+        field_values = {
+            field.name: _to_array_or_number(result[field.name]) for field in fields(cls) if field.name in result
+        }
         if "best_pressure" in result:
-            values["best_state"] = _to_adhesion_state(
+            field_values["best_state"] = _to_adhesion_state(
                 {name.removeprefix("best_"): value for name, value in result.items() if name.startswith("best_")}
             )
-        return cls(**values)
+        return cls(**field_values)
 
 
 def _to_array_or_number(value: Any) -> Any:
@@ -205,8 +199,8 @@ class AdhesionSolver:
                     break
                 if residual < iteration.best_residual:
                     iteration.best_residual, iteration.best_state_number = residual, iteration.num_states
-                num_worse = iteration.num_states - iteration.best_state_number
-                if num_worse > MAX_STALLED_SOLVES or iteration.num_states == max_solves:
+                num_states_since_best = iteration.num_states - iteration.best_state_number
+                if num_states_since_best > MAX_STALLED_SOLVES or iteration.num_states == max_solves:
                     break
                 iteration.num_states += 1
             raise EquilibriumNotFoundError("the computation of the attraction did not converge")
@@ -252,7 +246,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the first state of the iteration: the stored state of an interrupted run, or else `near`."""
+        """Return the state from which the iteration starts: the stored state of an interrupted run, or else `near`."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -292,15 +286,15 @@ class AdhesionSolver:
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
-            # a finer tolerance of the contact solutions may remove the remaining residual
+            # The tolerance of the contact solutions may be too coarse to reduce the residual further.
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
             state.plain_attraction = None
             if number % (NUM_UNACCELERATED_STEPS + 1) == NUM_UNACCELERATED_STEPS and max_factor > 1:
                 state.plain_attraction = next_attraction
-                factor = _extrapolation_factor(residual, previous_residual, max_factor)
-                next_attraction = np.clip(attraction + factor * attraction_change, 0.0, self.max_attraction)
+                step_factor = _extrapolation_factor(residual, previous_residual, max_factor)
+                next_attraction = np.clip(attraction + step_factor * attraction_change, 0.0, self.max_attraction)
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
@@ -375,15 +369,14 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # An equilibrium that was computed for a contact load may be unstable under its external load. Energy
-        # minimizations start from stable equilibria only.
+        # An equilibrium that was computed for a contact load may be unstable under its external load. The list
+        # `stable_states` contains the equilibria from which energy minimizations may start.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
-        # Lower bound of the minimum load: the contact load is positive, and the attraction is at most the attraction of
-        # an earlier state.
+        # No load is below minus the attraction of an earlier state, because the contact load is positive.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
-            step, approach_step = math.inf if first_load == 0 else 2 * MINIMUM_LOAD_TOLERANCE, 0.5
+            relative_step, approach_step = math.inf if first_load == 0 else 2 * MINIMUM_LOAD_TOLERANCE, 0.5
             for number in range(MAX_TRIAL_LOADS):
                 near, least_load = state_of_lowest_load(stable_states), state_of_lowest_load(states).load
                 load = (least_load + unsupported_load) / 2
@@ -393,15 +386,14 @@ class AdhesionSolver:
                         return states
                     if unsupported_load > (1 + MAX_LOAD_STEP) * least_load:
                         load = -math.sqrt(least_load * unsupported_load)
-                    load = min(max(load, (1 + step) * least_load), next_load)
-                    step *= 2
+                    load = min(max(load, (1 + relative_step) * least_load), next_load)
+                    relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The iteration that separated the bodies started from a distant state and may have passed an
-                        # equilibrium.
+                        # The iteration that separated the bodies started far away and may have passed an equilibrium.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
-                    load, step = first_load, 2 * MINIMUM_LOAD_TOLERANCE
+                    load, relative_step = first_load, 2 * MINIMUM_LOAD_TOLERANCE
                 state = self.minimize_energy(near, load)
                 if state is not None:
                     states = sorted([*states, state], key=lambda state: -state.load)
@@ -412,7 +404,7 @@ class AdhesionSolver:
                     approach_step /= 2
                 else:
                     unsupported_load, is_certain = load, near.load < (1 - MAX_LOAD_STEP) * load
-                    step = math.inf
+                    relative_step = math.inf
         except EquilibriumNotFoundError as error:
             self.uncertainty_reason = str(error)
             return states
@@ -468,7 +460,7 @@ class AdhesionSolver:
         return EnergyMinimizer(self)
 
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
-        """Return the lowest external load (GPa) that the bodies support on a grid of twice the spacing.
+        """Return the lowest external pressure (GPa) that the bodies support, computed on a grid of twice the spacing.
 
         The energy minimization on this grid starts from the contact `start`. Returns 0 if the grid is small or no such
         load is found.
@@ -534,7 +526,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Insert equilibria where interpolation predicts a lower external load, and return the extended series."""
+        """Insert equilibria where interpolation predicts a lower external load, and return the longer list."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -589,7 +581,7 @@ class EnergyMinimizer:
         )  # fmt: skip
 
     def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Minimize the energy at an external pressure (GPa), starting from `near`. Return None after separation."""
+        """Minimize the energy at an external pressure (GPa), starting from `near`. Return None on separation."""
         state = self._restore_or_start(near, load)
         for _ in range(state.number, MAX_MINIMIZATION_STEPS):
             self.record.offer_state(state.fields)
@@ -619,12 +611,12 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the length of an extrapolated step as a multiple of the plain step, at most `max_factor`.
+    """Return the length of an extrapolated step of the attraction, in plain steps. It is at most `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
-    ratio = residual / previous_residual if previous_residual else 0.0
-    return 1 / (1 - ratio) if ratio < 1 - 1 / max_factor else max_factor
+    residual_ratio = residual / previous_residual if previous_residual else 0.0
+    return 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / max_factor else max_factor
 
 
 def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
@@ -674,7 +666,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain (or "")."""
+    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,

@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap, from the same slopes on the grid as in the half-space model."""
+    """Return the rms gradient of a gap, computed from the same slopes at grid points as in the half-space model."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which the rms gradient of a gap equals `gradient`, and the limits of this cutoff.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and the cutoff's limits of uncertainty.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -71,17 +71,17 @@ def plastic_wavelength(
 
 
 def extrapolated_gradients(
-    roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest: float, gradient: float
+    roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, shortest_wavelength: float, gradient: float
 ) -> Floats:
     """Extrapolate the rms gradient of a scan to shorter wavelengths.
 
     Return an estimate and two limits for each wavelength. All numbers are NaN if `estimate` is None.
     """
-    finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest
+    finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest_wavelength
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
     # Scale the extrapolated gradients so that they continue the gradient of the scan at its shortest wavelength.
-    gradient_ratio = gradient / float(roughness.gradient_at(shortest))
+    gradient_ratio = gradient / float(roughness.gradient_at(shortest_wavelength))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],
         axis=1,
@@ -149,14 +149,14 @@ def max_friction_for_finer_scans(
     """Return the highest mu_s that a finer scan can give if contacts yield. `value` is mu_s of this scan."""
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
-    increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
+    friction_increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
         adhesive_friction, adhesion
     )
-    return np.asarray(np.where(np.asarray(adhesion) > 0, value + increase, value))
+    return np.asarray(np.where(np.asarray(adhesion) > 0, value + friction_increase, value))
 
 
-def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple[float, float] | None) -> xr.Dataset:
-    """Add the plastic area F/H, its friction coefficient and bounds for finer scans to a dataset of `resolution`."""
+def add_finer_scan_bounds(result: xr.Dataset, hardness: float, strengths: tuple[float, float] | None) -> xr.Dataset:
+    """Add plastic area F/H, plastic friction coefficient and bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness
@@ -172,8 +172,8 @@ def add_finer_scan_bounds(result: xr.Dataset, hardness: float, parameters: tuple
             "ratio of real to nominal area of every finer scan",
         ),
     }  # fmt: skip
-    if parameters is not None:
-        law = FrictionLaw(*parameters)
+    if strengths is not None:
+        law = FrictionLaw(*strengths)
         plastic_friction = np.full(loads.size, law.plastic_coefficient(hardness))
         friction = result.friction_coefficient.sel(sliding="all").transpose(*dimensions[:2]).values
         friction_bounds = _stack_bounds(plastic_friction, friction + law.force(0.0, largest_area - area) / loads)

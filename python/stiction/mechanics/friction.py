@@ -164,9 +164,13 @@ class FrictionLaw:
 
         The change is negative if the softer body shears.
         """
-        plain_coefficient = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
+        coefficient_without_growth = float(FrictionLaw(self.mu0, self.tau0).plastic_coefficient(hardness))
         slip_lines = FrictionLaw(self.mu0, self.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
-        return float(slip_lines.plastic_coefficient(hardness)) / plain_coefficient - 1 if plain_coefficient > 0 else 0.0
+        return (
+            float(slip_lines.plastic_coefficient(hardness)) / coefficient_without_growth - 1
+            if coefficient_without_growth > 0
+            else 0.0
+        )
 
     def is_stronger_than_body(self, hardness: Any) -> Any:
         """Return whether a body with a given hardness (GPa) shears before its yielding contacts slide."""
@@ -179,8 +183,8 @@ class FrictionLaw:
 
         The shear strength is k for slip lines, and H/√α otherwise.
         """
-        ratio = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
-        return self.tau0 * ratio / hardness
+        hardness_to_shear_strength = self.junction_growth if self.uses_slip_lines else np.sqrt(self.junction_growth)
+        return self.tau0 * hardness_to_shear_strength / hardness
 
     def onset(
         self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
@@ -203,7 +207,7 @@ class FrictionLaw:
         pressure = self.yield_pressure(hardness) if pressure is None else pressure
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
-            # the pressure is NaN if the contact seizes, so the comparison is False
+            # NaN, the pressure of a contact that seizes, makes this comparison False.
             is_carried = pressure > load / nominal_area
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
@@ -262,7 +266,7 @@ class OnsetState:
     friction_fraction: Floats
 
 
-def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
+def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> Floats:
     """Return the pressure p at which contacts yield under the traction mu0 p + tau0, by slip-line theory.
 
     With f = τ/k, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
@@ -270,17 +274,17 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, ratio: Any) -> Floats:
     x = sin(arccos(f)/2). The function is concave in x, and the first value is on the side of the root from which the
     steps are monotone.
     """
-    slope = np.asarray(ratio * mu0 / PLANE_STRAIN_RATIO)
-    margin = np.maximum(1 - ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
-    linear = slope * (1 + np.pi / 2) * np.sqrt(2.0)
+    slope = np.asarray(shear_ratio * mu0 / PLANE_STRAIN_RATIO)
+    margin = np.maximum(1 - shear_ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
+    linear_coefficient = slope * (1 + np.pi / 2) * np.sqrt(2.0)
     # If mu0 is 0 and tau0 equals the shear strength, the quotients are 0/0. `np.fmax` replaces their NaN by 0.
     with np.errstate(invalid="ignore"):
-        x = np.fmax(2 * margin / (linear + np.sqrt(linear**2 + 8 * margin)), 0.0)
+        x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
         for _ in range(NUM_PRESSURE_STEPS):
             cosine = np.sqrt(1 - x**2)
-            value = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
-            x = np.minimum(np.fmax(x + value / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
+            residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
+            x = np.minimum(np.fmax(x + residual / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
     sector = 2 * np.arcsin(x) + 2 * x * np.sqrt(1 - x**2)
     return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
 
@@ -311,28 +315,28 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     """
     from scipy.special import gamma, gammainc
 
-    means = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    means = np.minimum(means, 0.9999)  # a mean of 1 would give the rate 0, whose logarithm is not finite
-    shape = 1.5 - 0.65 * means
-    log_low, log_high = np.full_like(means, -12.0), np.full_like(means, 12.0)
+    mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
+    mean_pressures = np.minimum(mean_pressures, 0.9999)  # at a mean of 1, the rate is 0, and its logarithm infinite
+    shape = 1.5 - 0.65 * mean_pressures
+    log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)
     for _ in range(60):
         log_middle = 0.5 * (log_low + log_high)
         rate = np.exp(log_middle)
-        is_mean_larger = gamma(1 / shape) * gammainc(1 / shape, rate) / shape / rate ** (1 / shape) > means
+        is_mean_larger = gamma(1 / shape) * gammainc(1 / shape, rate) / shape / rate ** (1 / shape) > mean_pressures
         log_low, log_high = (
             np.where(is_mean_larger, log_middle, log_low),
             np.where(is_mean_larger, log_high, log_middle),
         )
     ratios = np.linspace(0.0, 1.0, NUM_TABULATED_VALUES)
     with np.errstate(divide="ignore"):
-        limits = means * ratios / (1 - ratios)
+        limits = mean_pressures * ratios / (1 - ratios)
     return np.asarray(gammainc(1 / shape, rate * limits**shape) / gammainc(1 / shape, rate))
 
 
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # If the contact seizes, this difference of squares is zero or negative.
+    # `constant_term` is zero or negative if the contact seizes.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -409,7 +413,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two height maps: those for profiles, and three others.
+    """Validity indicators of the asperity model for two height maps: four as for profiles, and three for maps only.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -542,7 +546,7 @@ class FrictionCurve(PlotReprMixin):
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
-        # In the arrays, the axes of mu0 and tau0 come first, before the axes of directions and loading steps.
+        # The axes of mu0 and tau0 come before the axes of directions and loading steps.
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return FrictionLaw(parameters[0][index], parameters[1][index])
 
@@ -599,10 +603,10 @@ def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
 
 def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
     """Check a single mu0 and a single tau0 (GPa), and return both as floats. Warn if tau0 is large compared with E*."""
-    values = [
+    strengths = [
         float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))
     ]
     modulus = validate_number("effective_modulus", effective_modulus, unit="GPa", above=0)
-    warn_if_tau0_is_large(np.asarray(values[1]), modulus)
-    return values[0], values[1]
+    warn_if_tau0_is_large(np.asarray(strengths[1]), modulus)
+    return strengths[0], strengths[1]

@@ -236,7 +236,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions during separation, and the reason why the pull-off force is uncertain, or ""."""
+        """Contact solutions during separation, and why the pull-off force is uncertain ("" if it is certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -255,7 +255,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Normal stiffness dF/dδ (mN/µm) of the fixed set of contact points at each load.
+        """Normal stiffness dF/dδ (mN/µm) at each load, for an unchanged set of contact points.
 
         The stiffness is infinite in full periodic contact. It is NaN on a free half-plane, and if the pressure equals
         the hardness everywhere in contact. The stiffness is computed on first use.
@@ -264,7 +264,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, at each load of first loading.
+        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading at each load.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -416,8 +416,8 @@ class HalfSpaceCurve(FrictionCurve):
 
     def _with_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
         totals = _total_patches(model, self._contact_solutions, sums)
-        changes: dict[str, Any] = {name: make_read_only(values) for name, values in totals.items()}
-        return replace(self, **changes, _model=model, _sums=sums)
+        changed_fields: dict[str, Any] = {name: make_read_only(values) for name, values in totals.items()}
+        return replace(self, **changed_fields, _model=model, _sums=sums)
 
 
 def half_space(
@@ -565,7 +565,7 @@ def half_space(
             raise ValueError(
                 "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'"
             )
-        problem = replace(problem, turns=True)
+        problem = replace(problem, has_free_tilt=True)
     loads, approaches = (
         [given_values] if isinstance(given_values, str) else given_values for given_values in (loads, approaches)
     )
@@ -581,15 +581,15 @@ def half_space(
 
 
 def _solve_contacts(
-    problem: HalfSpaceProblem, name: StepKind, steps: Floats, *, tolerance: float,
+    problem: HalfSpaceProblem, step_kind: StepKind, steps: Floats, *, tolerance: float,
     progress: Callable[[int, int, float], object] | None, record: SolutionRecord,
 ) -> list[ContactSolution]:  # fmt: skip
     """Solve the half-space contact at each load (mN) or at each approach (µm)."""
     if problem.work_of_adhesion > 0:
         return solve_with_adhesion(problem, steps, tolerance=tolerance, progress=progress, record=record)
-    if problem.turns:
+    if problem.has_free_tilt:
         return solve_with_balanced_tilt(problem, steps, tolerance=tolerance, progress=progress, record=record)
-    solver = ContactSolver(problem, name, steps[-1], tolerance=tolerance, report=None, record=record)
+    solver = ContactSolver(problem, step_kind, steps[-1], tolerance=tolerance, report=None, record=record)
     solutions: list[ContactSolution] = []
     group_size = max(1, MAX_POINTS_PER_STEP // problem.gap.size)
     for start in range(0, steps.size, group_size):

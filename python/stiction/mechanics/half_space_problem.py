@@ -36,8 +36,7 @@ quarter of the time of solving a contact with free boundaries.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Limit of the pressures in a linear response to a mean pressure of 1.
-# No response reaches this limit even on coarse grids.
+# Upper limit of the pressures in a linear response to a mean pressure of 1. No response reaches this limit.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer side of a grid cell to its shorter side
 
@@ -56,11 +55,11 @@ def get_half_space_grids(
 
     Unless `remains_cached` is False, the grids remain cached until the next call, even if no problem uses them.
     """
-    key = shape, spacing, effective_modulus, periodic
-    grids = _grids_by_key.get(key)
+    grids_key = shape, spacing, effective_modulus, periodic
+    grids = _grids_by_key.get(grids_key)
     if grids is None:
         grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
-        _grids_by_key[key], _key_of_grids[grids] = grids, key
+        _grids_by_key[grids_key], _key_of_grids[grids] = grids, grids_key
     if remains_cached and math.prod(shape) <= MAX_CACHED_GRID_POINTS:
         _last_grids.append(grids)
     return grids
@@ -99,7 +98,7 @@ class HalfSpaceProblem:
     missing: NDArray[np.bool_] | None = None
     # Slopes by which the upper surface is tilted about its centre: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
-    turns: bool = False  # True if the upper surface tilts until the resultant force acts at its centre
+    has_free_tilt: bool = False  # True if the upper surface tilts until the resultant force acts at its centre
 
     @property
     def periodic(self) -> bool:
@@ -118,7 +117,7 @@ class HalfSpaceProblem:
 
     @property
     def has_finite_approach(self) -> bool:
-        """True if distant points have a finite approach. On a free half-plane, their approach is infinite."""
+        """True if distant points have a finite approach. On a free half-plane, the approach is infinite."""
         return self.periodic or len(self.spacing) == 2
 
     @property
@@ -235,24 +234,24 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Two compliances of the contact points below the hardness, for loading; see `cache_compliances`."""
+        """Compliances for loading, of the contact points below the hardness: the two numbers of `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Two compliances of all contact points, for unloading; see `cache_compliances`."""
+        """Compliances for unloading, of all contact points: the two numbers of `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures, of sum 1 GPa, that displace contact points equally without tilt, and this displacement (µm)."""
-        if self.problem.turns:
+        """Pressures with a sum of 1 GPa that displace all contact points equally, and this displacement (µm)."""
+        if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures, of sum 1 GPa, that displace all points in a mask equally, and this displacement (µm)."""
-        if not self.problem.turns:
+        """Return pressures with a sum of 1 GPa that displace points in a mask equally, and this displacement (µm)."""
+        if not self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
 
@@ -295,28 +294,28 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
     points equally: the displacement of these points, and the sum of the pressures times the displacements under a
     pressure of 1 GPa on the whole grid. The solutions are for one pair.
     """
-    missing: list[tuple[ContactSolution, str]] = []
+    missing_compliances: list[tuple[ContactSolution, str]] = []
     for solution in solutions:
         # Contacts without yielded points respond in the same way during loading and unloading.
         name = "unloading_compliances" if unloading and not solution.is_elastic else "loading_compliances"
         is_computed = name in vars(solution) or _RESPONSE_NAMES[name] in vars(solution)
-        if not is_computed and not solution.problem.turns and (unloading or solution.below_hardness.any()):
-            missing.append((solution, name))
-    if not missing:
+        if not is_computed and not solution.problem.has_free_tilt and (unloading or solution.below_hardness.any()):
+            missing_compliances.append((solution, name))
+    if not missing_compliances:
         return
-    problem = missing[0][0].problem
+    problem = missing_compliances[0][0].problem
     compliances = problem.grids.fixed_contact_responses(
         [
             solution.points[solution.below_hardness]
             if name == "loading_compliances" and not solution.is_elastic
             else solution.points
-            for solution, name in missing
+            for solution, name in missing_compliances
         ],
         problem.uniform_pressure_displacement,
         threads=solver_thread_count(),
     )
-    for (solution, name), pair in zip(missing, compliances, strict=True):
-        vars(solution)[name] = pair
+    for (solution, name), compliances_of_solution in zip(missing_compliances, compliances, strict=True):
+        vars(solution)[name] = compliances_of_solution
 
 
 def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
@@ -380,7 +379,7 @@ def make_problem(
             f"the bodies upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
         )
     spacing = upper.spacings
-    cell_area = math.prod(spacing)  # the product of the spacings may overflow
+    cell_area = math.prod(spacing)  # infinite if the product of the spacings overflows
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
@@ -425,7 +424,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
 
 
 def take_every_second_point(values: Floats) -> Floats:
-    """Return the values at the points of the grid that `coarsen_problem` uses: every second point along each axis."""
+    """Return the values at every second point along each axis, the points that remain in `coarsen_problem`."""
     return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
@@ -503,7 +502,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the pressures due to a mean pressure of 1 and due to tilts, with contact at the points of a mask."""
+        """Compute the responses of the contact points in a mask to a mean pressure of 1 GPa and to unit tilts."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -534,7 +533,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures, of sum 1 GPa, whose resultant acts at the centre, and the resulting approach (µm)."""
+        """Return pressures with a sum of 1 GPa and a resultant through the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -551,10 +550,10 @@ class ContactSolver:
     """Solver for one contact problem, at loads (mN) or approaches (µm) that do not exceed `limit`."""
 
     def __init__(
-        self, problem: HalfSpaceProblem, name: StepKind, limit: float, *, tolerance: float,
+        self, problem: HalfSpaceProblem, step_kind: StepKind, limit: float, *, tolerance: float,
         report: Callable[[int, float], object] | None, record: SolutionRecord,
     ) -> None:  # fmt: skip
-        self.problem, self.name, self.tolerance, self.report = problem, name, tolerance, report
+        self.problem, self.step_kind, self.tolerance, self.report = problem, step_kind, tolerance, report
         self.counter = record.counter
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
@@ -563,7 +562,9 @@ class ContactSolver:
             # rescale the solver tolerance, which refers to this deviation.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
-            gap = np.where(missing, 2 * measured_gap.max() + 4 * (mean_displacement if name == "loads" else limit), gap)
+            gap = np.where(
+                missing, 2 * measured_gap.max() + 4 * (mean_displacement if step_kind == "loads" else limit), gap
+            )
             self.scale = float(gap.std() / measured_gap.std()) if np.ptp(measured_gap) > 0 else 1.0
         self._core = _core.HalfSpaceSolver(
             gap, problem.grids, bound=max_pressure, tolerance=tolerance / self.scale, threads=solver_thread_count()
@@ -571,7 +572,7 @@ class ContactSolver:
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
         """Solve the contact at a load or an approach. Raises `NoSolutionError` if the error exceeds the tolerance."""
-        problem, is_load = self.problem, self.name == "loads"
+        problem, is_load = self.problem, self.step_kind == "loads"
         value = step / (problem.cell_area * problem.gap.size) if is_load else step
         solve_step = self._core.at if is_load else self._core.at_approach
         solution = solve_step(
@@ -591,7 +592,7 @@ class ContactSolver:
         Returns the arrays of `to_step_result`. Raises `NoSolutionError` at the first step whose error exceeds the
         tolerance.
         """
-        problem, is_load = self.problem, self.name == "loads"
+        problem, is_load = self.problem, self.step_kind == "loads"
         targets = steps / (problem.cell_area * problem.gap.size) if is_load else steps
         solve = self._core.contacts_at if is_load else self._core.contacts_at_approaches
         result: StepResult = solve(
@@ -625,7 +626,7 @@ class ContactSolver:
         )
 
     def _format_step(self, step: float) -> str:
-        return f"a load of {step:g} mN" if self.name == "loads" else f"an approach of {step:g} µm"
+        return f"a load of {step:g} mN" if self.step_kind == "loads" else f"an approach of {step:g} µm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -669,7 +670,9 @@ def to_step_result(contact_solution: ContactSolution) -> StepResult:
     result["num_points"] = np.array([contact_solution.points.size])
     result |= {name: np.array([getattr(contact_solution, name)]) for name in _SCALAR_STEP_NAMES}
     problem = contact_solution.problem
-    return result | ({"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.turns else {})
+    return result | (
+        {"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.has_free_tilt else {}
+    )
 
 
 _SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
@@ -677,17 +680,25 @@ _SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
     """Restore the contact solutions from arrays in which the results of `to_step_result` are concatenated."""
-    if problem.turns:
+    if problem.has_free_tilt:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)
     points, values, share, patch = (make_read_only(result[name]) for name in ("points", "values", "share", "patch"))
-    numbers = zip(*(result[name].tolist() for name in _SCALAR_STEP_NAMES), strict=True)
+    scalar_rows = zip(*(result[name].tolist() for name in _SCALAR_STEP_NAMES), strict=True)
     solutions, start = [], 0
-    for count, (load, approach, error, iterations) in zip(result["num_points"].tolist(), numbers, strict=True):
-        part = slice(start, start := start + count)
+    for count, (load, approach, error, iterations) in zip(result["num_points"].tolist(), scalar_rows, strict=True):
+        point_range = slice(start, start := start + count)
         solutions.append(
             ContactSolution(
-                problem, load, points[part], values[part], share[part], patch[part], approach, error, iterations
+                problem,
+                load,
+                points[point_range],
+                values[point_range],
+                share[point_range],
+                patch[point_range],
+                approach,
+                error,
+                iterations,
             )
         )
     return solutions

@@ -29,7 +29,7 @@ INDENTATION_AREA_RATIO = 24.5
 
 
 def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = np.inf) -> Floats:
-    """Return the hardness of small contacts divided by the hardness that an indentation measured.
+    """Return the ratio of the hardness of small contacts to the hardness from an indentation test.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Bandis' law of a joint: p = K c / (1 - c/V) for pressure p and closure c. Includes the deviation of the fit.
+    """Bandis' law of a joint, p = K c / (1 - c/V) for pressure p and closure c, and the deviation of its fit.
 
     Attributes
     ----------
@@ -45,12 +45,12 @@ def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
     if not (closure > 0).all():
         return BandisLaw(math.nan, math.nan, math.nan)
 
-    def compute_deviations(logarithms: Floats) -> Floats:
-        stiffness, maximum = np.exp(logarithms)
-        return np.asarray(np.log(pressure * maximum / (stiffness * maximum + pressure) / closure))
+    def compute_deviations(log_parameters: Floats) -> Floats:
+        stiffness, maximum_closure = np.exp(log_parameters)
+        return np.asarray(np.log(pressure * maximum_closure / (stiffness * maximum_closure + pressure) / closure))
 
-    optimum = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
-    stiffness, maximum = np.exp(optimum.x)
-    if maximum > MAX_CLOSURE_EXTRAPOLATION * closure[-1]:
+    best_fit = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
+    stiffness, maximum_closure = np.exp(best_fit.x)
+    if maximum_closure > MAX_CLOSURE_EXTRAPOLATION * closure[-1]:
         return BandisLaw(math.nan, math.nan, math.nan)
-    return BandisLaw(float(stiffness), float(maximum), math.expm1(float(np.abs(optimum.fun).max())))
+    return BandisLaw(float(stiffness), float(maximum_closure), math.expm1(float(np.abs(best_fit.fun).max())))

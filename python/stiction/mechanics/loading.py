@@ -27,7 +27,7 @@ from stiction.surfaces.surface import Surface
 # Smallest approach that is computed, as a fraction of the range of the gap.
 # At an approach below 1e-6 of the range of the gap, a single contact carries the whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# Ratio of successive approaches.
+# Ratio of successive approaches in the search for a load.
 # If the load crosses a requested load twice between two approaches, both crossings are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches that are computed together.
@@ -180,16 +180,16 @@ def find_approaches_at_loads(
     # Compute approaches with equal ratios, up to the approach at which all points touch. If the surfaces are parallel,
     # the range of their gap is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
-    count = (
+    num_approaches = (
         round(-np.log(_MIN_APPROACH_TO_GAP_RANGE) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0
     )
-    sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_TO_GAP_RANGE, 1.0, count)
-    for batch_start in range(0, count, _APPROACHES_PER_BATCH):
+    sampled_approaches = max_approach * np.geomspace(_MIN_APPROACH_TO_GAP_RANGE, 1.0, num_approaches)
+    for batch_start in range(0, num_approaches, _APPROACHES_PER_BATCH):
         if not is_pending.any():
             break
-        batch = sampled_approaches[batch_start : batch_start + _APPROACHES_PER_BATCH]
-        contact_sums = bodies.press(batch, model)
-        approaches = np.append(approaches[-1], batch)
+        approach_batch = sampled_approaches[batch_start : batch_start + _APPROACHES_PER_BATCH]
+        contact_sums = bodies.press(approach_batch, model)
+        approaches = np.append(approaches[-1], approach_batch)
         normal_loads = np.append(normal_loads[-1], normal_load(contact_sums))
         has_touched = has_touched or bool(contact_sums.contact_count.any())
         is_crossing = (normal_loads[:-1, np.newaxis] < loads) & (normal_loads[1:, np.newaxis] >= loads)

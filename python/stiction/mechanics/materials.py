@@ -152,21 +152,21 @@ def material(name: str) -> Material:
     by_name = _materials_by_name()
     if not isinstance(name, str):
         raise ValueError(f"name must be the name of a material, got {short_repr(name)}")
-    result = by_name.get(_normalise_name(name))
-    if result is None or _is_formula_of_another_material(name, result):
+    found_material = by_name.get(_normalise_name(name))
+    if found_material is None or _is_formula_of_another_material(name, found_material):
         matches = difflib.get_close_matches(_normalise_name(name), by_name, n=3, cutoff=0.5)
-        names = [
+        suggested_names = [
             name for match in matches for name in _names_and_aliases(by_name[match]) if _normalise_name(name) == match
         ]
-        names = names or [item.name for item in materials()]
+        suggested_names = suggested_names or [item.name for item in materials()]
         introduction = "the nearest are" if matches else "there are"
         is_coating = "coat" in name.casefold() or is_coating_formula(name)
         hint = "; for a coating much thinner than the contact width, name its substrate" if is_coating else ""
         raise ValueError(
             "name must be the name of a known material, "
-            f"got {short_repr(name)}; {introduction} {', '.join(names)}{hint}"
+            f"got {short_repr(name)}; {introduction} {', '.join(suggested_names)}{hint}"
         )
-    return result
+    return found_material
 
 
 @cache
@@ -189,8 +189,8 @@ def materials() -> tuple[Material, ...]:
     ['fused silica', 'N-BK7 glass', 'soda-lime glass']
     """
     text = (resources.files("stiction.mechanics") / "materials.toml").read_text(encoding="utf-8")
-    table = tomllib.loads(text)
-    citations = table["sources"]
+    materials_table = tomllib.loads(text)
+    citations = materials_table["sources"]
 
     def parse_material_value(row: dict[str, Any], name: str) -> Any:
         if name not in row:
@@ -205,7 +205,7 @@ def materials() -> tuple[Material, ...]:
             tuple(row.get("aliases", ())),
         )
         for kind in get_args(MaterialKind)
-        for row in sorted(table[kind], key=lambda row: row["name"].casefold())
+        for row in sorted(materials_table[kind], key=lambda row: row["name"].casefold())
     )  # fmt: skip
 
 

@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² for each elliptic contact: the `transverse_fraction` of `compliance_ratio`.
+    """Return the argument `transverse_fraction` of `compliance_ratio`, a mean squared sine, for each elliptic contact.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -150,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, with s = (1 - t²)^(1/2) in `sine`."""
+        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, for the values s of `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
@@ -180,7 +180,7 @@ class AsperityTangentialProblem:
 
 
 class HalfSpaceTangentialProblem:
-    """Half-space contact at a constant normal load, which computes slip states under tangential loads."""
+    """Half-space contact at a constant normal load, and its slip states under tangential loads."""
 
     def __init__(
         self,
@@ -221,7 +221,7 @@ class HalfSpaceTangentialProblem:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tangential tractions. A copy of the problem creates a new solver."""
+        """Solver for the tangential tractions. A copy of the problem creates its own solver."""
         return _core.HalfSpaceSolver(
             np.zeros(self.shape),
             self.grids,

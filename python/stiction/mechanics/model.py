@@ -227,7 +227,7 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given effective modulus (GPa), or the default modulus if none is given for generated surfaces.
+    """Return the given effective modulus (GPa) or, for generated surfaces without a given modulus, the default.
 
     The default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
@@ -275,7 +275,7 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies have the same type and equal spacings. With `whole`, no point may be missing."""
+    """Check that two bodies have the same type and equal spacings and, with `whole`, no missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:
@@ -326,7 +326,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. To save time, the first rows are compared first."""
+    """Return True if two arrays differ only by a constant. To save time, a few points are compared before the rest."""
     tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

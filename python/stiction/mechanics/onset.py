@@ -353,13 +353,13 @@ def resolve_index(index: Any, count: int, items: str) -> int:
 
 def validate_nonzero_strengths(mu0: Any, tau0: Any, effective_modulus: float) -> tuple[float, float]:
     """Check that mu0 and tau0 (GPa) are not both negligible, and return both as floats."""
-    values = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
-    if max(values[0], values[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
+    strengths = validate_mu0_and_tau0(mu0, tau0, effective_modulus)
+    if max(strengths[0], strengths[1] / effective_modulus) < MIN_RELATIVE_STRENGTH:
         raise ValueError(
             "mu0 and tau0 must not both be 0 or negligible, because nothing would resist sliding; "
             f"mu0 or tau0/E* must be at least {MIN_RELATIVE_STRENGTH:g}"
         )
-    return values
+    return strengths
 
 
 def parse_direction(direction: Direction, *, line: bool) -> float:
@@ -377,13 +377,13 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
     """Parse the Poisson's ratios of the upper and the lower body, given as a pair or as one number for both."""
-    values = float_array("poisson", poisson)
-    if values.shape not in ((), (1,), (2,)) or not ((values > -1) & (values <= 0.5)).all():
+    given_ratios = float_array("poisson", poisson)
+    if given_ratios.shape not in ((), (1,), (2,)) or not ((given_ratios > -1) & (given_ratios <= 0.5)).all():
         raise ValueError(
             "poisson must be one ratio, or two ratios for the upper and the lower body, above -1 and at most 0.5, "
             f"got {short_repr(poisson)}"
         )
-    two_ratios = np.broadcast_to(values.ravel(), (2,))
+    two_ratios = np.broadcast_to(given_ratios.ravel(), (2,))
     return float(two_ratios[0]), float(two_ratios[1])
 
 
@@ -422,7 +422,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
     min_displacement = MIN_SLIDING_FRACTION * limit
     if not (displacement_array[0] >= min_displacement and displacement_array[-1] <= limit):
         raise ValueError(
-            f"displacements must be between {min_displacement:g} and {limit:g} µm, at which the surfaces slide, "
+            f"displacements must be between {min_displacement:g} and {limit:g} µm, the displacement at sliding, "
             f"got {short_repr(displacements)}"
         )
     return displacement_array

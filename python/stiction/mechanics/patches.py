@@ -58,7 +58,7 @@ class PatchSums:
 
     @cached_property
     def opposes_motion(self) -> NDArray[np.bool_]:
-        """Mask, of shape (directions, patches), of the patches that push the upper surface against its motion."""
+        """Mask (directions, patches) of the patches that push the upper surface against its motion."""
         patch_counts = np.diff(self.first_patch, append=self.force.size)
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
@@ -74,7 +74,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return the sums in `DIRECTED_TOTALS` over the patches with friction, each of shape (directions, k)."""
+        """Return each sum of `DIRECTED_TOTALS` over the patches with friction, with the shape (directions, k)."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._total(values) for values in sums]

@@ -126,16 +126,16 @@ class LuGre(TextReprMixin):
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to an onset curve by least squares of the load."""
+    """Fit the Iwan model to an onset curve by least squares of the tangential load."""
     _check_curve(displacement, load, MIN_FIT_POINTS)
-    from scipy.optimize import least_squares  # takes 0.2 s, and is not needed for a curve that cannot be fitted
+    from scipy.optimize import least_squares  # This import takes 0.2 s. It follows the check, which may raise an error.
 
-    def iwan_model(values: Floats, residual: Floats) -> FourParameterIwan:
-        chi, beta = map(float, values)
+    def iwan_model(parameters: Floats, residual: Floats) -> FourParameterIwan:
+        chi, beta = map(float, parameters)
         return FourParameterIwan(sliding_load, stiffness, chi, beta, residual)
 
-    def relative_error(values: Floats) -> Floats:
-        return (iwan_model(values, load).load(displacement) - load) / sliding_load
+    def relative_error(parameters: Floats) -> Floats:
+        return (iwan_model(parameters, load).load(displacement) - load) / sliding_load
 
     bounds = [-1 + 1e-6, 0.0], [0.0, np.inf]
     initial_parameters = [[chi, beta] for chi in (-0.8, -0.5, -0.1) for beta in (0.01, 1.0)]
@@ -148,15 +148,15 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to an onset curve by least squares of the load."""
+    """Fit the LuGre model to an onset curve by least squares of the tangential load."""
     _check_curve(displacement, load, 1)
     from scipy.optimize import least_squares
 
     initial_stiffness = load[0] / displacement[0]
 
-    def relative_error(values: Floats) -> Floats:
+    def relative_error(parameters: Floats) -> Floats:
         return (
-            LuGre(sliding_load, initial_stiffness * math.exp(values[0]), load).load(displacement) - load
+            LuGre(sliding_load, initial_stiffness * math.exp(parameters[0]), load).load(displacement) - load
         ) / sliding_load
 
     fit = least_squares(relative_error, [0.0], xtol=1e-12, ftol=1e-12, gtol=1e-12)

@@ -57,14 +57,14 @@ class ResultQuantity:
 
     unit: str
     words: str  # phrase for a quantity in axis labels and in the `long_name` of a variable
-    brief: str = ""  # shorter phrase for a quantity in tables, if `words` is too long
+    short_words: str = ""  # shorter phrase for a quantity in tables, if `words` is too long
     symbol: str = ""  # symbol of a quantity in TeX notation
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Quantity in the numerator of a ratio: of a validity indicator, or of a stiffness per area.
+    # for a ratio, such as a validity indicator or a stiffness per area: name of the quantity in the numerator
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # quantities whose sum is the denominator of a validity indicator
+    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
     sum_under_load: str = ""  # for a sum at zero load: name of the corresponding sum under load
     # range to which the limits of the quantity's interval are clipped
     bounds: tuple[float, float] = (-math.inf, math.inf)
@@ -75,11 +75,11 @@ class ResultQuantity:
     column_unit: str = ""  # unit of the quantity in spreadsheets, if it differs from `unit`
     column_factor: float = 1.0
     # True if the quantity is roughly proportional to the load.
-    # Then the quantity divided by the load is interpolated, linearly in the logarithm of the load.
+    # Such a quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
     proportional: bool = False
     proportional_with_adhesion: bool = True  # False if adhesion makes the quantity nonzero without a load
     weighted: bool = False  # True if the mean of the quantity over an ensemble is weighted by the load
-    # If only a lower bound is known in some members: name of the quantity that contains the fraction of these members.
+    # name of the quantity that contains the fraction of members for which only a lower bound is known
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     is_optional: bool = False  # True if results of earlier versions do not contain the quantity, which is then NaN
@@ -88,8 +88,8 @@ class ResultQuantity:
 
     @property
     def table_label(self) -> str:
-        """Label of the quantity in tables: `brief`, or else `words`."""
-        return self.brief or self.words
+        """Label of the quantity in tables: `short_words`, or else `words`."""
+        return self.short_words or self.words
 
     @property
     def table_unit(self) -> str:
@@ -98,7 +98,7 @@ class ResultQuantity:
 
     @property
     def is_directed(self) -> bool:
-        """True if the quantity depends on the sliding rule and on the direction."""
+        """True if the quantity depends on the sliding rule and on the direction of motion."""
         return "sliding" in self.along
 
 
@@ -106,16 +106,16 @@ CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantit
 AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
 """Units and descriptions of the contact sums that only height maps have. The core declares the sums and their order."""
 
-_STEP_AXIS: tuple[QuantityAxis, ...] = ("step",)
-_MOTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "direction")
-_FRICTION_AXES: tuple[QuantityAxis, ...] = (*_MOTION_AXES, "step", "mu0", "tau0")
-_MEAN_FRICTION_AXES: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
+_STEP_DIMENSION: tuple[QuantityAxis, ...] = ("step",)
+_MOTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "direction")
+_FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = (*_MOTION_DIMENSIONS, "step", "mu0", "tau0")
+_MEAN_FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
 _FRACTION_ROUND_OFF = 1e-6  # largest amount by which round-off may raise a stored fraction above 1
 _STORED_FRACTION_RANGE = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _UNRESTRICTED_STORED_RANGE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-_NOT_NEGATIVE = (0.0, MAX_STORED_VALUE)
+_NONNEGATIVE_STORED_RANGE = (0.0, MAX_STORED_VALUE)
 # smallest and largest stored stiffness: a closed gap has an infinite stiffness
-_STORED_STIFFNESS = (-MAX_STORED_VALUE, math.inf)
+_STORED_STIFFNESS_RANGE = (-MAX_STORED_VALUE, math.inf)
 _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "unit": "1",
     "percent": True,
@@ -130,18 +130,18 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the table entry of a contact sum, with the unit and the description that the core declares."""
+    """Return the description of a contact sum, with the unit and the words that the core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
     defaults: dict[str, Any] = {
-        "kind": "sum", "along": _STEP_AXIS, "stored": frozenset({source, *more_sources}),
-        "stored_bounds": _NOT_NEGATIVE,
+        "kind": "sum", "along": _STEP_DIMENSION, "stored": frozenset({source, *more_sources}),
+        "stored_bounds": _NONNEGATIVE_STORED_RANGE,
     }  # fmt: skip
     return ResultQuantity(unit=unit, words=words, **defaults | properties)
 
 
 def _directed_sum_quantities() -> dict[str, ResultQuantity]:
-    directed: dict[str, Any] = {"along": (*_MOTION_AXES, "step"), "stored_bounds": _UNRESTRICTED_STORED_RANGE}
+    directed: dict[str, Any] = {"along": (*_MOTION_DIMENSIONS, "step"), "stored_bounds": _UNRESTRICTED_STORED_RANGE}
     normal_sums: dict[str, ResultQuantity] = {
         f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", **directed)
         for contribution in ("frictional", "adhesive")
@@ -164,61 +164,62 @@ def _directed_sum_quantities() -> dict[str, ResultQuantity]:
 def _zero_load_quantity(contribution: str, unit: str) -> ResultQuantity:
     return ResultQuantity(
         unit=unit, words=f"{contribution} part of the tangential load without a normal load", kind="sum",
-        along=_MOTION_AXES,
+        along=_MOTION_DIMENSIONS,
         sum_under_load=f"tangential_{contribution}", stored=frozenset({"adhesion"}),
     )  # fmt: skip
 
 
 def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
-    fields: dict[str, Any] = {"kind": "validity", "along": _STEP_AXIS, "shown": _DETAIL_TABLE_VIEWS} | properties
+    fields: dict[str, Any] = {"kind": "validity", "along": _STEP_DIMENSION, "shown": _DETAIL_TABLE_VIEWS} | properties
     unit_fields = _FRACTION_QUANTITY_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **unit_fields | fields)
 
 
-def _statistic_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
-    fields: dict[str, Any] = {"kind": "statistic", "along": _STEP_AXIS} | properties
-    return ResultQuantity(unit=unit, words=words, brief=brief, **fields)
+def _statistic_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
+    fields: dict[str, Any] = {"kind": "statistic", "along": _STEP_DIMENSION} | properties
+    return ResultQuantity(unit=unit, words=words, short_words=short_words, **fields)
 
 
 def _uncertainty_quantity(words: str, interval_kind: EstimateKind, *along: QuantityAxis) -> ResultQuantity:
-    along = (*_MEAN_FRICTION_AXES, *along)
+    along = (*_MEAN_FRICTION_DIMENSIONS, *along)
     return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval_kind=interval_kind)
 
 
-def _coordinate_quantity(unit: str, words: str, brief: str = "", **properties: Any) -> ResultQuantity:
-    return ResultQuantity(unit=unit, words=words, brief=brief, kind="coordinate", **properties)
+def _coordinate_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
+    return ResultQuantity(unit=unit, words=words, short_words=short_words, kind="coordinate", **properties)
 
 
 QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
     "friction_combined": _uncertainty_quantity("coefficient of static friction, 95 % combined uncertainty", "combined"),
     "friction_coefficient": ResultQuantity(
-        unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_AXES,
+        unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_DIMENSIONS,
     ),
     "mean_friction": ResultQuantity(
-        unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION_AXES,
+        unit="1", words="friction coefficient, mean over the directions", kind="ratio", along=_MEAN_FRICTION_DIMENSIONS,
     ),
     "friction_by_axis": ResultQuantity(
         unit="1", words="friction coefficient, mean over both directions of an axis", kind="ratio",
-        along=(*_MEAN_FRICTION_AXES, "axis"),
+        along=(*_MEAN_FRICTION_DIMENSIONS, "axis"),
     ),
     "gentle_friction": ResultQuantity(
-        unit="1", words="friction coefficient, small-slope estimate", brief="small-slope estimate",
-        kind="statistic", along=(*_MOTION_AXES, "mu0", "tau0"),
+        unit="1", words="friction coefficient, small-slope estimate", short_words="small-slope estimate",
+        kind="statistic", along=(*_MOTION_DIMENSIONS, "mu0", "tau0"),
     ),
     "normal_load": ResultQuantity(
         unit="mN", words="normal load at the onset of sliding, including friction on slopes", kind="sum",
-        along=_FRICTION_AXES, shown=_CSV_VIEW,
+        along=_FRICTION_DIMENSIONS, shown=_CSV_VIEW,
     ),
     "tangential_load": ResultQuantity(
-        unit="mN", words="tangential load at the onset of sliding", kind="sum", along=_FRICTION_AXES, shown=_CSV_VIEW,
+        unit="mN", words="tangential load at the onset of sliding", kind="sum", along=_FRICTION_DIMENSIONS,
+        shown=_CSV_VIEW,
     ),
     "lateral_load": ResultQuantity(
-        unit="mN", words="lateral load that keeps the upper body on its path", kind="sum", along=_FRICTION_AXES,
+        unit="mN", words="lateral load that keeps the upper body on its path", kind="sum", along=_FRICTION_DIMENSIONS,
     ),
     "status": ResultQuantity(
-        unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_AXIS, dtype=int,
-        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
+        unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_DIMENSION, dtype=int,
+        stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
     "friction_at_cutoff": _uncertainty_quantity(
         "coefficient of static friction, combined 95 % interval at one cutoff", "combined"
@@ -236,42 +237,44 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "fraction_unlimited": ResultQuantity(
         unit="1", words="fraction of the samples of the inputs for which friction has no upper limit",
-        kind="statistic", along=_MEAN_FRICTION_AXES,
+        kind="statistic", along=_MEAN_FRICTION_DIMENSIONS,
     ),
     "spread_low": ResultQuantity(
-        unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_AXES,
+        unit="1", words="10 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_DIMENSIONS,
     ),
     "spread_high": ResultQuantity(
-        unit="1", words="90 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_AXES,
+        unit="1", words="90 % quantile of the members", kind="statistic", along=_MEAN_FRICTION_DIMENSIONS,
     ),
     "ok": ResultQuantity(
-        unit="1", words="members with a coefficient", kind="statistic", along=_FRICTION_AXES, dtype=int
+        unit="1", words="members with a coefficient", kind="statistic", along=_FRICTION_DIMENSIONS, dtype=int
     ),
     "members": ResultQuantity(unit="1", words="members", kind="statistic", dtype=int),
     # ---- Contact at a load -----------------------------------------------------------------------------------------
     "contact_area_fraction": ResultQuantity(
-        unit="1", words="ratio of true to nominal contact area", brief="true area A/A0", kind="ratio", along=_STEP_AXIS,
+        unit="1", words="ratio of true to nominal contact area", short_words="true area A/A0", kind="ratio",
+        along=_STEP_DIMENSION,
         percent=True, bounds=(-math.inf, 1.0), shown=_DEFAULT_VIEWS,
     ),
     "contact_status": ResultQuantity(
-        unit="", words="status of the true contact area", kind="statistic", along=_STEP_AXIS, dtype=str,
+        unit="", words="status of the true contact area", kind="statistic", along=_STEP_DIMENSION, dtype=str,
     ),
     "contact_area": _sum_quantity("contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS),
     "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding",
-        brief="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"), shown=_DETAIL_TABLE_VIEWS,
+        short_words="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"),
+        shown=_DETAIL_TABLE_VIEWS,
     ),
     "contact_hardness": ResultQuantity(
         unit="GPa", words="hardness of the contacts, with the indentation size effect",
-        brief="hardness of the contacts", kind="statistic", along=_STEP_AXIS, shown=_DETAIL_TABLE_VIEWS,
+        short_words="hardness of the contacts", kind="statistic", along=_STEP_DIMENSION, shown=_DETAIL_TABLE_VIEWS,
     ),
     "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
     "mean_pressure": ResultQuantity(
-        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_AXIS, shown=_DEFAULT_VIEWS,
+        unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_DIMENSION, shown=_DEFAULT_VIEWS,
     ),
     "normal_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness", proportional=True,
-        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=_DEFAULT_VIEWS,
     ),
     "closure": _statistic_quantity(
@@ -281,83 +284,87 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "closure_stiffness": _statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
         "stiffness of closure", proportional=True,
-        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=_DEFAULT_VIEWS,
     ),
     "unloading_closure_stiffness": _statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure while unloading",
         "stiffness of closure while unloading", proportional=True,
-        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, is_optional=True,
+        proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
+        is_optional=True,
         shown=_CSV_VIEW,
     ),
     "contact_load": ResultQuantity(
-        unit="mN", words="load on the contacts: normal load plus attraction", brief="contact load",
-        kind="sum", along=_STEP_AXIS, proportional=True, stored=frozenset({"adhesion"}),
-        stored_bounds=_NOT_NEGATIVE, shown=_DEFAULT_VIEWS,
+        unit="mN", words="load on the contacts: normal load plus attraction", short_words="contact load",
+        kind="sum", along=_STEP_DIMENSION, proportional=True, stored=frozenset({"adhesion"}),
+        stored_bounds=_NONNEGATIVE_STORED_RANGE, shown=_DEFAULT_VIEWS,
     ),
     "pull_off": ResultQuantity(
         unit="mN", words="pull-off force", kind="statistic", bound_fraction="share_of_pull_off_bounds",
         stored=frozenset({"adhesion"}), shown=frozenset({"table", "csv"}),
     ),
     "pull_off_pressure": ResultQuantity(
-        unit="GPa", words="pull-off force divided by the nominal area", brief="pull-off pressure", kind="ratio",
+        unit="GPa", words="pull-off force divided by the nominal area", short_words="pull-off pressure", kind="ratio",
         bound_fraction="share_of_pull_off_bounds",
         shown=frozenset({"table", "csv"}),
     ),
     "friction_at_no_load": ResultQuantity(
-        unit="mN", words="tangential load at the onset of sliding without a normal load", brief="friction at no load",
+        unit="mN", words="tangential load at the onset of sliding without a normal load",
+        short_words="friction at no load",
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
     "tangential_stiffness": _statistic_quantity(
         "mN/um", "initial tangential stiffness", proportional=True,
         proportional_with_adhesion=False, stored=frozenset({"onset"}),
-        stored_bounds=_STORED_STIFFNESS,
+        stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=frozenset({"table", "csv"}),
     ),
     "displacement_at_sliding": _statistic_quantity(
         "um", "displacement of the upper body before it slides", "pre-sliding displacement", weighted=True,
-        stored=frozenset({"onset"}), stored_bounds=_NOT_NEGATIVE, shown=frozenset({"table", "csv"}),
+        stored=frozenset({"onset"}), stored_bounds=_NONNEGATIVE_STORED_RANGE, shown=frozenset({"table", "csv"}),
     ),
     "fraction_slipped": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
-        brief="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
+        short_words="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
     "approach": _coordinate_quantity(
-        "um", "approach since first contact", along=_STEP_AXIS, stored=frozenset({"half-space"}), shown=_DETAIL_VIEWS,
+        "um", "approach since first contact", along=_STEP_DIMENSION, stored=frozenset({"half-space"}),
+        shown=_DETAIL_VIEWS,
     ),
     "stiffness_per_area": ResultQuantity(
-        unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while loading", kind="ratio", along=_STEP_AXIS,
+        unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while loading", kind="ratio",
+        along=_STEP_DIMENSION,
         numerator="normal_stiffness", shown=_DETAIL_VIEWS,
     ),
     "unloading_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="normal stiffness per area while unloading (ultrasonic)", kind="ratio",
-        along=_STEP_AXIS, numerator="unloading_stiffness", shown=_DETAIL_VIEWS,
+        along=_STEP_DIMENSION, numerator="unloading_stiffness", shown=_DETAIL_VIEWS,
     ),
     "tangential_stiffness_per_area": ResultQuantity(
         unit=STIFFNESS_PER_AREA_UNIT, words="initial tangential stiffness per area", kind="statistic",
-        along=_STEP_AXIS, shown=_DETAIL_VIEWS,
+        along=_STEP_DIMENSION, shown=_DETAIL_VIEWS,
     ),
     "share_opposing": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
-        brief="load that opposes", kind="ratio", along=("direction", "step"), shown=_DETAIL_TABLE_VIEWS,
+        short_words="load that opposes", kind="ratio", along=("direction", "step"), shown=_DETAIL_TABLE_VIEWS,
     ),
     "share_on_largest": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on the contact with the largest load",
-        brief="load on the largest contact", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
+        short_words="load on the largest contact", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     "share_at_edge": _validity_quantity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
-        brief="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
+        short_words="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     "fraction_on_small": _statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts of at most four grid cells",
-        brief="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
+        short_words="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     **{
         f"share_on_steepest_{side}": _statistic_quantity(
             **_FRACTION_QUANTITY_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
-            brief=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_DETAIL_TABLE_VIEWS,
+            short_words=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_DETAIL_TABLE_VIEWS,
         )
         for side in ("upper", "lower")
     },
@@ -396,20 +403,21 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "error": _statistic_quantity(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
-        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE, shown=_DETAIL_TABLE_VIEWS,
+        stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE, shown=_DETAIL_TABLE_VIEWS,
     ),
     "elastic_area": _statistic_quantity(
         "um^2", "true contact area of elastic bodies at the same load, for the first members",
-        stored=frozenset({"yielding"}), stored_bounds=_NOT_NEGATIVE,
+        stored=frozenset({"yielding"}), stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
     "unloading_stiffness": _statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", proportional=True,
         proportional_with_adhesion=False,
-        stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS, shown=_CSV_VIEW,
+        stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE, shown=_CSV_VIEW,
     ),
     "nominal_pressure": ResultQuantity(
-        unit="GPa", words="normal load divided by the nominal area", brief="pressure on the nominal area", kind="ratio",
-        along=_STEP_AXIS, shown=_CSV_VIEW,
+        unit="GPa", words="normal load divided by the nominal area", short_words="pressure on the nominal area",
+        kind="ratio",
+        along=_STEP_DIMENSION, shown=_CSV_VIEW,
     ),
     "share_of_pull_off_bounds": ResultQuantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the members whose pull-off force is a lower bound or missing",
@@ -420,31 +428,31 @@ QUANTITIES: dict[str, ResultQuantity] = {
         stored=frozenset({"adhesion"}), stored_bounds=(0.0, 1.0),
     ),
     "patch_area": ResultQuantity(
-        unit="um^2", words="projected areas of contacts", brief="area of a contact", kind="statistic",
-        along=("step", "fraction_below"), stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
+        unit="um^2", words="projected areas of contacts", short_words="area of a contact", kind="statistic",
+        along=("step", "fraction_below"), stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
     "pressure": ResultQuantity(
-        unit="GPa", words="pressures over the true area", brief="pressure", kind="statistic",
+        unit="GPa", words="pressures over the true area", short_words="pressure", kind="statistic",
         along=("step", "fraction_below"), column_unit="MPa", column_factor=1000.0, stored=_MEASURED_SOURCE,
     ),
     **{
         f"{side}_rms": ResultQuantity(
-            unit="um", words=f"root-mean-square height of the {side} body", brief=f"Sq of the {side} body",
+            unit="um", words=f"root-mean-square height of the {side} body", short_words=f"Sq of the {side} body",
             kind="statistic",
         )
         for side in ("upper", "lower")
     },
     "rms_gradient": ResultQuantity(
-        unit="1", words="root-mean-square gradient of the gap", brief="rms gradient of the gap", kind="statistic",
-        stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
+        unit="1", words="root-mean-square gradient of the gap", short_words="rms gradient of the gap", kind="statistic",
+        stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
     "rms_slope": ResultQuantity(
-        unit="1", words="root-mean-square slope of the gap along the motion", brief="rms slope of the gap",
-        kind="statistic", along=("direction",), stored=_MEASURED_SOURCE, stored_bounds=_NOT_NEGATIVE,
+        unit="1", words="root-mean-square slope of the gap along the motion", short_words="rms slope of the gap",
+        kind="statistic", along=("direction",), stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
     "load_definition_effect": ResultQuantity(
         unit="1", words="largest relative difference of friction between definitions of the load", kind="uncertainty",
-        along=_STEP_AXIS,
+        along=_STEP_DIMENSION,
     ),
     # ---- Sums over contacts ----------------------------------------------------------------------------------------
     "normal_elastic": _sum_quantity("normal_elastic", "half-space", proportional=True),
@@ -496,7 +504,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "axis": _coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
     "x": _coordinate_quantity("um", "shift of the upper body along +x"),
     "y": _coordinate_quantity("um", "shift of the upper body along +y"),
-    "line": _coordinate_quantity("1", "pair of lines", dtype=int, stored_bounds=_NOT_NEGATIVE),
+    "line": _coordinate_quantity("1", "pair of lines", dtype=int, stored_bounds=_NONNEGATIVE_STORED_RANGE),
     "surrogate": _coordinate_quantity(
         "", "True if the member is a pair of surrogates", dtype=bool, stored_bounds=(0.0, 1.0),
     ),
@@ -554,7 +562,7 @@ AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
 """Names of the additional contact sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(
-    select_quantity_names(lambda quantity: quantity.kind == "sum" and quantity.along == (*_MOTION_AXES, "step"))
+    select_quantity_names(lambda quantity: quantity.kind == "sum" and quantity.along == (*_MOTION_DIMENSIONS, "step"))
 )
 """Names of the contact sums that depend on the direction of motion and on the sliding rule."""
 
@@ -568,7 +576,7 @@ YIELDING_QUANTITIES = select_quantity_names(lambda quantity: "yielding" in quant
 """Names of the quantities that a half-space result also stores if yielding below the surface increases the area."""
 
 ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(
-    lambda quantity: "adhesion" in quantity.stored and quantity.along == _MOTION_AXES
+    lambda quantity: "adhesion" in quantity.stored and quantity.along == _MOTION_DIMENSIONS
 )
 """Names of the sums that give the tangential load at the onset of sliding if there is no normal load."""
 
@@ -597,12 +605,12 @@ GAP_QUANTITIES = select_quantity_names(lambda quantity: "measured" in quantity.s
 """Names of the quantities of the gap of a member. They do not depend on the load."""
 
 LOAD_STEP_QUANTITIES = select_quantity_names(
-    lambda quantity: "measured" in quantity.stored and quantity.along == _STEP_AXIS
+    lambda quantity: "measured" in quantity.stored and quantity.along == _STEP_DIMENSION
 )
 """Names of the status and the statistics that a result of measured bodies stores for each member at each load."""
 
 RATIO_QUANTITIES = select_quantity_names(
-    lambda quantity: quantity.kind in ("ratio", "validity") and quantity.along == _STEP_AXIS
+    lambda quantity: quantity.kind in ("ratio", "validity") and quantity.along == _STEP_DIMENSION
 )
 """Names of the quantities at a load that are ratios of contact sums."""
 
@@ -612,7 +620,7 @@ STIFFNESS_PER_AREA_QUANTITIES = select_quantity_names(
 """Names of the stiffnesses that are divided by the nominal area."""
 
 STIFFNESS_QUANTITIES = select_quantity_names(
-    lambda quantity: quantity.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and quantity.along == _STEP_AXIS
+    lambda quantity: quantity.unit in ("mN/um", STIFFNESS_PER_AREA_UNIT) and quantity.along == _STEP_DIMENSION
 )
 """Names of the stiffnesses at a load. Their mean over members is the inverse of the mean compliance."""
 
@@ -630,13 +638,13 @@ VALIDITY_RATIO_OPERANDS = frozenset(
 INTERPOLATED_QUANTITIES = tuple(
     name
     for name, quantity in QUANTITIES.items()
-    if quantity.stored and quantity.along == _STEP_AXIS and (quantity.shown or name in VALIDITY_RATIO_OPERANDS)
+    if quantity.stored and quantity.along == _STEP_DIMENSION and (quantity.shown or name in VALIDITY_RATIO_OPERANDS)
 )
 """Names of the stored quantities that `at_load` interpolates to a load. Friction and quantiles are not included."""
 
 
 def quantity_attributes(name: str) -> dict[str, str]:
-    """Return the attributes of a dataset variable that describe a quantity: unit and long name."""
+    """Return unit and long name of a quantity, as attributes of a dataset variable."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
@@ -646,7 +654,7 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of a quantity's interval: the kind in the variable's attributes, or else the default."""
+    """Return the kind of a quantity's 95 % interval, from the attributes of a variable or else from the default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 

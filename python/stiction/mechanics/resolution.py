@@ -399,7 +399,7 @@ def _add_plastic_limits(
     gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
     area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
-    # Use the central rms gradient, because its uncertainty hardly affects the slope correction.
+    # Use the best estimate of the rms gradient, because its uncertainty hardly affects the slope correction.
     central_gradients = gradients[:, :1, np.newaxis]
     dimensions = ("finer_wavelength", "normal_load", "statistic")
     quantities: dict[str, tuple[Any, Floats, str, str]] = {

@@ -65,7 +65,7 @@ MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
 NUM_CLOSURE_LOADS = 8  # number of loads at which the closure of the joint is computed
-MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0  # largest to smallest load at which the closure of the joint is computed
+MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0  # ratio of the largest to the smallest load for the closure of the joint
 
 _STEP_QUANTITIES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -138,8 +138,10 @@ class ShearBox:
         """
         num_points = int(np.abs(path * self._motion / self.lower.spacings).sum()) + 1
         displacements = np.linspace(0.0, path, min(steps, num_points) + 1)
-        rounded = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
-        offsets: NDArray[np.int64] = rounded[np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))]
+        rounded_offsets = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
+        offsets: NDArray[np.int64] = rounded_offsets[
+            np.append(True, np.any(np.diff(rounded_offsets, axis=0) != 0, axis=1))
+        ]
         if len(offsets) < 2:
             raise ValueError(f"the sliding path must be at least the distance between two grid points, got {path:g} µm")
         if self.boundary == "free":
@@ -189,16 +191,18 @@ class ShearBox:
         width = min(face.heights.shape[axis] for face in (self.upper, self.lower))
         edges = np.rint(np.linspace(0, width, count + 1)).astype(int)
         strips = []
-        for first, end in itertools.pairwise(map(int, edges)):
-            selection = tuple(slice(first, end) if each == axis else slice(None) for each in range(2))
+        for strip_start, strip_end in itertools.pairwise(map(int, edges)):
+            selection = tuple(
+                slice(strip_start, strip_end) if grid_axis == axis else slice(None) for grid_axis in range(2)
+            )
             faces = self.upper, self.lower
             if any(face.missing is not None and face.missing[selection].all() for face in faces):
                 continue
             upper, lower = (_select_points(face, selection) for face in faces)
             strip = replace(self, upper=upper, lower=lower)
-            ratio = strip.initial_overlap_area / self.initial_overlap_area
-            if ratio >= MIN_STRIP_AREA_FRACTION / count:
-                strips.append(replace(strip, load=self.load * ratio, stiffness=self.stiffness * ratio))
+            area_fraction = strip.initial_overlap_area / self.initial_overlap_area
+            if area_fraction >= MIN_STRIP_AREA_FRACTION / count:
+                strips.append(replace(strip, load=self.load * area_fraction, stiffness=self.stiffness * area_fraction))
         return strips
 
     def displacements(self, offsets: NDArray[np.int64]) -> Floats:
@@ -309,7 +313,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first_row: StepResult | None, previous_row: StepResult | None
     ) -> StepResult:
-        """Solve the contact at an offset of the upper face, with an elastic load that gives the target normal load."""
+        """Solve the contact at an offset of the upper face, at the contact force that gives the target normal load."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
@@ -317,12 +321,12 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
-            # If the height of the first contact is unknown, the dilation and the normal load are unknown too.
+            # If the height at the first offset is unknown, the dilation and the normal load are unknown too.
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the normal load minus its target, and the target (mN), for an elastic load (mN)."""
+            """Return the excess of the normal load over its target, and the target (mN), at an elastic load (mN)."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first_row is None:
@@ -331,10 +335,10 @@ class ShearBox:
             target = self.load + (self.stiffness * rise if self.stiffness else 0.0)
             return self._compute_normal_load(rows[-1]) - target, target
 
-        guess = self.load if previous_row is None else float(previous_row["elastic_load"])
-        guess = guess if math.isfinite(guess) else self.load
+        load_guess = self.load if previous_row is None else float(previous_row["elastic_load"])
+        load_guess = load_guess if math.isfinite(load_guess) else self.load
         try:
-            status = _find_root(compare_load, guess, self.load, max_load)
+            status = _find_root(compare_load, load_guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
         row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
@@ -343,7 +347,7 @@ class ShearBox:
     def _make_row(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the results of a solved contact by name: contact sums, height of the upper face, and others."""
+        """Return the results of a solved contact by name, such as contact sums and the height of the upper face."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -446,7 +450,7 @@ def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Make the upper face equal to the lower face if their gap varies only by round-off. Return both faces."""
+    """Return the upper and the lower face, made equal if their gap varies only by round-off."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
@@ -461,37 +465,37 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 
 
 def _find_root(
-    compare_load: Callable[[float], tuple[float, float]], guess: float, load: float, max_load: float
+    compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the elastic load that gives the target normal load, and return the status of the search.
+    """Search for the contact force (elastic load) that gives the target normal load, and return a status.
 
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
     lower_load, upper_load = 0.0, max_load  # elastic loads between which the solution lies
-    trial_load, last_trial = min(guess, 0.9 * max_load), None
+    trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
-        excess, target = compare_load(trial_load)
-        if abs(excess) <= NORMAL_LOAD_TOLERANCE * load:
+        load_excess, target = compare_load(trial_load)
+        if abs(load_excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK
-        lower_load, upper_load = (trial_load, upper_load) if excess < 0 else (lower_load, trial_load)
-        if excess < 0 and trial_load > MAX_ELASTIC_LOAD_RATIO * max(target, load):
+        lower_load, upper_load = (trial_load, upper_load) if load_excess < 0 else (lower_load, trial_load)
+        if load_excess < 0 and trial_load > MAX_ELASTIC_LOAD_RATIO * max(target, load):
             return STATUS_SELF_LOCKED
-        if excess > 0 and trial_load < MIN_ELASTIC_LOAD_RATIO * load:
+        if load_excess > 0 and trial_load < MIN_ELASTIC_LOAD_RATIO * load:
             return STATUS_NO_CONTACT
         if lower_load > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
         # In the first step, assume that the normal load is proportional to the elastic load.
         slope = (
-            (excess + target) / trial_load
+            (load_excess + target) / trial_load
             if last_trial is None
-            else (excess - last_trial[1]) / (trial_load - last_trial[0])
+            else (load_excess - last_trial[1]) / (trial_load - last_trial[0])
         )
-        last_trial = trial_load, excess
-        step = trial_load - excess / slope if slope > 0 else (0.0 if excess > 0 else math.inf)
+        last_trial = trial_load, load_excess
+        step = trial_load - load_excess / slope if slope > 0 else (0.0 if load_excess > 0 else math.inf)
         step = min(max(step, trial_load / MAX_LOAD_STEP_RATIO), trial_load * MAX_LOAD_STEP_RATIO)
         if not lower_load < step < upper_load:
-            step = (trial_load + (upper_load if excess < 0 else lower_load)) / 2
+            step = (trial_load + (upper_load if load_excess < 0 else lower_load)) / 2
         trial_load = step
     return STATUS_NOT_SOLVED
 
@@ -515,20 +519,22 @@ def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
 
     The peak is NaN if the faces lock. The final coefficient is NaN if the faces slide without a tangential load.
     """
-    names = "peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa"
-    summary: dict[str, Any] = dict.fromkeys((*names, "end"), math.nan)
+    peak_names = "peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa"
+    summary: dict[str, Any] = dict.fromkeys((*peak_names, "end"), math.nan)
     coefficient, status = dataset["friction_coefficient"].values, dataset["status"].values
     summary["end"] = float(coefficient[-1])
-    failures = [name for name in (STATUS_SELF_LOCKED, STATUS_NOT_REACHED, STATUS_NOT_SOLVED) if (status == name).any()]
+    failure_statuses = [
+        name for name in (STATUS_SELF_LOCKED, STATUS_NOT_REACHED, STATUS_NOT_SOLVED) if (status == name).any()
+    ]
     summary["peak_status"] = (
-        failures[0] if failures else STATUS_OK if np.isfinite(coefficient).any() else str(status[0])
+        failure_statuses[0] if failure_statuses else STATUS_OK if np.isfinite(coefficient).any() else str(status[0])
     )
     if summary["peak_status"] == STATUS_OK:
         index = int(np.nanargmax(coefficient))
         displacement, dilation = dataset["displacement"].values, dataset["dilation"].values
-        values = (
+        peak_values = (
             coefficient[index], displacement[index], compute_dilation_angles(displacement, dilation)[index],
             np.nanmax(dataset["shear_stress"].values),
         )  # fmt: skip
-        summary |= {name: float(value) for name, value in zip(names, values, strict=True)}
+        summary |= {name: float(value) for name, value in zip(peak_names, peak_values, strict=True)}
     return summary

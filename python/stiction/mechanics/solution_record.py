@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record that runs the steps of a computation and counts solver iterations.
+    """Record of a computation: its methods run the steps, and its counter counts the solver iterations.
 
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
@@ -24,7 +24,7 @@ class SolutionRecord:
         self.counter = _core.IterationCounter()
 
     def __reduce__(self) -> tuple[type[SolutionRecord], tuple[()]]:
-        """Copy or pickle the record as a new, empty record."""
+        """Replace the record by a new, empty record in copies and pickles."""
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:

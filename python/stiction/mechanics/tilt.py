@@ -36,8 +36,8 @@ MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one load of a tilting surface
 # Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Amount by which the change of the moment per unit slope is increased, so that the Newton equations have a solution.
-# Its unit is (mean pressure) · (side length)² / (standard deviation of the gap).
+# Increase of the change of the moment per unit slope, so that the Newton equations have a solution.
+# The increase is in units of (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
@@ -114,10 +114,12 @@ def solve_with_balanced_tilt(
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
             # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
-            # The search for the tilt therefore starts from rigid surfaces, with a finer tolerance.
+            # A second search for the tilt starts from rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
-            touching = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
-            displacement = start.grids.displacement(touching.on_grid(touching.values), threads=solver_thread_count())
+            touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
+            displacement = start.grids.displacement(
+                touching_solution.on_grid(touching_solution.values), threads=solver_thread_count()
+            )
             fine_tolerance = INDENTATION_TOLERANCE * float(np.ptp(displacement)) / gap_deviation
             contact_solution = search_balance(rigid_problem, load, None, min(tolerance, fine_tolerance))
         if contact_solution is None:
@@ -142,8 +144,8 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
 
     arms = [np.broadcast_to(arm / np.ptp(arm), problem.gap.shape).ravel() for arm in lever_arms(problem)]
     is_measured = problem.measured_point_mask.ravel() > 0
-    height = float(np.ptp(problem.gap.ravel()[is_measured])) or 1.0
-    gap = np.where(is_measured, problem.gap.ravel() / height, np.inf)
+    gap_range = float(np.ptp(problem.gap.ravel()[is_measured])) or 1.0
+    gap = np.where(is_measured, problem.gap.ravel() / gap_range, np.inf)
     max_fraction = 1.0 if problem.hardness is None else min(1.0, problem.hardness / total_pressure)
     num_points = int(np.ceil(1 / max_fraction))
     fractions = np.append(np.full(num_points - 1, max_fraction), 1 - (num_points - 1) * max_fraction)
@@ -168,4 +170,4 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])
         slopes, upper_bound = vertex[:-1], vertex[-1]
-    return np.asarray(slopes * height / np.array([float(np.ptp(arm)) for arm in lever_arms(problem)]))
+    return np.asarray(slopes * gap_range / np.array([float(np.ptp(arm)) for arm in lever_arms(problem)]))
