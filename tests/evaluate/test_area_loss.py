@@ -136,7 +136,10 @@ def test_soft_bodies_add_a_caveat_if_their_study_has_no_area_loss():
 
 @pytest.mark.parametrize(("arguments", "term"), [
     ({"area_loss": -0.1}, "area_loss"), ({"area_loss": 0.95}, "0.9"), ({"area_loss": "0.3..0"}, "smaller"),
-    ({"area_loss": "-0.1..0.2"}, r"area_loss must be from 0 to 0\.9, including its uncertainty, got '-0\.1\.\.0\.2'"),
+    (
+        {"area_loss": "-0.1..0.2"},
+        r"area_loss must be from 0 to 0\.9, also at the limits of its uncertainty, got '-0\.1\.\.0\.2'",
+    ),
     ({"area_loss": 0.1, "hardness": "5 MPa"}, "hardness"), ({"area_loss": float("nan")}, "area_loss"),
     ({"area_loss": 0.1, "mechanics": "asperities"}, "half-space"),
 ])  # fmt: skip

@@ -306,7 +306,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
             return data
         for key in DERIVED_ELASTICITY_KEYS:
             if data.get(key) is not None:
-                raise make_key_error(key, "must not be given together with young, which determines it")
+                raise make_key_error(key, f"must not be given together with young, from which {key} is computed")
         if data.get("poisson") is None:
             raise make_key_error("poisson", "must be given together with young")
         try:
@@ -315,13 +315,13 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
                 for key in ("young", "poisson")
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
-        except (ValueError, IndexError):  # validation of Young's modulus and Poisson's ratio reports the error
+        except (ValueError, IndexError):  # invalid moduli, which the validation of both keys reports
             return data
-        derived: dict[str, Any] = {
+        derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
             "compliance_share": elasticity.compliance_share,
         }
-        return {**data, **{key: value for key, value in derived.items() if key in cls.model_fields}}
+        return {**data, **{key: value for key, value in derived_elasticity.items() if key in cls.model_fields}}
 
     @model_serializer(mode="wrap")
     def _omit_derived_values(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -689,8 +689,8 @@ def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     # Leave out a load of the series that nearly equals a requested load.
-    is_new = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
-    return np.unique(np.concatenate([given_loads, load_series[is_new]]))
+    is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
+    return np.unique(np.concatenate([given_loads, load_series[is_new_load]]))
 
 
 def _insert_intermediate_loads(given_loads: Floats) -> Floats:
@@ -698,8 +698,8 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
     given_loads = np.unique(given_loads)
     step_counts = np.ceil(np.log(given_loads[1:] / given_loads[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
-        np.geomspace(low, high, count, endpoint=False)[1:]
-        for low, high, count in zip(given_loads[:-1], given_loads[1:], step_counts, strict=True)
+        np.geomspace(smaller_load, larger_load, count, endpoint=False)[1:]
+        for smaller_load, larger_load, count in zip(given_loads[:-1], given_loads[1:], step_counts, strict=True)
     ]
     return np.concatenate([given_loads, *loads_between])
 
@@ -728,7 +728,9 @@ def choose_load_steps(
         )
     # Round the additional loads to six digits, but keep the requested loads unchanged.
     requested_loads = set(given_loads.tolist())
-    rounded = np.array([load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()])
+    rounded_loads = np.array(
+        [load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()]
+    )
     min_load, max_valid_load = VALID_QUANTITY_RANGES["force"]
-    rounded = rounded[(min_load <= rounded) & (rounded <= max_valid_load)]
-    return rounded if max_load is None else rounded[rounded < max_load]
+    rounded_loads = rounded_loads[(min_load <= rounded_loads) & (rounded_loads <= max_valid_load)]
+    return rounded_loads if max_load is None else rounded_loads[rounded_loads < max_load]

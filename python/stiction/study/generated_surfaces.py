@@ -109,12 +109,12 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the coordinates of the cells of the study, which are fractal dimensions and amplitudes (µm)."""
+        """Return the fractal dimensions and amplitudes (µm) of the study, whose combinations are the study's cells."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
 class GeneratedProfileSettings(CommonGeneratedSurfaceSettings):
-    """Keys of `[surfaces]` for pairs of fractal profiles, which Eq. 1 of the paper generates."""
+    """Keys of `[surfaces]` for pairs of fractal profiles from Eq. 1 of the paper (Weierstrass-Mandelbrot)."""
 
     place: ClassVar[str] = "fractal profiles"
     bodies: ClassVar[str] = "generated lines"
@@ -177,7 +177,7 @@ class GeneratedMapSettings(CommonGeneratedSurfaceSettings):
 
 
 class WeierstrassMandelbrotSettings(GeneratedMapSettings):
-    """Keys of `[surfaces]` for pairs of fractal height maps, which Eq. 1 of the paper generates."""
+    """Keys of `[surfaces]` for pairs of fractal height maps from Eq. 1 of the paper (Weierstrass-Mandelbrot)."""
 
     place: ClassVar[str] = "Weierstrass-Mandelbrot surfaces"
 

@@ -49,8 +49,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness (HV) of steels by Rockwell C hardness (HRC), from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Half width of the range of a hardness converted from HRC, relative to the hardness. The conversion error is 10 to 20
-# HV.
+# Half width of the range of a hardness converted from HRC, relative to the hardness (10 to 20 HV).
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean contact pressure (GPa) of a Vickers indentation at 1 HV.
@@ -74,8 +73,8 @@ MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects slip-line theory
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Smallest and largest accepted exponent m of the area of yielding contacts. Fine asperities have exponents far above
-# the lower limit, and steps have exponents below the upper limit.
+# Smallest and largest accepted exponent m of the area of yielding contacts.
+# Fine asperities have exponents far above the lower limit, and surface steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
 # Largest accepted creep exponent: the hardness falls to a third in each decade of time.
@@ -107,7 +106,7 @@ class UncertainInput:
         return f"{self.value:g}" if self.is_exact else self.text
 
     def describes_same_hardness(self, text: str) -> bool:
-        """Return whether a text gives the same hardness with the same uncertainty, possibly in another unit."""
+        """Return whether a text gives the hardness and uncertainty of this input, possibly in another unit."""
         try:
             other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
         except ValueError:
@@ -131,7 +130,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # Probability of negative numbers, at which the normal distribution is truncated.
+        # Probability of the negative numbers, which are cut off from the normal distribution.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -154,17 +153,20 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
         value = _parse_value(name, source, kind)
         return UncertainInput(value, value, value, "exact", exact_quantity_text(value, "GPa") if kind else repr(value))
     text = " ".join(source.split())
-    parsed = _parse_distribution(name, _VICKERS_TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind)
-    if not parsed.high <= MAX_INPUT_NUMBER:
+    parsed_input = _parse_distribution(
+        name, _VICKERS_TEST_LOAD_PATTERN.sub("HV", text) if kind == "hardness" else text, kind
+    )
+    if not parsed_input.high <= MAX_INPUT_NUMBER:
         raise ValueError(
-            f"{name} must be at most {MAX_INPUT_NUMBER:g}, including its uncertainty, got {short_repr(text)}"
+            f"{name} must be at most {MAX_INPUT_NUMBER:g}, also at the limits of its uncertainty, "
+            f"got {short_repr(text)}"
         )
     if (
-        parsed.distribution == "normal"
-        and parsed.high - parsed.low < 2 * Z_95 * MIN_RELATIVE_UNCERTAINTY * parsed.value
+        parsed_input.distribution == "normal"
+        and parsed_input.high - parsed_input.low < 2 * Z_95 * MIN_RELATIVE_UNCERTAINTY * parsed_input.value
     ):
         raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
-    return replace(parsed, text=text)
+    return replace(parsed_input, text=text)
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
@@ -199,7 +201,8 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
             if not min(_VICKERS_BY_ROCKWELL) <= limits[0] <= limits[1] <= max(_VICKERS_BY_ROCKWELL):
                 hardness_limits = f"{min(_VICKERS_BY_ROCKWELL)} to {max(_VICKERS_BY_ROCKWELL)} HRC"
                 raise ValueError(
-                    f"{name} must be from {hardness_limits}, including its uncertainty, got {short_repr(text)}"
+                    f"{name} must be from {hardness_limits}, also at the limits of its uncertainty, "
+                    f"got {short_repr(text)}"
                 )
             low, high = (_parse_value(name, f"{limit:g} HRC", kind) for limit in limits)
             return _convert_rockwell_hardness(low, high, text)
@@ -280,11 +283,11 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     """Return both limits of a range as texts with a unit. The user may have given the unit for one limit only."""
-    units = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
-    if units[0] is None and units[1] is not None:
-        return f"{first_text} {units[1][0]}", last_text
-    if units[0] is not None and units[1] is None and units[0][0].strip() in ("HV", "HRC"):
-        return first_text, f"{last_text} {units[0][0]}"
+    unit_matches = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
+    if unit_matches[0] is None and unit_matches[1] is not None:
+        return f"{first_text} {unit_matches[1][0]}", last_text
+    if unit_matches[0] is not None and unit_matches[1] is None and unit_matches[0][0].strip() in ("HV", "HRC"):
+        return first_text, f"{last_text} {unit_matches[0][0]}"
     return first_text, last_text
 
 
@@ -300,15 +303,17 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
     """Compute the direction numbers of one dimension of a Sobol sequence, as bits (most significant first)."""
-    numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
-    while len(numbers) < SOBOL_BITS:
-        number = numbers[-degree]
+    direction_numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
+    while len(direction_numbers) < SOBOL_BITS:
+        direction_number = direction_numbers[-degree]
         for lag in range(1, degree + 1):
             if polynomial >> (degree - lag) & 1:
-                number ^= numbers[-lag] << lag
-        numbers.append(number)
-    bits = [[number >> (index - row) & 1 if row <= index else 0 for index, number in enumerate(numbers)]
-            for row in range(SOBOL_BITS)]  # fmt: skip
+                direction_number ^= direction_numbers[-lag] << lag
+        direction_numbers.append(direction_number)
+    bits = [
+        [number >> (index - row) & 1 if row <= index else 0 for index, number in enumerate(direction_numbers)]
+        for row in range(SOBOL_BITS)
+    ]
     return np.array(bits, dtype=np.uint32)
 
 
@@ -337,8 +342,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         for dimension, matrix in enumerate(matrices):
             bits = matrix @ _compute_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
-                # In Gray-code order, the second half of the Sobol points is the reversed first half with one bit
-                # flipped.
+                # In Gray-code order, the second half of the points is the first half reversed, with one bit flipped.
                 first_half = integers[: 2**index, dimension]
                 integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number
         points = integers * 0.5**SOBOL_BITS
@@ -382,35 +386,36 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
     if name not in _INPUT_LIMITS:
         return parse_uncertain_input("", source, INPUT_KINDS[name])
     minimum, maximum = _INPUT_LIMITS[name]
-    allowed_range = f"from {minimum:g} to {maximum:g}, including its uncertainty"
-    error = ValueError(f"must be {allowed_range}, got {short_repr(source)}")
+    allowed_range = f"from {minimum:g} to {maximum:g}, also at the limits of its uncertainty"
+    range_error = ValueError(f"must be {allowed_range}, got {short_repr(source)}")
     try:
-        parsed = parse_uncertain_input("", source, INPUT_KINDS[name])
+        parsed_input = parse_uncertain_input("", source, INPUT_KINDS[name])
     except _NumberOutsideRangeError:
-        raise error from None
-    if parsed.high > maximum or parsed.low < minimum > 0:
-        raise error
-    return replace(parsed, maximum=maximum) if name in ("poisson", "area_loss") else parsed
+        raise range_error from None
+    if parsed_input.high > maximum or parsed_input.low < minimum > 0:
+        raise range_error
+    return replace(parsed_input, maximum=maximum) if name in ("poisson", "area_loss") else parsed_input
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
     """Parse the input "slip-line", which may include a range of H/k as in "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
-    ratio = text.removeprefix(SLIP_LINE_TEXT).strip()
-    if not ratio:
+    ratio_text = text.removeprefix(SLIP_LINE_TEXT).strip()
+    if not ratio_text:
         limits = MIN_SHEAR_RATIO, MAX_SHEAR_RATIO
         return UncertainInput(CENTRAL_SHEAR_RATIO, *limits, "uniform", text, uses_slip_lines=True)
-    parsed = parse_uncertain_input("", ratio)
-    if not MIN_HARDNESS_TO_SHEAR_RATIO <= parsed.low <= parsed.high <= MAX_HARDNESS_TO_SHEAR_RATIO:
+    parsed_ratio = parse_uncertain_input("", ratio_text)
+    if not MIN_HARDNESS_TO_SHEAR_RATIO <= parsed_ratio.low <= parsed_ratio.high <= MAX_HARDNESS_TO_SHEAR_RATIO:
         allowed_range = (
-            f"from {MIN_HARDNESS_TO_SHEAR_RATIO:g} to {MAX_HARDNESS_TO_SHEAR_RATIO:g}, including its uncertainty"
+            f"from {MIN_HARDNESS_TO_SHEAR_RATIO:g} to {MAX_HARDNESS_TO_SHEAR_RATIO:g}, also at the limits of its "
+            "uncertainty"
         )
         raise ValueError(f"must have a ratio of hardness to shear strength {allowed_range}, got {short_repr(source)}")
-    return replace(parsed, text=text, uses_slip_lines=True)
+    return replace(parsed_ratio, text=text, uses_slip_lines=True)
 
 
 class InputValue(Quantity):
-    """Input of a study: a number with the text and the distribution from which it was parsed.
+    """Input of a study: a number, a distribution, and the text from which both were parsed.
 
     The number is the central value in core units, with which contacts are computed. For a range, it is the mean of both
     limits, rounded to four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
@@ -481,10 +486,10 @@ def _parse_input_value(name: str, source: Any) -> InputValue:
         estimate = parse_study_input(name, source)
         return InputValue(estimate.value, estimate)
     if match := _CENTRAL_VALUE_PATTERN.fullmatch(source):
-        central, estimate = (parse_study_input(name, text) for text in match.groups())
-        if not central.is_exact or estimate.is_exact or not estimate.low <= central.value <= estimate.high:
+        central_input, estimate = (parse_study_input(name, text) for text in match.groups())
+        if not central_input.is_exact or estimate.is_exact or not estimate.low <= central_input.value <= estimate.high:
             raise ValueError(f"must be a value within the range in brackets, got {short_repr(source)}")
-        return InputValue(central.value, estimate, f"{central.text} ({estimate.text})")
+        return InputValue(central_input.value, estimate, f"{central_input.text} ({estimate.text})")
     estimate = parse_study_input(name, source)
     if UNCERTAINTY_PATTERN.search(source):
         return InputValue(float(f"{estimate.value:.4g}"), estimate)

@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replacement counts as the input of the study
+SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced central value counts as unchanged
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
@@ -113,7 +113,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Create inputs from their central values instead of a study. The values must include E*.
+        """Create inputs from given values instead of a study. The values must include E*.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -142,9 +142,9 @@ class Inputs:
 
         Junction growth or area loss have their central values in the study.
         """
-        growth, loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
+        growth, area_loss = (self.entries.get(name) for name in ("junction_growth", "area_loss"))
         if growth is None:
-            return FrictionLaw(mu0, tau0, area_loss=0.0 if loss is None else loss.central)
+            return FrictionLaw(mu0, tau0, area_loss=0.0 if area_loss is None else area_loss.central)
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
@@ -156,11 +156,11 @@ class Inputs:
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return E* for samples of the inputs, divided by the central E* of the study."""
+        """Return E* for samples of the inputs, divided by E* at the central values of the inputs."""
         return self._modulus.relative_modulus(samples)
 
     def replaced(self, **values: float) -> Inputs:
-        """Return a copy of the inputs in which some have other central values, such as ``hardness=1.2`` (GPa).
+        """Return a copy of the inputs with other central values of some inputs, such as ``hardness=1.2`` (GPa).
 
         A value that differs from the value of the study has no uncertainty. If it is mu0 or tau0, the joint
         distribution of both no longer applies.

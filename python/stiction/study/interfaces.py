@@ -58,8 +58,7 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# The lower limit of an interval is set to the bound of the quantity, 0, if their distance is below this fraction of the
-# width of the interval.
+# The lower limit of an interval is replaced by the bound 0 if it exceeds 0 by less than this fraction of the width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -153,7 +152,7 @@ class InterfaceStrength:
         try:
             if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
                 raise ValueError
-            table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
+            sample_table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
             area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
             sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
             check_choice("sliding", sliding, SlidingRule)
@@ -162,12 +161,12 @@ class InterfaceStrength:
             reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
             raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
         if (
-            table.ndim != 2
-            or table.shape[1] != len(INTERFACE_FILE_COLUMNS)
-            or not (np.isfinite(table[:, :2]) & (table[:, :2] >= 0)).all()
+            sample_table.ndim != 2
+            or sample_table.shape[1] != len(INTERFACE_FILE_COLUMNS)
+            or not (np.isfinite(sample_table[:, :2]) & (sample_table[:, :2] >= 0)).all()
         ):
             raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
-        fit = _build_strength_fit(sliding, *table.T)
+        fit = _build_strength_fit(sliding, *sample_table.T)
         return cls((fit,), area_per_load, variation, separated, about=header)
 
     @classmethod
@@ -193,14 +192,14 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a line with mu0 + tau0 A/F. If the tests separate mu0 from tau0, the line also contains both."""
-        entries = [("mu0 + tau0 A/F", self.identified, "")]
+        """Return text with mu0 + tau0 A/F and, if the tests separate mu0 from tau0, also with mu0 and tau0."""
+        labelled_intervals = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
-            entries += [("mu0", self.mu0, ""), ("tau0", (tau0, low, high), " MPa")]
+            labelled_intervals += [("mu0", self.mu0, ""), ("tau0", (tau0, low, high), " MPa")]
         rows = [
             f"  {name:<14}  {value:.4g} [{low:.4g}, {high:.4g}]{unit}"
-            for name, (value, low, high), unit in entries
+            for name, (value, low, high), unit in labelled_intervals
             if math.isfinite(value)
         ]
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
@@ -249,7 +248,7 @@ class InterfaceStrength:
 
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Pairs of mu0 and tau0 samples (GPa) in which a parameter is 0 if the interval of the parameter includes 0.
+        """Samples of mu0 and tau0 (GPa) with mu0 = 0 or with tau0 = 0, for each of both whose interval includes 0.
 
         The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """
@@ -281,7 +280,7 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that do not fit the tests. The tuple is empty unless another sliding rule fits."""
+        """Sliding rules that do not fit the tests, although another sliding rule does."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
@@ -324,12 +323,14 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
     shortest interval is returned.
     """
     sorted_values = np.sort(values)
-    num_inside = math.ceil(INTERVAL_COVERAGE * len(sorted_values)) - 1
-    start_index = int((sorted_values[num_inside:] - sorted_values[: len(sorted_values) - num_inside]).argmin())
+    num_steps_inside = math.ceil(INTERVAL_COVERAGE * len(sorted_values)) - 1
+    start_index = int(
+        (sorted_values[num_steps_inside:] - sorted_values[: len(sorted_values) - num_steps_inside]).argmin()
+    )
     if sorted_values[start_index] - bound < BOUND_TOLERANCE * (
-        sorted_values[start_index + num_inside] - sorted_values[start_index]
+        sorted_values[start_index + num_steps_inside] - sorted_values[start_index]
     ):
-        low, high = bound, float(sorted_values[num_inside])
+        low, high = bound, float(sorted_values[num_steps_inside])
     else:
         low, high = (
             float(end) for end in np.quantile(sorted_values, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
@@ -338,9 +339,11 @@ def compute_credible_interval(values: Floats, bound: float = -math.inf) -> Value
 
 
 def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
-    """Return the median of the first sample set, and the interval that covers the 95 % intervals of all sets."""
-    values, lows, highs = zip(*(compute_credible_interval(sample_set, 0.0) for sample_set in samples), strict=True)
-    return values[0], min(lows), max(highs)
+    """Return the median of the first array of samples, and an interval that covers the 95 % intervals of all arrays."""
+    medians, lower_limits, upper_limits = zip(
+        *(compute_credible_interval(sample_set, 0.0) for sample_set in samples), strict=True
+    )
+    return medians[0], min(lower_limits), max(upper_limits)
 
 
 # ---- Files -----------------------------------------------------------------------------------------------------------
@@ -410,7 +413,10 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
         if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
-            raise ValueError(f"the argument about must have names of other entries as keys, got {short_repr(key)}")
+            raise ValueError(
+                "the argument about must have printable keys without a colon, other than sliding, area_per_load, "
+                f"variation and separated, got {short_repr(key)}"
+            )
         header[key] = printable_text(text, len(text))
     file_text = io.StringIO()
     file_text.write(
@@ -429,8 +435,8 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
     return file_text.getvalue().encode()
 
 
-def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *more: Any) -> StrengthFit:
-    return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *more)
+def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) -> StrengthFit:
+    return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *other_samples)
 
 
 def interfaces() -> dict[str, dict[str, str]]:
@@ -530,7 +536,7 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """Name of a published interface, or file name of the interface without its directory."""
+        """Name of a published interface, or name of an interface file without directory."""
         return Path(self.file).name
 
     @property
@@ -553,8 +559,8 @@ def _format_strength(median: float, interval: ValueWithLimits, scale: float, uni
 
 
 @lru_cache(maxsize=8)
-def _read_cached_interface(text: str, _changed: int) -> InterfaceStrength:
-    return InterfaceStrength.named(text)
+def _read_cached_interface(name_or_path: str, _modification_time: int) -> InterfaceStrength:
+    return InterfaceStrength.named(name_or_path)
 
 
 def round_median_strength(strength: InterfaceStrength) -> tuple[float, float]:

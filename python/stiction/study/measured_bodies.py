@@ -93,10 +93,10 @@ def _parse_caveats(value: object) -> tuple[str, ...] | None:
     """Parse the names of the caveats that the user has accepted."""
     if value is None:
         return None
-    names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
-    if not isinstance(names, (list, tuple)) or not set(names) <= set(FILE_CAVEAT_NAMES):
+    caveat_names = [entry.strip() for entry in value.split(",")] if isinstance(value, str) else value
+    if not isinstance(caveat_names, (list, tuple)) or not set(caveat_names) <= set(FILE_CAVEAT_NAMES):
         raise ValueError(f"must be one of {', '.join(FILE_CAVEAT_NAMES)}, or a list of these, got {short_repr(value)}")
-    return tuple(names)
+    return tuple(caveat_names)
 
 
 def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
@@ -115,8 +115,8 @@ def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int =
         if not isinstance(value, (list, tuple)):
             return None if value is None else read(value)
         if not 2 <= len(value) <= max_count:
-            allowed = "two" if max_count == 2 else f"two to {max_count}"
-            raise ValueError(f"must be one value or a list of {allowed} values, got {short_repr(value)}")
+            allowed_count = "two" if max_count == 2 else f"two to {max_count}"
+            raise ValueError(f"must be a single value or a list of {allowed_count} values, got {short_repr(value)}")
         return tuple(map(read, value))
 
     return PlainValidator(parse_one_or_list)

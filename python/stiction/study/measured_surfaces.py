@@ -82,11 +82,11 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the coordinates of the cells of the study, which are the cutoff wavelengths (µm)."""
+        """Return the cutoff wavelengths (µm) of the study, one per cell."""
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:
-        """Return the cutoff (µm) of the quoted result: the first cutoff of the study."""
+        """Return the first cutoff (µm) of the study, whose result is quoted."""
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:

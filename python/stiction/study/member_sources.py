@@ -66,8 +66,7 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of interpolated points of a scan, and area (µm²) or length (µm) of the largest gap between measured
-    # points.
+    # Fraction of interpolated points of a scan, and size (µm² or µm) of the largest gap between measured points.
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
     # Missing points between two measured points, as a fraction of all points of a scan.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
@@ -91,7 +90,7 @@ class BodyAttributes:
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
-        """Create attributes from a nominal area (µm²) and other values, converted to the data types in a result."""
+        """Create attributes from a nominal area (µm²) and a mapping of names to values, and convert the data types."""
         return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
@@ -147,14 +146,14 @@ class LineMemberSource:
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            offset_steps = max_steps  # with one relative position, use the end of the travel
+            offset_steps = max_steps  # a single relative position is at the end of the travel
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Cached function that returns a pair of lines. Several members press the same lines."""
+        """Cached function that returns a pair of lines. Several members consist of the same pair."""
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
@@ -174,7 +173,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return profiles, area and grid that are common to all members of a study of lines.
+    """Return the profiles, area and grid that all members of a study of profiles or scan lines have in common.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -242,7 +241,7 @@ class MapMemberSource:
 
 @dataclass(frozen=True, eq=False)
 class GapMemberSource:
-    """Source with a single member for a measured gap: a flat face above a rough face."""
+    """Source of the single member of a measured gap: a flat face above a rough face."""
 
     flat: Surface
     rough: Surface

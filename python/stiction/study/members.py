@@ -223,9 +223,9 @@ class PreparedBodies:
         If several threads need the same members, one thread filters the scans, and the others wait. Raises a
         `ValueError` if the scans form no members.
         """
-        key = wavelength, upper, lower
-        with self._locks.setdefault(key, threading.Lock()):
-            return self._cached_members(*key)
+        cache_key = wavelength, upper, lower
+        with self._locks.setdefault(cache_key, threading.Lock()):
+            return self._cached_members(*cache_key)
 
     def _prepare_member_source(self, wavelength: float, upper: int, lower: int) -> MemberSource:
         surfaces, indices = self._surfaces, (upper, lower)
@@ -259,21 +259,21 @@ class PreparedBodies:
         for side, scan in zip(SIDES, properties.scans, strict=True):
             attributes[f"{side}_spacing_um"] = scan.spacing
             attributes[f"{side}_extent_um"] = scan.extent
-            if (interpolated := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
-                attributes[f"{side}_filled"] = interpolated
+            if (fraction_and_gap := getattr(self._surfaces, side).find_interpolated_fraction_and_gap()).any():
+                attributes[f"{side}_filled"] = fraction_and_gap
         attributes |= self._drift_attributes | self._lay_attributes
         for side, scans in zip(SIDES, self._scans_by_side, strict=True):
             masks = [mask for scan in scans if (mask := getattr(scan, "missing", None)) is not None]
-            if pierced := sum(map(compute_scattered_missing_fraction, masks)) / len(scans):
-                attributes[f"{side}_pierced"] = pierced
+            if scattered_fraction := sum(map(compute_scattered_missing_fraction, masks)) / len(scans):
+                attributes[f"{side}_pierced"] = scattered_fraction
         return BodyAttributes.from_values(float(properties.area) * self._find_measured_fraction(), attributes)
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
         """Upper and lower filtered scan from which members are cut. The list is empty for a gap and for spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
-        candidates = [getattr(pairs, side, None) for side in SIDES]
-        bodies = [body for body in candidates if isinstance(body, Profile | Surface)]
+        filtered_scans = [getattr(pairs, side, None) for side in SIDES]
+        bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]
         return bodies if len(bodies) == len(SIDES) else []
 
     @cached_property
@@ -307,7 +307,7 @@ class PreparedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer members than are averaged
+        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer than `NUM_AVERAGED_MEMBERS` members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
                 fractions.append(1.0 if missing is None else 1 - float(missing.mean()))

@@ -41,7 +41,7 @@ class UncertainModulus:
 
     Attributes
     ----------
-    middle : float, GPa
+    central_modulus : float, GPa
         E* at the central values of the inputs.
     effective_modulus : UncertainInput or None
         E* (GPa), if E* is given directly.
@@ -51,7 +51,7 @@ class UncertainModulus:
         True if both bodies are the same material, so that one sample of the moduli applies to both.
     """
 
-    middle: float
+    central_modulus: float
     effective_modulus: UncertainInput | None = None
     bodies: tuple[Mapping[str, UncertainInput], ...] = ()
     is_one_material: bool = False
@@ -72,7 +72,7 @@ class UncertainModulus:
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
         """Return E* for samples of the elastic constants, divided by E* at the central values of the constants."""
         if "effective_modulus" in samples:
-            return samples["effective_modulus"] / self.middle
+            return samples["effective_modulus"] / self.central_modulus
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
         central_compliances = [_compute_compliance(body["young"].value, body["poisson"].value) for body in self.bodies]
         sampled_compliances = [

@@ -101,14 +101,14 @@ def _replace_effective_modulus(
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
-        return contact | dict(bodies)  # the validation of the study reports the error
+        return contact | dict(bodies)  # invalid entries, which the validation of the study reports
     pairs: dict[str, Any] = {
         name: (2 * entries)[:2] if len(entries) == 1 else entries for name, entries in values.items()
     }
     elasticity = derive_elasticity(*(pairs[name] for name in MODULUS_NAMES), is_named="materials" in contact)
-    share = contact.get("compliance_share", elasticity.compliance_share)
+    compliance_share = contact.get("compliance_share", elasticity.compliance_share)
     if math.isclose(elasticity.effective_modulus, modulus, rel_tol=1e-12) and math.isclose(
-        elasticity.compliance_share, share, rel_tol=1e-12
+        elasticity.compliance_share, compliance_share, rel_tol=1e-12
     ):
         other_entries = {
             key: value for key, value in contact.items() if key not in ("effective_modulus", "compliance_share")
@@ -120,8 +120,11 @@ def _replace_effective_modulus(
         np.ptp(np.log(uncertain_modulus.relative_modulus({name: estimate.quantile([0.025, 0.975])}))) / 2
         for name, estimate in uncertain_modulus.inputs.items()
     ]
-    factor = math.exp(float(np.hypot.reduce([0.0, *half_widths])))
-    low, high = (exact_quantity_text(float(f"{modulus * ratio:.4g}"), "GPa") for ratio in (1 / factor, factor))
+    uncertainty_factor = math.exp(float(np.hypot.reduce([0.0, *half_widths])))
+    low, high = (
+        exact_quantity_text(float(f"{modulus * ratio:.4g}"), "GPa")
+        for ratio in (1 / uncertainty_factor, uncertainty_factor)
+    )
     return contact | ({} if low == high else {"effective_modulus": f"{modulus.text} ({low}..{high})"})
 
 
@@ -144,16 +147,18 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
         for name, value in (("mu0", converted_section.get("mu0")), ("tau0", converted_section.get("tau0", "0 MPa")))
     ]
     try:
-        entry: Any = InterfaceSettings.from_source(str(source))
+        interface_entry: Any = InterfaceSettings.from_source(str(source))
     except ValueError:
-        entry = None
-    if entry is not None and [float(entry.mu0), float(entry.tau0)] == strengths:
-        entry = str(source)
+        interface_entry = None
+    if interface_entry is not None and [float(interface_entry.mu0), float(interface_entry.tau0)] == strengths:
+        interface_entry = str(source)
     else:  # the interface file is missing or has changed
-        entry = {"file": str(source)} | {
+        interface_entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }
-    return {key: value for key, value in converted_section.items() if key not in ("mu0", "tau0")} | {"interface": entry}
+    return {key: value for key, value in converted_section.items() if key not in ("mu0", "tau0")} | {
+        "interface": interface_entry
+    }
 
 
 def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:

@@ -74,8 +74,8 @@ def check_values(
 
     Returns the smallest finite number, or infinity if there is none, and whether a number is NaN.
     """
-    kinds, type_text = _DTYPE_KINDS[dtype]
-    if values.dtype.kind not in kinds:
+    dtype_kinds, type_text = _DTYPE_KINDS[dtype]
+    if values.dtype.kind not in dtype_kinds:
         raise DamagedFileError(f"has {name} with the data type {values.dtype}, but {name} consists of {type_text}")
     if dtype is str or not values.size:
         return math.inf, False
@@ -102,10 +102,13 @@ def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
 
     Each chunk of the values is read once from memory, because it fits into the cache.
     """
-    flat = values.reshape(-1)
-    starts = range(0, flat.size, _CHUNK_SIZE)
-    ends = [(flat[start : start + _CHUNK_SIZE].min(), flat[start : start + _CHUNK_SIZE].max()) for start in starts]
-    smallest, largest = np.array(ends, np.float64).T
+    flat_values = values.reshape(-1)
+    chunk_starts = range(0, flat_values.size, _CHUNK_SIZE)
+    chunk_extremes = [
+        (flat_values[start : start + _CHUNK_SIZE].min(), flat_values[start : start + _CHUNK_SIZE].max())
+        for start in chunk_starts
+    ]
+    smallest, largest = np.array(chunk_extremes, np.float64).T
     return float(smallest.min()), float(largest.max())
 
 

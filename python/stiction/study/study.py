@@ -121,8 +121,8 @@ The first class is the default.
 
 def select_surface_settings_class(section: Mapping[str, Any]) -> type[SurfaceSettings]:
     """Return the class of a section `[surfaces]`, which its keys `kind`, `generator` and `press` select."""
-    key, cases = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
-    return cases[select_key_value(key, section, cases)]
+    key, settings_classes = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
+    return settings_classes[select_key_value(key, section, settings_classes)]
 
 
 ZERO_SHEAR_STRENGTH = quantity("0 MPa", "pressure")
@@ -193,14 +193,14 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
         return section
     for key in STRENGTH_KEYS:
         if key in section:
-            raise make_key_error(key, "must not be given together with interface, which determines it")
+            raise make_key_error(key, "must not be given together with interface, which determines mu0 and tau0")
     try:
         interface = (
             InterfaceSettings.from_source(source)
             if isinstance(source, str)
             else InterfaceSettings.model_validate(source)
         )
-    except ValidationError:  # the validation of the interface reports the error
+    except ValidationError:  # an invalid interface, which its own validation reports
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -281,9 +281,9 @@ def _add_bracketing_loads(
         upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # If the upper load is too large, validation reports the error.
+            # The validation of the section rejects an upper load that is still too large.
             upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # the validation of the section reports the error
+    except (ValueError, TypeError, AttributeError):  # invalid values, which the validation of the section reports
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
@@ -350,7 +350,7 @@ class Study(SettingsSection):
             )
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # the validation of the load reports the error
+        except (ValueError, TypeError):  # invalid loads, which the validation of the section reports
             return data
         return {
             **data,
@@ -458,7 +458,7 @@ class Study(SettingsSection):
 
     @property
     def has_nominal_area(self) -> bool:
-        """True if pressures can be related to a nominal area.
+        """True if the bodies have a nominal area, by which loads can be divided.
 
         Profiles in contact as spheres have no nominal area, because the thickness of the strip is arbitrary.
         """
@@ -585,7 +585,7 @@ class Study(SettingsSection):
         try:
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
-        except PydanticCustomError:  # the validation of the changed key reports the error
+        except PydanticCustomError:  # an invalid value, which the validation of its key reports
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)
@@ -634,22 +634,24 @@ class Study(SettingsSection):
         return {name: drop_none_entries(getattr(self, name)) for name in names}
 
 
-def _convert_section(section: SettingsSection, case: type[SettingsSection]) -> dict[str, Any]:
+def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
     """Convert a section to another class. Keys that differ from the default of the old class keep their values."""
     section_class = type(section)
     changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
-    keys = [key for key, field in case.model_fields.items() if key in changed_keys or not field.is_required()]
-    values = {key: getattr(section, key) if key in changed_keys else case.model_fields[key].default for key in keys}
-    return drop_none_entries(case.model_construct(**values))
+    keys = [key for key, field in target_class.model_fields.items() if key in changed_keys or not field.is_required()]
+    values = {
+        key: getattr(section, key) if key in changed_keys else target_class.model_fields[key].default for key in keys
+    }
+    return drop_none_entries(target_class.model_construct(**values))
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     """Return the keys and values of a section in the order of study files, without keys whose value is None."""
     data = section.model_dump(exclude_none=True)
-    order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
+    key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, MeasuredMapContactSettings):
-        order["direction"] = 1  # write the key `direction` last
-    return dict(sorted(data.items(), key=lambda item: order.get(item[0], 0)))
+        key_order["direction"] = 1  # write the key `direction` last
+    return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
 
 
 def study_names() -> list[str]:
@@ -675,9 +677,14 @@ def study_names() -> list[str]:
     )
 
 
-def read_study_description(name: str) -> str:
+def read_study_description(study_name: str) -> str:
     """Return the description of a built-in study: one sentence."""
-    return (_STUDY_LIBRARY_DIRECTORY / f"{name}.toml").read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+    return (
+        (_STUDY_LIBRARY_DIRECTORY / f"{study_name}.toml")
+        .read_text(encoding="utf-8")
+        .partition("\n")[0]
+        .removeprefix("# ")
+    )
 
 
 def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
@@ -697,15 +704,15 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 
 
 def find_section_differences(
-    first: SettingsSection, second: SettingsSection, prefix: str = ""
+    first_section: SettingsSection, second_section: SettingsSection, prefix: str = ""
 ) -> list[StudyDifference]:
     """List the keys in which two sections differ, with both values as text, in the order of study files."""
-    serialized, differences = (first.model_dump(), second.model_dump()), []
-    for name in dict.fromkeys((*type(first).model_fields, *type(second).model_fields)):
-        field = type(first).model_fields.get(name) or type(second).model_fields[name]
+    serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
+    for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
+        field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
         if not field.repr:  # skip a body in memory, which is compared by its checksum
             continue
-        first_value, second_value = getattr(first, name, None), getattr(second, name, None)
+        first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)
         if first_value == second_value:
             continue
         if isinstance(first_value, SettingsSection) and isinstance(second_value, SettingsSection):
@@ -719,14 +726,14 @@ def find_section_differences(
     return differences
 
 
-def find_member_differences(first: Study, second: Study) -> list[StudyDifference]:
-    """List the differences between two studies that affect the members: keys with both values.
+def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
+    """List the keys that affect the members and differ between two studies, each with both values.
 
     Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
     yield, the stored elastic areas serve every exponent of the yielding area.
     """
-    has_same_areas = (first.contact.yield_exponent is None) == (second.contact.yield_exponent is None)
+    has_same_areas = (first_study.contact.yield_exponent is None) == (second_study.contact.yield_exponent is None)
     ignored_keys = (
         "contact.young",
         "contact.area_loss",
@@ -735,18 +742,18 @@ def find_member_differences(first: Study, second: Study) -> list[StudyDifference
     )
     return [
         difference
-        for difference in find_section_differences(first, second)
+        for difference in find_section_differences(first_study, second_study)
         if (difference[0].startswith(("surfaces.", "contact.")) or difference[0] == "ensemble.seed")
         and not difference[0].endswith((".upper.file", ".lower.file"))
         and difference[0] not in ignored_keys
-        and not _have_equal_central_values(first, second, difference[0])
+        and not _have_equal_central_values(first_study, second_study, difference[0])
     ]
 
 
-def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
+def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
     """Return whether a key belongs to an input, and this input has the same central value in two studies."""
     section, _, name = key.partition(".")
-    values = [getattr(getattr(study, section), name, None) for study in (first, second)]
+    values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]
     is_input = all(isinstance(item, InputValue) for value in inputs for item in value)
     return is_input and [float(item) for item in inputs[0]] == [float(item) for item in inputs[1]]
@@ -755,8 +762,8 @@ def _have_equal_central_values(first: Study, second: Study, key: str) -> bool:
 def format_study_differences(differences: list[StudyDifference]) -> str:
     """Format the first few differences between two studies as lines of an error message."""
     lines = [
-        f"{key} = {short_repr(stored)} there, {short_repr(other)} here"
-        for key, stored, other in differences[:MAX_LISTED_DIFFERENCES]
+        f"{key} = {short_repr(stored_value)} there, {short_repr(other_value)} here"
+        for key, stored_value, other_value in differences[:MAX_LISTED_DIFFERENCES]
     ]
     if len(differences) > MAX_LISTED_DIFFERENCES:
         lines.append(f"... and {len(differences) - MAX_LISTED_DIFFERENCES} more")

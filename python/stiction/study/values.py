@@ -195,7 +195,7 @@ class SettingsSectionVariant(SettingsSection):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys whose values choose this variant of a section, each with the value that chooses it."""
+        """Return the keys and values by which a section chooses this variant, as a mapping."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -281,7 +281,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Tag a value as a range or a list before validation, so that an error message mentions only this form.
+# Tag a value as a range or a list before validation, so that an error message mentions only the form in the file.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -385,11 +385,11 @@ def format_toml_value(value: Any) -> str:
 
 def format_toml_sections(sections: Mapping[str, Mapping[str, Any]]) -> str:
     """Format the sections of a study as TOML text, without empty sections."""
-    blocks = []
+    section_texts = []
     for name, section in sections.items():
         lines = [f"{key} = {format_toml_value(value)}" for key, value in section.items()]
-        blocks += ["\n".join([f"[{name}]", *lines]) + "\n"] if lines else []
-    return "\n".join(blocks)
+        section_texts += ["\n".join([f"[{name}]", *lines]) + "\n"] if lines else []
+    return "\n".join(section_texts)
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -398,8 +398,8 @@ def parse_toml(text: str) -> dict[str, Any]:
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
     # Limit the number of dots in a key, because the run time of tomllib increases with the square of this number.
-    pieces = re.split(r"([=,#{}\[\]\n])", text)
-    key_texts = [piece for piece, end in itertools.pairwise(pieces) if end in ("=", "]")]
+    text_pieces = re.split(r"([=,#{}\[\]\n])", text)
+    key_texts = [piece for piece, separator in itertools.pairwise(text_pieces) if separator in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
         raise ValueError("is nested too deeply")
     try:
@@ -472,16 +472,18 @@ MAX_SUGGESTIONS = 3  # maximum number of similar names that a message suggests f
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
     """Return a hint for an unknown key: the similar keys of the section, or the command that lists all keys."""
-    classes = [section_class]
+    known_classes = [section_class]
     for parent_key in location[:-1]:
-        fields = [
+        parent_fields = [
             known_class.model_fields[str(parent_key)]
-            for known_class in classes
+            for known_class in known_classes
             if str(parent_key) in known_class.model_fields
         ]
-        classes = [known_class for field in fields for known_class in find_section_classes(field.annotation)]
-    keys = dict.fromkeys(name for known_class in classes for name in known_class.model_fields)
-    keys |= dict.fromkeys(name for known_class in classes for name in getattr(known_class, "other_keys", ()))
+        known_classes = [
+            known_class for field in parent_fields for known_class in find_section_classes(field.annotation)
+        ]
+    keys = dict.fromkeys(name for known_class in known_classes for name in known_class.model_fields)
+    keys |= dict.fromkeys(name for known_class in known_classes for name in getattr(known_class, "other_keys", ()))
     unknown_key = str(location[-1])[:MAX_WORD_LENGTH]
     similar_keys = [*difflib.get_close_matches(unknown_key, keys, n=3), *(name for name in keys if unknown_key in name)]
     names = " or ".join(map(repr, list(dict.fromkeys(similar_keys))[:MAX_SUGGESTIONS]))
