@@ -11,7 +11,7 @@ namespace {
 // Return whether two ellipses overlap if the vector between their centres is r.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by det[(1 - t) A + t B], the condition states that a cubic polynomial in t is positive.
+// Multiplied by det[(1 - t) A + t B], the condition of separation states that a cubic polynomial in t is positive.
 // The cubic polynomial in t is negative at t = 0 and at t = 1.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
@@ -91,8 +91,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // The overlap of two ellipses matters only at approaches at which at least one of the ellipses overlaps no other
-      // ellipse.
+      // Skip approaches at which both ellipses already overlap other ellipses.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

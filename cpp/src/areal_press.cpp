@@ -50,8 +50,8 @@ void reject_cylinders(const Law& law) {
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t, where s is the sliding direction, c the lateral
-// direction, n the normal and t the tangent.
+// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t.
+// Here s is the sliding direction, c the lateral direction, n the normal and t the tangent.
 // The force is multiplied by all five factors. The area is multiplied by the three factors that contain the tangent t.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
@@ -139,8 +139,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The axes of the contact are the axes of an ellipse with the shape of the elastic contact ellipse and with the
-      // contact area inside the map.
+      // The contact has the shape of the elastic contact ellipse, and the area that lies inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -181,8 +180,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by the first approach at which they exist, so that the contacts of a block start at similar
-  // approaches.
+  // Contacts are sorted by the first approach at which they exist, so that a block contains similar contacts.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

@@ -31,8 +31,8 @@ std::vector<double> sample_quantiles(Values values, Values probabilities) {
 }
 
 // Return quantiles of weighted values.
-// Each value lies at the centre of its interval of the cumulative weight, and quantiles are interpolated between these
-// centres.
+// Each value lies at the centre of the interval of the cumulative weight that its weight occupies.
+// Quantiles are interpolated between these centres.
 std::vector<double> weighted_quantiles(Values values, Values weights, Values probabilities) {
   std::vector<std::pair<double, double>> sorted(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

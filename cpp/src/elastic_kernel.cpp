@@ -677,7 +677,7 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // The filter of each foundation stiffness. Stiffness 0 denotes the half-space without a foundation.
+  // Spectral filter for each foundation stiffness. Stiffness 0 denotes the half-space without a foundation.
   std::map<double, const Filter<float>> foundation_filters;
 
   // Return the filter E*|k|/2 or, with a foundation, the inverse of the sum of E*|k|/2 and the foundation stiffness.

@@ -16,9 +16,10 @@ constexpr double max_gap_change = 2.0;
 constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
 // Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
 constexpr double negligible_attraction_gap = 30.0;
-// The line search doubles the step from this fraction of a full step until the energy increases, so that it finds the
-// first minimum. The search ends if the slope of the energy is below this fraction of the initial slope.
+// First step of the line search, as a fraction of a full step.
+// The step is doubled until the energy increases, so that the line search finds the first minimum.
 constexpr double initial_step_fraction = 0.125;
+// The line search ends if the slope of the energy is below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
@@ -303,8 +304,8 @@ std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
 }
 
 // Call work(first, size, gap_index) for each row of the extended grid, and add the results in a fixed order.
-// `first` is the index of the first point of the row, and `size` is the number of points of the row that are on the
-// original grid. On the original grid, the first point of the row has the index `gap_index`.
+// `first` is the index of the first point of the row, and `size` is the number of its points on the original grid.
+// On the original grid, the first point of the row has the index `gap_index`.
 template <class Sums, class Work>
 Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
   const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);

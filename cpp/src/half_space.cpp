@@ -33,8 +33,7 @@ constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Relative tolerance of solutions on coarser grids.
 // On coarser grids, a large tolerance is enough, because the discretisation error is even larger.
 constexpr double coarse_tolerance = 3e-3;
-// Maximum ratio of two loads on an area for which the solution at one load is used as a starting point at the other
-// load.
+// Maximum ratio of two loads on an area for which the solution at one load is the starting point at the other.
 constexpr double max_load_ratio = 1.3;
 // Maximum number of iterations on the finest grid, and maximum number of iterations on each coarser grid.
 // The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
@@ -62,8 +61,8 @@ constexpr std::size_t max_selected_points = 2048;
 constexpr double selection_approach_ratio = 1.1;
 // Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Displacements that differ from their mean count as equal, except for round-off, if the deviation is at most this
-// fraction of the displacement of a single loaded cell under the same pressure.
+// Displacements that differ by at most this fraction of the displacement of a single loaded cell count as equal.
+// The cell carries the same pressure.
 constexpr double round_off = 1e-9;
 // Three numbers limit the search for the load at which a given approach is reached:
 // - the largest number of trial loads, although more than six trial loads are rarely needed
@@ -305,7 +304,7 @@ class LevelSolver {
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
   // Return the grid points that meet a condition.
-  // The search stops when there are too many such points for a dense matrix.
+  // The search stops when there are too many of these points for a dense matrix.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -318,8 +317,8 @@ class LevelSolver {
   }
 
   // Estimate the approach [µm] of the starting pressures: the mean potential where the pressure is between its bounds.
-  // Returns infinity if all points under pressure are at their bound, or if so many points are under pressure that a
-  // dense kernel would be slower than the transform.
+  // Returns infinity if all points under pressure are at their bound.
+  // Also returns infinity if a dense kernel of the points under pressure would be slower than the transform.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
@@ -524,8 +523,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // If each point has its own bound, no coarser grids are used, because these bounds are defined only on the finest
-  // grid.
+  // Bounds of single points are defined only on the finest grid, so no coarser grids are used with such bounds.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     coarse_gaps_.push_back(interpolate(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
@@ -535,8 +533,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
 }
 
 // Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure.
-// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to the
-// bounds.
+// The pressure is uniform or, if each point has its own bound, proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -727,8 +724,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // The contact pressures under load vanish at the edges of contact patches, where the pressures of the response are
-  // largest. The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
+  // These pressures are largest at the edges of contact patches, where the contact pressures under load vanish.
+  // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());

@@ -1,8 +1,7 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
-// STICTION_KERNEL is for loops that use SIMD registers explicitly, because their speed depends on the values that stay
-// in registers.
+// STICTION_KERNEL is for loops that use SIMD registers explicitly, so that important values stay in registers.
 #pragma once
 
 #include <cstddef>
@@ -43,8 +42,7 @@
 
 /// Define void name(parameters) from a template name_kernel<Width>(arguments).
 /// Width is the number of doubles in a register of the instruction set.
-/// If a SIMD type is wider than a register, GCC stores values of the type in memory, and access to these values is 20
-/// times slower.
+/// If a SIMD type is wider than a register, GCC stores its values in memory, where access is 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \

@@ -116,8 +116,7 @@ TEST_CASE("HalfSpaceGrids: pressures on a free area displace all points in the d
   }
 }
 
-// At all but the highest loads, few points can come into contact, and the solver computes displacements only at these
-// points.
+// At all but the highest loads, the solver computes displacements only at the few points that can come into contact.
 TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid if few points can come into contact") {
   const Grid grid{96, 80, 0.05, 0.06, false, false};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);

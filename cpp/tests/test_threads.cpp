@@ -44,8 +44,7 @@ std::vector<double> press_profiles(unsigned seed) {
 
 TEST_CASE("library: concurrent threads obtain the results of a single thread") {
   constexpr unsigned tasks = 8;
-  // The concurrent threads run before the single thread, so that several threads compete for each one-time
-  // initialisation.
+  // The concurrent threads run before the single thread, so that they compete for each one-time initialisation.
   std::vector<std::vector<double>> together(tasks);
   std::vector<std::thread> threads;
   for (unsigned task = 0; task < tasks; ++task) {

@@ -15,8 +15,7 @@ class CancellationCheck {
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback only on every 32nd call of the operator, because the callback takes longer than some steps of a
-  /// calculation.
+  /// Run the callback only on every 32nd call of the operator, because the callback may take longer than a step.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

@@ -33,8 +33,9 @@ struct ContactStatistics {
 /// Compute the statistics of the contacts that are listed in `table`.
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
-/// Pressure quantiles are interpolated between the centres of the intervals that the weights occupy in the cumulative
-/// weight. Throws std::invalid_argument if lengths differ, or if there are no contacts or pressures.
+/// Each weight occupies an interval of the cumulative weight.
+/// Pressure quantiles are interpolated between the centres of these intervals.
+/// Throws std::invalid_argument if lengths differ, or if there are no contacts or pressures.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 
 /// Compute the statistics of the patches of a half-space contact on a grid.

@@ -97,10 +97,10 @@ class ElasticKernel {
 
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
-/// The inverse needs a surface without edges. A free grid is therefore extended, by zero padding, to a larger grid that
-/// repeats periodically. The original grid is the first rows and columns of the extended grid. If no net pressure acts
-/// outside the original grid, displacements within the original grid equal the displacements of ElasticKernel except
-/// for a uniform displacement. A periodic grid is not extended.
+/// The inverse needs a surface without edges. A free grid is therefore extended by zero padding.
+/// The extended grid repeats periodically, and its first rows and columns are the original grid.
+/// Without net pressure outside the original grid, displacements on it equal those of ElasticKernel up to a constant.
+/// A periodic grid is not extended.
 /// On a periodic grid, a uniform displacement requires no pressure.
 class StiffnessKernel {
  public:

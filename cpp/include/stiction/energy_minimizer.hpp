@@ -58,11 +58,13 @@ struct AdhesiveStresses {
 
 /// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
 ///
-/// The variables are the gap and, on free grids, the approach and the displacements around the grid, where the net
-/// pressure must vanish. The energy is the sum of the elastic energy, the energy of the attraction and the work of the
-/// load. Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness. The
-/// steps are preconditioned with the displacement that the residual pressures cause. Each step ends at the first
-/// minimum of the energy along its direction. Only one thread at a time may use the object.
+/// The variables are the gap and, on free grids, the approach and the displacements around the grid.
+/// Around a free grid, the net pressure must vanish.
+/// The energy is the sum of elastic energy, energy of the attraction and work of the load.
+/// Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness.
+/// The steps are preconditioned with the displacement that the residual pressures cause.
+/// Each step ends at the first minimum of the energy along its direction.
+/// Only one thread at a time may use the object.
 class EnergyMinimizer {
  public:
   /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive the minimiser.

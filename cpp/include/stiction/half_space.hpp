@@ -95,8 +95,7 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// The iteration starts from the solution on the next coarser grid.
 /// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
-/// The error is the larger of two lengths, divided by `scale`: the largest gap at a point under pressure, and the
-/// largest overlap.
+/// The error is the largest gap at a point under pressure or, if larger, the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.

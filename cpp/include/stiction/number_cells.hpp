@@ -20,8 +20,9 @@ struct TextRows {
 /// Find the rows of a text, and count the cells of each row. Characters after the last line feed are ignored.
 TextRows find_rows(std::string_view text, char separator);
 
-/// Convert the cells of a text to the nearest floating-point numbers, and return the indices of the cells that cannot
-/// be converted. Each cell ends at `separator`, at a line feed, or at the end of the text.
+/// Convert the cells of a text to the nearest floating-point numbers.
+/// Returns the indices of the cells that cannot be converted.
+/// Each cell ends at `separator`, at a line feed, or at the end of the text.
 /// Empty cells and cells that cannot be converted become NaN.
 /// A cell is converted if it contains "nan", "inf" or a decimal number in the range of a double.
 /// The decimal mark is a point in every locale. Up to `threads` threads convert a long text.

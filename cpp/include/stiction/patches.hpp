@@ -58,8 +58,8 @@ struct PatchSums {
 /// Compute the sums over the grid points of each patch of each contact.
 /// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
 /// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
-/// Throws std::invalid_argument if lengths differ, a point is not on the grid, a patch number is below 1,
-/// or a contact has no points.
+/// Throws std::invalid_argument if lengths differ or a contact has no points.
+/// Also throws if a point is not on the grid or a patch number is below 1.
 PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions);
 

@@ -49,7 +49,7 @@ class Preconditioner {
   /// The indices of the free points must be in increasing order.
   /// Displacements must be 0 at all points that are not free.
   /// The returned pressures at points that are not free are unspecified.
-  /// The returned pressures are valid until the next call.
+  /// The returned pressures are valid until the next call of this operator.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 

@@ -49,7 +49,7 @@ struct Sums {
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
+  /// Add the direction-independent contributions of a contact. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -87,7 +87,7 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors of the normal force and the friction force in the loads of a sliding contact.
+/// Factors by which the normal force and the friction force of a sliding contact enter the loads.
 /// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n

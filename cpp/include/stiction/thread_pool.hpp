@@ -13,8 +13,9 @@ namespace stiction {
 
 /// Pool of at most `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
 /// If the system cannot create all threads, the pool is smaller, but contains at least the caller's thread.
-/// The result of a task must not depend on the thread that runs the task, so that results are bit-identical for any
-/// number of threads. Only one calculation may use a pool at a time.
+/// The result of a task must not depend on the thread that runs the task.
+/// Results are then bit-identical for any number of threads.
+/// Only one calculation may use a pool at a time.
 class ThreadPool {
  public:
   explicit ThreadPool(std::size_t threads = 1, CancellationCheck check_cancellation = {});
