@@ -72,12 +72,12 @@ The law of a study comes from its inputs. The others build it from samples, for 
 
 def test_friction_law_of_a_study_is_built_from_its_inputs():
     sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
-    calls = {
+    calling_modules = {
         name
         for name, path in sources.items()
         for node in ast.walk(parse_file(path))
         if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "FrictionLaw"
     }
-    assert {name for name in calls if not name.startswith(("mechanics/", "calibration/"))} == (
+    assert {name for name in calling_modules if not name.startswith(("mechanics/", "calibration/"))} == (
         MODULES_THAT_BUILD_FRICTION_LAWS
     )

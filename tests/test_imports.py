@@ -16,7 +16,7 @@ from stiction.cli import application
 from support.sources import parse_file
 
 PACKAGE_DIRECTORY = Path(stiction.__file__).parent
-FACADE = ("result", "pipeline", "measured_pair", "direct_shear")
+FACADE_MODULES = ("result", "pipeline", "measured_pair", "direct_shear")
 """Modules that users hold. They may import all layers except the user interfaces, and no layer imports them."""
 
 LAYERS = (
@@ -81,7 +81,7 @@ def imported_modules(module, *, only_top_level=False):
 def layer_of(module):
     """Return the layer of a module, or "" for a module that all layers may use."""
     top_level_name = module.split(".")[0]
-    return "facade" if top_level_name in FACADE else "" if top_level_name.startswith("_") else top_level_name
+    return "facade" if top_level_name in FACADE_MODULES else "" if top_level_name.startswith("_") else top_level_name
 
 
 @pytest.mark.parametrize("layer", ["", *LAYERS])
@@ -95,14 +95,16 @@ def test_layers_import_only_from_lower_layers(layer):
 
 def test_layers_of_the_package_include_all_of_its_directories():
     assert {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
-    assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE} - {"facade"}
+    assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE_MODULES} - {
+        "facade"
+    }
 
 
 def find_circles(imports):
     """Return the modules that import each other in a circle, found by removing modules without open imports."""
     open_imports = {name: set(imported) for name, imported in imports.items()}
-    while finished := {name for name, imported in open_imports.items() if not imported & set(open_imports)}:
-        open_imports = {name: imported for name, imported in open_imports.items() if name not in finished}
+    while finished_modules := {name for name, imported in open_imports.items() if not imported & set(open_imports)}:
+        open_imports = {name: imported for name, imported in open_imports.items() if name not in finished_modules}
     return open_imports
 
 
@@ -124,8 +126,10 @@ def find_slow_modules():
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if {module_name.split(".")[0] for module_name in names} & SLOW_PACKAGES:
                 slow.add(name)
-    while more := {name for name in set(MODULES) - slow if imported_modules(name, only_top_level=True) & slow}:
-        slow |= more
+    while importing_modules := {
+        name for name in set(MODULES) - slow if imported_modules(name, only_top_level=True) & slow
+    }:
+        slow |= importing_modules
     return slow
 
 

@@ -128,12 +128,12 @@ CLASSES_WITH_GENERATED_REPR = {
 
 def test_public_classes_define_their_own_repr():
     for name in PUBLIC_NAMES:
-        if inspect.isclass(kind := getattr(stiction, name)):
-            dataclass_options = getattr(kind, "__dataclass_params__", None)
+        if inspect.isclass(public_class := getattr(stiction, name)):
+            dataclass_options = getattr(public_class, "__dataclass_params__", None)
             has_generated_repr = (
-                dataclass_options is not None and dataclass_options.repr and kind.__repr__.__doc__ is None
+                dataclass_options is not None and dataclass_options.repr and public_class.__repr__.__doc__ is None
             )  # a `__repr__` that the package itself defines has a docstring
-            assert kind.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
+            assert public_class.__repr__ is not object.__repr__ or name in PUBLIC_EXCEPTIONS, name
             assert not has_generated_repr or name in CLASSES_WITH_GENERATED_REPR, name
 
 
@@ -287,10 +287,10 @@ def test_contacts_method_of_a_result_returns_a_data_frame(function_result):
     assert len(loads) == 4
     np.testing.assert_allclose(loads, loads.index.get_level_values("load_mN"), rtol=1e-9)
     areas = result[result["load_mN"] == result["load_mN"].max()].groupby("member")["area_um2"].sum()
-    pressed = (
+    pressed_contacts = (
         function_result.dataset["contact_area"].isel(cut_off=0).sel(load=result["load_mN"].max(), method="nearest")
     )
-    np.testing.assert_allclose(areas, pressed.sel(repetition=[0, 2]), rtol=1e-9)
+    np.testing.assert_allclose(areas, pressed_contacts.sel(repetition=[0, 2]), rtol=1e-9)
     np.testing.assert_array_equal(result["mean_pressure_GPa"], result["force_mN"] / result["area_um2"])
 
 
@@ -357,16 +357,18 @@ def test_surface_from_a_surfalize_object_preserves_heights(lower):
 
 def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
     array = lower.to_xarray()
-    missing, uneven = array.copy(), array.copy()
-    missing[0, 0] = np.nan
-    uneven = uneven.assign_coords(x=("x", np.square(array["x"].values), array["x"].attrs))
+    array_with_missing_points, array_with_uneven_spacing = array.copy(), array.copy()
+    array_with_missing_points[0, 0] = np.nan
+    array_with_uneven_spacing = array_with_uneven_spacing.assign_coords(
+        x=("x", np.square(array["x"].values), array["x"].attrs)
+    )
     for invalid_object, words in (
         (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
         ([[0.0, 1.0]], "an object from SurfaceTopography, surfalize or xarray, got list"),
         (array.drop_attrs(), "must be a length unit"),
         (array.rename(x="u"), "must have the dimensions y and x"),
-        (missing, "1 points without a height"),
-        (uneven, "equal steps along x"),
+        (array_with_missing_points, "1 points without a height"),
+        (array_with_uneven_spacing, "equal steps along x"),
     ):
         with pytest.raises(ValueError, match=re.escape(words)):
             Surface.from_(invalid_object)
@@ -586,21 +588,21 @@ REJECTED_ARGUMENT_CASES = [
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_ARGUMENT_CASES)
 def test_pair_function_rejects_invalid_input_with_a_one_line_error(upper, lower, changes, pattern):
     arguments = {"first": upper, "second": lower} | PAIR_ARGUMENTS | changes
-    with pytest.raises(ValueError, match=pattern) as caught:
+    with pytest.raises(ValueError, match=pattern) as error_info:
         pair(arguments.pop("first"), arguments.pop("second"), **arguments)
-    assert "--" not in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert "--" not in str(error_info.value)
+    assert "\n" not in str(error_info.value)
 
 
-ARRAY = np.zeros((3, 3))
+ARRAY_OF_ZEROS = np.zeros((3, 3))
 REJECTED_VALUE_CASES = [
     (
-        lambda result: result.at(load_definition=ARRAY),
+        lambda result: result.at(load_definition=ARRAY_OF_ZEROS),
         "load_definition must be one of 'mean', 'elastic', 'normal', got array",
     ),
-    (lambda result: result.at(load_definition=ARRAY, per_member=True), "load_definition must be one of"),
+    (lambda result: result.at(load_definition=ARRAY_OF_ZEROS, per_member=True), "load_definition must be one of"),
     (
-        lambda result: result.at(load_definition=ARRAY, height_scale=2),
+        lambda result: result.at(load_definition=ARRAY_OF_ZEROS, height_scale=2),
         "load_definition must be 'elastic' if height_scale is given",
     ),
     (lambda result: result.at(mu0=1e300), "mu0 must be at most 1e\\+12, got 1e\\+300"),
@@ -610,26 +612,32 @@ REJECTED_VALUE_CASES = [
     (lambda _: stiction.LoadCurve.from_columns(3), "columns must be a mapping of names to arrays, got int"),
     (lambda _: stiction.LoadCurve.from_columns({}), "columns must contain .*, got \\[\\]"),
     (lambda result: result.compute_once(3), "compute must be a function, got 3"),
-    (lambda _: half_space(*SMALL_PAIR, [1e-3], progress=ARRAY), "progress must be a function of three arguments"),
-    (lambda _: half_space(*SMALL_PAIR, [1e-3], record=ARRAY), "record must be a SolutionRecord, got ndarray"),
-    (lambda _: half_space(*SMALL_PAIR, [1e-3]).at(SMALL_PAIR[0]), "index must be at least -1 and below 1"),
-    (lambda _: stiction.read_surface("u.csv", unit=SMALL_PAIR[0]), "unit must be a unit of length"),
-    (lambda _: stiction.read_surface("u.csv", crop=ARRAY), "crop must be"),
-    (lambda _: stiction.read_surface("u.csv", channel=ARRAY), "channel must be a name or a number"),
+    (
+        lambda _: half_space(*SMALL_SURFACES, [1e-3], progress=ARRAY_OF_ZEROS),
+        "progress must be a function of three arguments",
+    ),
+    (
+        lambda _: half_space(*SMALL_SURFACES, [1e-3], record=ARRAY_OF_ZEROS),
+        "record must be a SolutionRecord, got ndarray",
+    ),
+    (lambda _: half_space(*SMALL_SURFACES, [1e-3]).at(SMALL_SURFACES[0]), "index must be at least -1 and below 1"),
+    (lambda _: stiction.read_surface("u.csv", unit=SMALL_SURFACES[0]), "unit must be a unit of length"),
+    (lambda _: stiction.read_surface("u.csv", crop=ARRAY_OF_ZEROS), "crop must be"),
+    (lambda _: stiction.read_surface("u.csv", channel=ARRAY_OF_ZEROS), "channel must be a name or a number"),
     (lambda _: stiction.read_surface("u.csv", missing_value="\ud800"), "missing_value must have printable words"),
-    (lambda _: stiction.lines_along_both(SMALL_PAIR[0], band="x" * 5000), "band must be"),
+    (lambda _: stiction.lines_along_both(SMALL_SURFACES[0], band="x" * 5000), "band must be"),
     (lambda _: stiction.weierstrass_mandelbrot_family([[1.0]], [[1.0], [2.0, 3.0]]), "fractal_dimensions must be"),
     (lambda _: stiction.table_study(extent=1e300), "extent must be a finite number above 0 and below"),
 ]
-SMALL_PAIR = [create_surface(side, 16) for side in ("upper", "lower")]
+SMALL_SURFACES = [create_surface(side, 16) for side in ("upper", "lower")]
 
 
 @pytest.mark.parametrize(("call", "pattern"), REJECTED_VALUE_CASES)
 def test_public_functions_reject_arrays_and_extreme_values_with_a_short_message(function_result, call, pattern):
-    with pytest.raises(ValueError, match=pattern) as caught:
+    with pytest.raises(ValueError, match=pattern) as error_info:
         call(function_result)
-    assert "\n" not in str(caught.value)
-    assert len(str(caught.value)) < 200
+    assert "\n" not in str(error_info.value)
+    assert len(str(error_info.value)) < 200
 
 
 def test_pair_function_warns_about_a_flipped_surface(upper, lower):
@@ -645,9 +653,9 @@ def test_pair_function_replaces_a_result_of_another_study_only_on_request(functi
         surface_directory / "upper.npy", surface_directory / "lower.npy", **options | {"mu0": 0.1}
     ).study.friction.mu0 == (0.1,)
     other_options = options | {"effective_modulus": "70 GPa"}
-    with pytest.raises(ValueError, match="contains another study") as caught:
+    with pytest.raises(ValueError, match="contains another study") as error_info:
         pair(surface_directory / "upper.npy", surface_directory / "lower.npy", **other_options)
-    assert "\n" not in str(caught.value)
+    assert "\n" not in str(error_info.value)
     assert (
         pair(
             surface_directory / "upper.npy", surface_directory / "lower.npy", **other_options, replace=True

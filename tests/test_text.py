@@ -35,9 +35,9 @@ def test_file_reader_limits_the_file_size_and_rejects_special_files(tmp_path):
     with pytest.raises(UnreadableFileError, match="longer than 99 bytes"):
         read_file_bytes(tmp_path / "file", 99)
     os.mkfifo(tmp_path / "pipe")
-    for place in (tmp_path / "pipe", _files.Path("/dev/zero")):
+    for special_file in (tmp_path / "pipe", _files.Path("/dev/zero")):
         with pytest.raises(UnreadableFileError, match="is not a regular file"):
-            read_file_bytes(place, 100)
+            read_file_bytes(special_file, 100)
     with pytest.raises(IsADirectoryError):
         read_file_bytes(tmp_path, 100)
 
@@ -68,10 +68,10 @@ class TestFileWriting:
 
     def test_file_writer_rejects_directories_and_devices(self, tmp_path, writer, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        for place in (".", "/dev/null", "/dev/full", "/"):
+        for directory_or_device in (".", "/dev/null", "/dev/full", "/"):
             with (
-                pytest.raises(ValueError, match=re.escape(f"{place}: already exists")),
-                writer(_files.Path(place), ValueError),
+                pytest.raises(ValueError, match=re.escape(f"{directory_or_device}: already exists")),
+                writer(_files.Path(directory_or_device), ValueError),
             ):
                 pass
         assert os.listdir(tmp_path) == []

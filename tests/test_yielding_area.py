@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 pytestmark = pytest.mark.docs
-SCRIPT = Path(__file__).parents[1] / "docs/scripts/yielding_area.py"
+SCRIPT_FILE = Path(__file__).parents[1] / "docs/scripts/yielding_area.py"
 MAX_DEVIATION = 0.12
 MIN_FRACTION_WITHIN_DEVIATION = 0.88
 MAX_MEAN_DEVIATION = 0.06
@@ -35,9 +35,9 @@ FINITE_ELEMENT_AREAS = {
 
 @pytest.fixture(scope="module")
 def script():
-    if not SCRIPT.exists():
+    if not SCRIPT_FILE.exists():
         pytest.skip("the directory docs is not in this tree")
-    spec = importlib.util.spec_from_file_location("yielding_area", SCRIPT)
+    spec = importlib.util.spec_from_file_location("yielding_area", SCRIPT_FILE)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # the dataclass decorator looks up the module by its name
     spec.loader.exec_module(module)
@@ -45,7 +45,7 @@ def script():
 
 
 @pytest.fixture(scope="module")
-def ratios(script):
+def area_ratios(script):
     """Areas by models, divided by the area by finite elements, for each stored case and load."""
     result = {"pressure cap": [], "power": [], "from onset": []}
     for name, values in FINITE_ELEMENT_AREAS.items():
@@ -59,19 +59,19 @@ def ratios(script):
     return {name: np.array(values) for name, values in result.items()}
 
 
-def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_contacts(ratios):
-    assert ratios["pressure cap"].min() < 0.8
-    assert ratios["pressure cap"].max() < 1.05
-    assert np.abs(ratios["pressure cap"] - 1).mean() > 0.1
+def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_contacts(area_ratios):
+    assert area_ratios["pressure cap"].min() < 0.8
+    assert area_ratios["pressure cap"].max() < 1.05
+    assert np.abs(area_ratios["pressure cap"] - 1).mean() > 0.1
 
 
-def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_finite_elements(ratios):
-    deviation = np.abs(ratios["from onset"] - 1)
-    cap_deviation = np.abs(ratios["pressure cap"] - 1)
+def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_finite_elements(area_ratios):
+    deviation = np.abs(area_ratios["from onset"] - 1)
+    cap_deviation = np.abs(area_ratios["pressure cap"] - 1)
     assert deviation.mean() < MAX_MEAN_DEVIATION
     assert (deviation < MAX_DEVIATION).mean() >= MIN_FRACTION_WITHIN_DEVIATION
     assert (deviation < cap_deviation)[cap_deviation > 0.05].mean() >= 0.9
-    assert deviation.mean() < np.abs(ratios["power"] - 1).mean()
+    assert deviation.mean() < np.abs(area_ratios["power"] - 1).mean()
 
 
 def test_yielded_area_by_the_formula_with_an_onset_of_yield_has_elastic_and_plastic_limits(script):
@@ -93,10 +93,10 @@ def test_coarse_finite_elements_give_the_elastic_area_and_a_larger_area_than_lim
     for case in (CoarseProfile(13, 0.5, 0.05, 10.0), CoarseProfile(13, 0.5, 0.05, 0.01)):
         result = script.run_case(case, tmp_path)
         loads, areas = np.array(result["load"]), np.array(result["area_edges"])
-        selected = (areas > 0.15 * case.length) & (areas < 0.35 * case.length)
-        assert selected.sum() >= 3
-        half_space_areas = script.solve_half_space(case, loads[selected])
-        ratio = half_space_areas.capped / areas[selected]
+        is_selected = (areas > 0.15 * case.length) & (areas < 0.35 * case.length)
+        assert is_selected.sum() >= 3
+        half_space_areas = script.solve_half_space(case, loads[is_selected])
+        ratio = half_space_areas.capped / areas[is_selected]
         if case.yield_strength > 1:
             np.testing.assert_allclose(ratio, 1, atol=FINITE_ELEMENT_TOLERANCE)
         else:

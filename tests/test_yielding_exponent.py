@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("tamaas")
 pytestmark = pytest.mark.docs
-SCRIPTS = Path(__file__).parents[1] / "docs/scripts"
+SCRIPTS_DIRECTORY = Path(__file__).parents[1] / "docs/scripts"
 
 # Mean pressure (over Young's modulus), A/A0 and elastic A/A0 on the same grid, by tamaas, of cases in
 # docs/scripts/yielding_exponent.py.
@@ -42,15 +42,15 @@ TAMAAS_AREA_FRACTIONS = {
 
 @pytest.fixture(scope="module")
 def script():
-    if not SCRIPTS.exists():
+    if not SCRIPTS_DIRECTORY.exists():
         pytest.skip("the directory docs is not in this tree")
     with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(SCRIPTS)
+        patch.syspath_prepend(SCRIPTS_DIRECTORY)
         yield importlib.import_module("yielding_exponent")
 
 
 @pytest.fixture(scope="module")
-def areas(script):
+def areas_by_map(script):
     """Areas of each stored map, true and with the pressure cap."""
     return {
         name: script.find_map_areas(
@@ -60,28 +60,28 @@ def areas(script):
     }
 
 
-def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_maps(areas):
-    ratios = np.concatenate([case.capped / case.true for case in areas.values()])
+def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_maps(areas_by_map):
+    ratios = np.concatenate([case.capped / case.true for case in areas_by_map.values()])
     assert ratios.max() < 0.92
     assert 0.75 < ratios.mean() < 0.85
 
 
-def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_elastic_plastic_solutions(script, areas):
-    deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas.values()])
+def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_elastic_plastic_solutions(script, areas_by_map):
+    deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas_by_map.values()])
     assert np.abs(deviations).mean() < 0.06
     assert abs(deviations.mean()) < 0.04
 
 
-def test_fitted_yield_exponents_of_maps_are_close_to_1(areas):
-    exponents = np.array([case.fit_exponent() for case in areas.values()])
+def test_fitted_yield_exponents_of_maps_are_close_to_1(areas_by_map):
+    exponents = np.array([case.fit_exponent() for case in areas_by_map.values()])
     assert 0.9 < exponents.mean() < 1.3
     assert exponents.min() > 0.6
     assert exponents.max() < 1.6
 
 
-def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(areas):
+def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(areas_by_map):
     for name, rows in TAMAAS_AREA_FRACTIONS.items():
-        np.testing.assert_allclose(np.array(rows)[:, 2], areas[name].elastic, rtol=0.07)
+        np.testing.assert_allclose(np.array(rows)[:, 2], areas_by_map[name].elastic, rtol=0.07)
 
 
 def test_coarse_elastic_plastic_solution_has_more_area_than_an_elastic_one_with_limited_pressure(script):

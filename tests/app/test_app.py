@@ -499,11 +499,11 @@ def test_app_offers_a_shear_test_if_the_two_scanned_faces_fit_together(empty_pag
     assert "--cutoff" not in command_line
     record = json.loads(check_stiction(*shlex.split(command_line)[1:], "--json", cwd=tmp_path).stdout)
     values = {value["name"]: value["value"] for value in record["values"][:5]}
-    shown = empty_page.execute_script(
+    displayed_form = empty_page.execute_script(
         "return [...document.querySelectorAll('#answer .value')]"
         ".map(({dataset}) => [dataset.place, Number(dataset.value)])"
     )
-    assert shown == [
+    assert displayed_form == [
         ["at the peak", pytest.approx(values["peak_friction_coefficient"])],
         ["at the end", pytest.approx(values["end_friction_coefficient"])],
     ]

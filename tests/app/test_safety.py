@@ -186,9 +186,9 @@ def finished_pair_job(app, map_scans, tmp_path_factory):
     options = {"upper": "steel", "lower": "brass", "hardness": "1.2 GPa", "load": "10 MPa", "shifts": "1"}
     options |= {"direction": "0,90", "wait": "1 min,1 h", "creep": "0.03", "interface": app.upload(path)}
     job = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})["job"]
-    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
-    assert finished["state"] == "done", finished["error"]
-    return finished, tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
+    finished_job = wait_until(app.list_jobs, lambda jobs: jobs[-1]["state"] in ("done", "failed"))[-1]
+    assert finished_job["state"] == "done", finished_job["error"]
+    return finished_job, tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
 
 
 def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(finished_pair_job):
@@ -212,9 +212,9 @@ def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
         request[side] = app.upload(tmp_path / f"{side}.csv")
     options = {"young": "30 GPa", "poisson": "0.25", "load": "1 MPa", "mu0": "0.5..2", "path": "150 um"}
     app.post_json("/jobs", request | {"options": list(options.items())})
-    finished = wait_until(app.list_jobs, lambda listed: listed[-1]["state"] in ("done", "failed"))[-1]
-    assert finished["state"] == "done", finished["error"]
-    assert [line["text"].endswith(", ∞)") for line in finished["answer"]["lines"]] == [True, True]
+    finished_job = wait_until(app.list_jobs, lambda jobs: jobs[-1]["state"] in ("done", "failed"))[-1]
+    assert finished_job["state"] == "done", finished_job["error"]
+    assert [line["text"].endswith(", ∞)") for line in finished_job["answer"]["lines"]] == [True, True]
 
 
 def test_request_that_specifies_the_interface_by_a_file_path_is_rejected(app, map_scans):
@@ -408,7 +408,7 @@ def test_stopped_jobs_with_blocked_previews_do_not_block_requests(app, tmp_path)
 
 @pytest.mark.parametrize("is_ending", [False, True])
 def test_job_is_marked_as_stopped_before_the_server_reads_its_partial_result(tmp_path, monkeypatch, is_ending):
-    async def check():
+    async def run_job():
         has_started, has_begun_reading, may_continue = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
         async def run_module(arguments, **_):
@@ -431,13 +431,13 @@ def test_job_is_marked_as_stopped_before_the_server_reads_its_partial_result(tmp
         assert (job.state, job.finished) == ("stopped", 0 if is_ending else 3)
         assert is_ending or not job.activity
 
-    asyncio.run(check())
+    asyncio.run(run_job())
 
 
 @pytest.fixture
 def fake_pair_command(monkeypatch):
     """Replace the command of a pair by a function that writes small files, and returns a record with two points."""
-    answers = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
+    json_points = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
         if '"preview"' in arguments[1]:  # simulate a preview that takes longer than the command itself
@@ -449,7 +449,7 @@ def fake_pair_command(monkeypatch):
         run(Study.named("quick").with_changes(SMALL_ENSEMBLE), store=directory)
         for name in ("report.html", "result.csv"):
             (directory / name).write_text(f"{name} of {directory}")
-        record = json.dumps({"command": str(directory), "points": answers})
+        record = json.dumps({"command": str(directory), "points": json_points})
         on_record(record)
         if "--fail" in arguments:
             raise jobs.RejectedRequestError(f"{directory}/report.html: No space left on device")
@@ -459,13 +459,13 @@ def fake_pair_command(monkeypatch):
 
 
 def test_finished_pair_job_shows_its_files_instead_of_a_slow_preview(tmp_path, fake_pair_command):
-    async def check():
+    async def run_job():
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"], preview=([], []))
         await job.task
         return job
 
-    job = asyncio.run(check())
+    job = asyncio.run(run_job())
     assert (job.state, job.error, job.scope, job.finished, job.total) == ("done", "", "", 2, 2)
     assert job.record["reported"]
     assert "--tip" not in job.record["caveats"][0]["text"]
@@ -476,12 +476,12 @@ def test_finished_pair_job_shows_its_files_instead_of_a_slow_preview(tmp_path, f
 
 
 def test_pair_job_whose_report_cannot_be_written_still_shows_its_result(tmp_path, fake_pair_command):
-    async def check():
+    async def run_job():
         job = JobQueue(tmp_path).add("a pair", ["pair", "--fail"], preview=([], []))
         await job.task
         return job
 
-    job = asyncio.run(check())
+    job = asyncio.run(run_job())
     assert (job.state, job.scope, job.files, job.page_data()["versions"]) == ("failed", "", None, 0)
     assert job.record["reported"]
     assert job.error.startswith("the report of this result could not be written: results/")
@@ -498,7 +498,7 @@ def test_values_of_a_finished_pair_job_are_not_replaced_by_an_intermediate_resul
         await asyncio.sleep(0.2)
         raise jobs.RejectedRequestError("the command ended")
 
-    async def check():
+    async def run_job():
         job = JobQueue(tmp_path).add("a pair", ["pair"])
         await job.task
         return job
@@ -508,7 +508,7 @@ def test_values_of_a_finished_pair_job_are_not_replaced_by_an_intermediate_resul
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
     monkeypatch.setattr(jobs, "open_stored_result", lambda _: stored_result)
     monkeypatch.setattr(jobs, "POLL_INTERVAL", 0.02)
-    job = asyncio.run(check())
+    job = asyncio.run(run_job())
     assert (job.record["reported"], job.scope) == (True, "")
     assert job.error == "the report of this result could not be written: the command ended"
 
@@ -530,14 +530,14 @@ def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_
     def open_stored_result(directory):
         raise AttributeError(f"no attribute of {directory.name}") if failing_source == "directory" else ValueError
 
-    async def check():
+    async def run_job():
         job = JobQueue(tmp_path).add("a pair", ["pair"], preview=([], []))
         await asyncio.wait_for(job.task, 60)
         return job
 
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
     monkeypatch.setattr(jobs, "open_stored_result", open_stored_result)
-    assert asyncio.run(check()).error.endswith("the command ended")
+    assert asyncio.run(run_job()).error.endswith("the command ended")
     (record,) = caplog.records
     assert record.levelname == "ERROR"
     assert record.exc_info[0] is {"preview": KeyError, "directory": AttributeError}[failing_source]
@@ -547,13 +547,13 @@ def test_job_with_an_unexpected_error_fails_with_a_message_and_is_logged(tmp_pat
     async def run_module(arguments, **_):
         raise KeyError(arguments[0])
 
-    async def check():
+    async def run_job():
         job = JobQueue(tmp_path).add("a pair", ["pair"])
         await asyncio.gather(job.task, return_exceptions=True)
         return job
 
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
-    job = asyncio.run(check())
+    job = asyncio.run(run_job())
     assert (job.state, job.activity) == ("failed", "")
     assert "unexpected error" in job.error
     (record,) = caplog.records
@@ -571,13 +571,13 @@ def test_command_and_its_preview_together_use_at_most_the_memory_of_the_machine(
         await asyncio.sleep(0.1)
         raise jobs.RejectedRequestError("the command failed")
 
-    async def check():
+    async def run_job():
         job = JobQueue(tmp_path).add("a pair", ["pair"], preview=([], []))
         await job.task
         return job
 
     monkeypatch.setattr("stiction.app.jobs.run_module", run_module)
-    assert asyncio.run(check()).error == "the command failed"
+    assert asyncio.run(run_job()).error == "the command failed"
     assert set(memory_fractions) == {"preview", "stiction"}
     assert sum(memory_fractions.values()) < 1
 
@@ -585,18 +585,18 @@ def test_command_and_its_preview_together_use_at_most_the_memory_of_the_machine(
 def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_its_stored_result(
     tmp_path, monkeypatch, fake_pair_command
 ):
-    copying, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
+    copying_started, may_continue, open_stored_result = threading.Event(), threading.Event(), jobs.open_stored_result
 
     def open_after_signal(directory):
         if threading.current_thread() is not threading.main_thread() and (directory / "report.html").exists():
-            copying.set()
+            copying_started.set()
             assert may_continue.wait(60)
         return open_stored_result(directory)
 
-    async def check():
+    async def run_job():
         queue = JobQueue(tmp_path)
         job = queue.add("a pair", ["pair"])
-        await asyncio.to_thread(copying.wait, 60)
+        await asyncio.to_thread(copying_started.wait, 60)
         job.stop()
         await job.task
         may_continue.set()
@@ -604,12 +604,12 @@ def test_pair_job_that_is_stopped_while_its_files_are_copied_shows_its_stored_re
         return job
 
     monkeypatch.setattr(jobs, "open_stored_result", open_after_signal)
-    job = asyncio.run(check())
+    job = asyncio.run(run_job())
     assert (job.state, job.record, job.finished, job.versions) == ("stopped", "finished part", 1, 2)
 
 
 def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):
-    async def check():
+    async def run_job():
         processes, original_create = [], asyncio.create_subprocess_exec
 
         async def create_process(*arguments, **options):
@@ -624,7 +624,7 @@ def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):
         await asyncio.gather(task, return_exceptions=True)
         assert processes[0].returncode is not None
 
-    asyncio.run(check())
+    asyncio.run(run_job())
 
 
 def test_profile_preview_rejects_studies_of_measured_surfaces(app):
@@ -671,10 +671,10 @@ def test_response_that_takes_too_long_is_replaced_by_a_timeout_message(tmp_path,
     monkeypatch.setattr(app, "_app", lambda *_: asyncio.Event().wait())
     messages = []
 
-    async def send(message):
+    async def record_message(message):
         messages.append(message)
 
-    asyncio.run(app({"type": "http", "method": "GET", "path": "/jobs", "headers": []}, None, send))
+    asyncio.run(app({"type": "http", "method": "GET", "path": "/jobs", "headers": []}, None, record_message))
     assert messages[0]["status"] == 503
     assert b"took longer" in messages[1]["body"]
 
@@ -694,10 +694,13 @@ def test_server_prints_no_traceback_if_terminated_during_requests_and_jobs(tmp_p
             server.post_json("/jobs", arguments)
         wait_until(server.list_jobs, lambda jobs: jobs[0]["total"])
         with ThreadPoolExecutor(8) as pool:
-            answers = [pool.submit(server.request, "GET", f"/scans/{upper}") for _ in range(8)]
+            responses = [pool.submit(server.request, "GET", f"/scans/{upper}") for _ in range(8)]
             server.process.send_signal(signal.SIGTERM)
             assert server.process.wait(60) == 0
-            assert all(answer.exception() or answer.result()[0] in (200, 503) for answer in answers)
+            assert all(
+                future_response.exception() or future_response.result()[0] in (200, 503)
+                for future_response in responses
+            )
         assert server.process.stderr.read() == ""
 
 

@@ -42,10 +42,10 @@ def simulate_ball_tests(
 ) -> list[FrictionTest]:
     """Return eight friction tests on a ball, with random relative errors."""
     random = np.random.default_rng(seed)
-    truth = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
+    true_coefficients = [mu0 + tau0 * BALL.area_per_load(load) for load in LOADS]
     return [
         FrictionTest(BALL, load, coefficient=y * (1 + error * random.standard_normal()), uncertainty=error * y)
-        for load, y in zip(LOADS, truth, strict=True)
+        for load, y in zip(LOADS, true_coefficients, strict=True)
     ]
 
 
@@ -73,12 +73,12 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
     mu0, tau0 = np.meshgrid(np.linspace(0.1, 0.2, 801), np.linspace(0.0, 0.003, 801), indexing="ij")
     log_likelihood = np.zeros(mu0.shape)
     for test in tests:
-        predicted = mu0 + tau0 * BALL.area_per_load(float(test.load))
-        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+        predicted_coefficients = mu0 + tau0 * BALL.area_per_load(float(test.load))
+        log_likelihood -= 0.5 * ((test.coefficient - predicted_coefficients) / test.uncertainty) ** 2
     weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
-    for name, draws, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
-        expected = compute_credible_interval(draws.ravel()[values], 0.0)
+    for name, samples, interval in (("mu0", mu0, interface.mu0), ("tau0", tau0, interface.tau0)):
+        expected = compute_credible_interval(samples.ravel()[values], 0.0)
         result = compute_credible_interval(interface.draws[name].to_numpy(), 0.0)
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * (expected[2] - expected[1]))
         assert interval[0] == result[0]
@@ -89,7 +89,7 @@ def test_calibration_with_a_parameter_at_its_bound_agrees_with_brute_force_integ
 def test_error_common_to_all_tests_widens_the_interval_of_the_combination_of_mu0_and_tau0() -> None:
     tests = simulate_ball_tests()
     narrow_interval, wide_interval = (
-        calibrate(tests, common=common, sliding="all").identified for common in (0.0, 0.1)
+        calibrate(tests, common=common_error, sliding="all").identified for common_error in (0.0, 0.1)
     )
     assert wide_interval[2] - wide_interval[1] == pytest.approx(
         math.hypot(narrow_interval[2] - narrow_interval[1], 0.1 * 3.92 * wide_interval[0]), rel=0.1
@@ -118,9 +118,9 @@ def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decade
     loads = np.geomspace(1.0, 100.0, len(tests))
     ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
     ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
-    design = np.stack([np.ones_like(ratios), ratios], axis=1)
+    design_matrix = np.stack([np.ones_like(ratios), ratios], axis=1)
     # All measured coefficients have the same error.
-    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design_matrix.T @ design_matrix)))
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
 
@@ -159,13 +159,15 @@ def test_friction_test_accepts_a_result_of_the_pair_function() -> None:
         onset=0,
     )  # fmt: skip
     coefficient = result.at("80 MPa", mu0=0.2, tau0="50 MPa")["mean_friction"].sel(sliding="all", statistic="mean")
-    truth = float(coefficient.squeeze())
-    tests = [FrictionTest(result, load, coefficient=truth, uncertainty=0.01) for load in ("80 MPa", "2 mN")]
+    expected_coefficient = float(coefficient.squeeze())
+    tests = [
+        FrictionTest(result, load, coefficient=expected_coefficient, uncertainty=0.01) for load in ("80 MPa", "2 mN")
+    ]
     # The nominal pressure acts on the pieces of the maps that are in contact, not on complete maps.
     assert tests[0].load == pytest.approx(0.08 * result.nominal_area)
     interface = calibrate(tests)
     assert [fit.sliding for fit in interface.fits] == ["all", "opposing"]
-    assert interface.predict(result, "80 MPa")[0] == pytest.approx(truth, rel=0.02)
+    assert interface.predict(result, "80 MPa")[0] == pytest.approx(expected_coefficient, rel=0.02)
     hardness_of_brass = Inputs.from_study(result.study).estimate("hardness")
     assert interface.about[HARDNESS_HEADER_ENTRY] == hardness_of_brass.text
     assert interface.draws["hardness"].median() == pytest.approx(hardness_of_brass.value, rel=0.1)
@@ -265,8 +267,8 @@ def test_calibration_over_a_range_of_moduli_agrees_with_a_brute_force_calculatio
     # to E*^(2/3).
     relative_moduli = np.exp(random.standard_normal(400_000) / 1.96 * 0.5 * math.log(max_modulus / min_modulus))
     tau0 = samples_at_mean_modulus[:, 1] * relative_moduli ** (2 / 3)
-    for result, draws in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
-        expected = np.quantile(draws, [0.5, 0.025, 0.975])
+    for result, samples in ((interface.mu0, samples_at_mean_modulus[:, 0]), (interface.tau0, tau0)):
+        expected = np.quantile(samples, [0.5, 0.025, 0.975])
         assert result == pytest.approx(expected, abs=SAMPLING_TOLERANCE * np.ptp(expected))
 
 
@@ -401,10 +403,10 @@ def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, 
 
 
 def simulate_junction_growth_tests(
-    alpha: Any, truth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
+    alpha: Any, true_growth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
 ) -> list[Any]:
     """Return exact friction tests on a plastic pair, and on a steel ball that does not yield."""
-    y = solve_coefficient(mu0, tau0, truth)
+    y = solve_coefficient(mu0, tau0, true_growth)
     tests = [FrictionTest(compute_plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
     for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
         y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
@@ -412,14 +414,14 @@ def simulate_junction_growth_tests(
     return tests
 
 
-@pytest.mark.parametrize("truth", [3.0, 27.0])
-def test_calibration_with_junction_growth_recovers_mu0_and_tau0(truth: float) -> None:
-    interface = calibrate(simulate_junction_growth_tests(truth, truth), common=0.0, sliding="all")
+@pytest.mark.parametrize("growth", [3.0, 27.0])
+def test_calibration_with_junction_growth_recovers_mu0_and_tau0(growth: float) -> None:
+    interface = calibrate(simulate_junction_growth_tests(growth, growth), common=0.0, sliding="all")
     assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
-    assert set(interface.fits[0].junction_growth) == {truth}
-    assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == f"{truth:g}"
+    assert set(interface.fits[0].junction_growth) == {growth}
+    assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == f"{growth:g}"
 
 
 def test_calibration_with_slip_lines_recovers_mu0_and_tau0_and_samples_the_hardness_ratio(tmp_path) -> None:
@@ -456,16 +458,16 @@ def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation(
     log_likelihood = np.zeros(mu0.shape)
     plastic_coefficient = predict((mu0, tau0))
     for test in tests:
-        predicted = (
+        predicted_coefficients = (
             mu0 + tau0 * STEEL_BALL.area_per_load(float(test.load))
             if test.result is STEEL_BALL
             else plastic_coefficient
         )
-        log_likelihood -= 0.5 * ((test.coefficient - predicted) / test.uncertainty) ** 2
+        log_likelihood -= 0.5 * ((test.coefficient - predicted_coefficients) / test.uncertainty) ** 2
     weight = np.exp(log_likelihood - log_likelihood.max()).ravel()
     values = np.random.default_rng(0).choice(weight.size, 200_000, p=weight / weight.sum())
-    for draws, value_and_interval in ((mu0, interface.mu0), (tau0, interface.tau0)):
-        expected = np.quantile(draws.ravel()[values], [0.5, 0.025, 0.975])
+    for samples, value_and_interval in ((mu0, interface.mu0), (tau0, interface.tau0)):
+        expected = np.quantile(samples.ravel()[values], [0.5, 0.025, 0.975])
         assert value_and_interval == pytest.approx(expected, abs=2 * SAMPLING_TOLERANCE * np.ptp(expected[1:]))
 
 
@@ -489,10 +491,10 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
     assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
 
 
-@pytest.mark.parametrize(("alpha", "truth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
-def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, truth: float) -> None:
-    interface = calibrate(simulate_junction_growth_tests(alpha, truth), sliding="all")
-    expected = solve_coefficient(0.2, 0.05, truth, 0.02, 1.25)
+@pytest.mark.parametrize(("alpha", "true_growth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
+def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, true_growth: float) -> None:
+    interface = calibrate(simulate_junction_growth_tests(alpha, true_growth), sliding="all")
+    expected = solve_coefficient(0.2, 0.05, true_growth, 0.02, 1.25)
     value, lower, upper = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
     assert lower < expected < upper
     assert value == pytest.approx(expected, rel=0.02)
@@ -500,8 +502,8 @@ def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alph
 
 def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() -> None:
     interface = calibrate(simulate_junction_growth_tests(0, 20.0), sliding="all")
-    predicted, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
-    assert predicted > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
+    predicted_coefficient, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
+    assert predicted_coefficient > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
     # If junction growth is neglected, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
     assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "0"
@@ -542,8 +544,8 @@ def test_outlier_among_friction_tests_does_not_shift_a_robust_fit() -> None:
     tests = simulate_ball_tests()
     tests_with_outlier = [*tests, FrictionTest(BALL, LOADS[4], coefficient=3 * tests[4].coefficient, uncertainty=0.03)]
     expected = calibrate(tests, sliding="all").identified
-    robust = calibrate(tests_with_outlier, sliding="all", outliers=True).identified
-    assert abs(robust[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
+    robust_interface = calibrate(tests_with_outlier, sliding="all", outliers=True).identified
+    assert abs(robust_interface[0] - expected[0]) < 0.3 * (expected[2] - expected[1])
 
 
 def test_error_common_to_all_tests_of_a_run_widens_the_interval() -> None:
@@ -693,8 +695,11 @@ def test_calibration_intervals_agree_with_minos_intervals() -> None:
     tests = simulate_ball_tests(seed=5)
 
     def chi_squared(mu0: float, tau0: float) -> float:
-        predicted = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
-        return sum(((test.coefficient - y) / test.uncertainty) ** 2 for test, y in zip(tests, predicted, strict=True))
+        predicted_coefficients = [mu0 + tau0 * BALL.area_per_load(float(test.load)) for test in tests]
+        return sum(
+            ((test.coefficient - y) / test.uncertainty) ** 2
+            for test, y in zip(tests, predicted_coefficients, strict=True)
+        )
 
     minuit = iminuit.Minuit(chi_squared, mu0=0.1, tau0=0.01)
     minuit.errordef = iminuit.Minuit.LEAST_SQUARES
@@ -716,8 +721,10 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
         for load in LOADS
     ]
     interface = calibrate(tests)
-    condition = " ".join(calibration_text(interface).split()).partition("A/F of the tests: ")[2].partition("1/GPa")[0]
-    numbers = [float(word.strip("[],")) for word in condition.split()]
+    condition_text = (
+        " ".join(calibration_text(interface).split()).partition("A/F of the tests: ")[2].partition("1/GPa")[0]
+    )
+    numbers = [float(word.strip("[],")) for word in condition_text.split()]
     assert numbers[0] == pytest.approx(interface.area_per_load, rel=0.01)
     range_text = " ".join(calibration_text(interface).split()).partition("the tests span ")[2].partition(" 1/GPa")[0]
     ratios = [ball.area_per_load(float(load)) for load in LOADS]

@@ -74,14 +74,14 @@ def test_at_command_prints_the_same_values_as_the_python_function_for_given_mu0_
     if name == "study":
         expected_points = expected_points.sel(fractal_dimension=[1.3], method="nearest").isel(amplitude=[0])
     expected_points = summarize(expected_points, stored_result.study).points
-    assert [answer["assessment"] for answer in output_record["points"]] == [
-        answer.assessment for answer in expected_points
+    assert [json_point["assessment"] for json_point in output_record["points"]] == [
+        json_point.assessment for json_point in expected_points
     ]
-    assert [answer["at"]["load"] for answer in output_record["points"]] == pytest.approx(
-        [answer.at["load"] for answer in expected_points]
+    assert [json_point["at"]["load"] for json_point in output_record["points"]] == pytest.approx(
+        [json_point.at["load"] for json_point in expected_points]
     )
-    for answer, point in zip(output_record["points"], expected_points, strict=True):
-        assert [rule["coefficient"]["value"] for rule in answer["rules"]] == pytest.approx(
+    for json_point, point in zip(output_record["points"], expected_points, strict=True):
+        assert [rule["coefficient"]["value"] for rule in json_point["rules"]] == pytest.approx(
             [rule.value for rule in point.rules]
         )
     text = get_stiction_output("at", name, *options, cwd=results_directory)
@@ -92,7 +92,10 @@ def test_at_command_prints_the_same_values_as_the_python_function_for_given_mu0_
 
 def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_unreached_loads(results_directory):
     record = json.loads(get_stiction_output("at", "lines", "--load", "0.1 mN", "--json", cwd=results_directory))
-    assert [(answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]] == [(0.3, 0.0), (0.3, 0.02)]
+    assert [(json_point["at"]["mu0"], json_point["at"]["tau0"]) for json_point in record["points"]] == [
+        (0.3, 0.0),
+        (0.3, 0.02),
+    ]
     text = get_stiction_output("at", "study", "--load", "1 uN", "--mu0", "0.4", cwd=results_directory)
     assert text.splitlines()[0].endswith("τ0 = 0, 100 MPa (--tau0).")
     assert [line.split()[0] for line in text.splitlines()[1:6]] == ["D", "1", "1", "1.2", "1.2"]
@@ -101,7 +104,7 @@ def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_unreac
             "at", "study", "--load", "1 uN,1 N", "--d", "1.3", "--mu0", "0.3", "--json", cwd=results_directory
         )
     )
-    assert [answer["status"] for answer in record["points"]] == ["ok", "ok", "not-reached", "not-reached"]
+    assert [json_point["status"] for json_point in record["points"]] == ["ok", "ok", "not-reached", "not-reached"]
 
 
 @pytest.mark.parametrize(
@@ -133,12 +136,12 @@ def test_at_command_without_options_uses_mu0_and_tau0_and_loads_of_the_study(res
         (float(load), 0.3, float(tau0)) for load in study.friction.load for tau0 in study.friction.tau0
     ]
     assert [
-        (answer["at"]["load"], answer["at"]["mu0"], answer["at"]["tau0"]) for answer in record["points"]
+        (json_point["at"]["load"], json_point["at"]["mu0"], json_point["at"]["tau0"]) for json_point in record["points"]
     ] == expected_conditions
     record = json.loads(get_stiction_output("at", "study", "--load", "1 uN", "--json", cwd=results_directory))
     friction = open_stored_result(results_directory / "study").study.friction
-    assert {answer["at"]["tau0"] for answer in record["points"]} == {0.0, 0.1}
-    assert {answer["at"]["mu0"] for answer in record["points"]} == set(friction.mu0)
+    assert {json_point["at"]["tau0"] for json_point in record["points"]} == {0.0, 0.1}
+    assert {json_point["at"]["mu0"] for json_point in record["points"]} == set(friction.mu0)
 
 
 def test_at_command_prints_friction_in_the_direction_of_the_direction_option(results_directory):
@@ -163,14 +166,14 @@ def test_at_command_accepts_comma_separated_values_and_repeated_options(results_
             *arguments, "--load", "1 uN", "--load", "2 uN", "--mu0", "0.4", "--d", "1", cwd=results_directory
         )
     )
-    conditions = [answer["at"] for answer in record_of_lists["points"]]
+    conditions = [json_point["at"] for json_point in record_of_lists["points"]]
     assert len(conditions) == 2 * 2 * 2 * 2
-    assert sorted({answer["load"] for answer in conditions}) == pytest.approx([1e-3, 2e-3])
-    assert len({answer["fractal_dimension"] for answer in conditions}) == 2
-    rules_by_condition = {json.dumps(answer["at"]): answer["rules"] for answer in record_of_lists["points"]}
+    assert sorted({json_point["load"] for json_point in conditions}) == pytest.approx([1e-3, 2e-3])
+    assert len({json_point["fractal_dimension"] for json_point in conditions}) == 2
+    rules_by_condition = {json.dumps(json_point["at"]): json_point["rules"] for json_point in record_of_lists["points"]}
     assert all(
-        rules_by_condition[json.dumps(answer["at"])] == answer["rules"]
-        for answer in record_of_repeated_options["points"]
+        rules_by_condition[json.dumps(json_point["at"])] == json_point["rules"]
+        for json_point in record_of_repeated_options["points"]
     )
 
 
@@ -212,7 +215,7 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
         == open_stored_result(results_directory / name).study.ensemble.repetitions
     )
     assert record["values"]
-    assert all({"assessment", "caveats", "sentence"} <= set(answer) for answer in record["points"])
+    assert all({"assessment", "caveats", "sentence"} <= set(json_point) for json_point in record["points"])
     assert get_stiction_output("report", name, "--output", f"{name}.html", cwd=results_directory)
     text = get_stiction_output("info", name, cwd=results_directory)
     assert f"{record['finished']} of {record['repetitions']} finished" in text
@@ -222,7 +225,7 @@ def test_info_command_writes_json_with_the_same_schema_for_every_result(results_
     assert f"\n{record['points'][0]['assessment']}" in text or " (1 of 2)" in text
     if name == "study":
         return
-    loads = [answer["at"]["load"] for answer in record["points"]]
+    loads = [json_point["at"]["load"] for json_point in record["points"]]
     assert loads == sorted(loads), "--load options of a pair may be in any order"
     assert len(set(loads)) == {"maps": 2, "lines": 1}[name]
 
@@ -240,8 +243,10 @@ def test_at_command_computes_missing_height_factors_only_with_the_compute_option
     areas = open_result(tmp_path / "maps").at("10 MPa", mu0=0.25, height_scale=[0.5, 1, 2])["contact_area_fraction"]
     for value, lower, upper in 100 * areas.squeeze().values:
         assert lower < value < upper
-        printed = [re.findall(r"(\S+) \[(\S+), (\S+)\] %$", line) for line in text.splitlines()]
-        assert any(np.allclose(np.array(row[0], float), [value, lower, upper], rtol=0.1) for row in printed if row)
+        printed_intervals = [re.findall(r"(\S+) \[(\S+), (\S+)\] %$", line) for line in text.splitlines()]
+        assert any(
+            np.allclose(np.array(row[0], float), [value, lower, upper], rtol=0.1) for row in printed_intervals if row
+        )
     assert get_stiction_output(*arguments, cwd=tmp_path) == text
     record = json.loads(get_stiction_output(*arguments, "--json", cwd=tmp_path))
     assert (record["kind"], record["scaled"], record["solved"]) == ("pair", "both", [0.5, 1.0, 2.0])
@@ -290,7 +295,7 @@ def test_export_command_writes_netcdf_or_csv_without_overwriting_files(results_d
     get_stiction_output("export", name, str(tmp_path / "r.csv"), cwd=results_directory)
     rows = list(csv.DictReader((tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()))
     record = json.loads(get_stiction_output("info", name, "--json", cwd=results_directory))
-    assert {row["assessment"] for row in rows} == {answer["assessment"] for answer in record["points"]}
+    assert {row["assessment"] for row in rows} == {json_point["assessment"] for json_point in record["points"]}
     for file_name in ("r.nc", "r.csv"):
         assert_rejected(
             call_stiction("export", name, str(tmp_path / file_name), cwd=results_directory), "already exists"

@@ -135,8 +135,8 @@ def test_characterise_command_fills_or_masks_missing_points_and_selects_the_give
     lines[100] = lines[100].split(",")[0] + ",nan"
     (scans_directory / "gaps.csv").write_text("\n".join(lines), encoding="utf-8")
     assert_rejected(call_stiction("characterise", "gaps.csv", cwd=scans_directory), "1 of 3000 heights", "interpolate")
-    for missing, history_word in (("interpolate", "interpolated"), ("mask", "masked")):
-        history, output_table, _ = run_characterise("gaps.csv", "--missing", missing, cwd=scans_directory)
+    for missing_option, history_word in (("interpolate", "interpolated"), ("mask", "masked")):
+        history, output_table, _ = run_characterise("gaps.csv", "--missing", missing_option, cwd=scans_directory)
         assert any(
             f"1 missing points {history_word}, 0.033 % of all points" in step and "0.98 µm to 0.99 µm" in step
             for step in history
@@ -387,18 +387,22 @@ def test_characterise_command_names_the_scan_with_spikes_and_ignores_the_spikes(
     def read_record(*arguments):
         return json.loads(check_stiction("characterise", "a.npy", *arguments, "--json", cwd=tmp_path).stdout)
 
-    clean, spiky = (read_record(name, "--together") for name in ("b.npy", "spiky.npy"))
-    np.testing.assert_allclose(spiky["spectrum"]["rms_gradient"], clean["spectrum"]["rms_gradient"], rtol=0.01)
-    assert [scan["shortest_um"] for scan in spiky["scans"]] == [scan["shortest_um"] for scan in clean["scans"]]
-    assert clean["caveats"] == []
-    (caveat,) = spiky["caveats"]
+    clean_record, spiky_record = (read_record(name, "--together") for name in ("b.npy", "spiky.npy"))
+    np.testing.assert_allclose(
+        spiky_record["spectrum"]["rms_gradient"], clean_record["spectrum"]["rms_gradient"], rtol=0.01
+    )
+    assert [scan["shortest_um"] for scan in spiky_record["scans"]] == [
+        scan["shortest_um"] for scan in clean_record["scans"]
+    ]
+    assert clean_record["caveats"] == []
+    (caveat,) = spiky_record["caveats"]
     assert caveat["text"].startswith("spiky.npy: 2 points ")
     assert read_record("spiky.npy", "--together", "--outliers", "mask")["caveats"] == []
-    clean, spiky = (read_record(name, "--repeated") for name in ("b.npy", "spiky.npy"))
-    assert spiky["noise_um"] == pytest.approx(clean["noise_um"], rel=0.01)
-    assert spiky["limit_um"] == clean["limit_um"]
-    assert clean["caveats"] == []
-    (caveat,) = spiky["caveats"]
+    clean_record, spiky_record = (read_record(name, "--repeated") for name in ("b.npy", "spiky.npy"))
+    assert spiky_record["noise_um"] == pytest.approx(clean_record["noise_um"], rel=0.01)
+    assert spiky_record["limit_um"] == clean_record["limit_um"]
+    assert clean_record["caveats"] == []
+    (caveat,) = spiky_record["caveats"]
     assert caveat["text"].startswith("spiky.npy: 2 points ")
     output = check_stiction("characterise", "a.npy", "spiky.npy", "--repeated", cwd=tmp_path).stdout
     assert f"{caveat['text']}; {caveat['remedy']}" in " ".join(output.split())

@@ -91,9 +91,9 @@ def test_run_command_adds_repetitions_and_reports_missing_repetitions(directory_
 
 
 def test_result_of_a_run_in_two_parts_equals_the_result_of_a_single_run(directory_and_output, tmp_path):
-    for part in ("1/2", "2/2"):
-        completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", part, cwd=tmp_path)
-        assert f"part {part} is finished" in completed.stdout
+    for run_part in ("1/2", "2/2"):
+        completed = check_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--part", run_part, cwd=tmp_path)
+        assert f"part {run_part} is finished" in completed.stdout
         assert "μ_s" not in completed.stdout
     assert store.read(tmp_path / "quick").equals(store.read(directory_and_output[0] / "quick"))
 

@@ -418,10 +418,10 @@ def test_pair_command_evaluates_the_stored_sums_of_each_load_only_once(scans_dir
     requests = []
     evaluate_piece = member_values._evaluate_piece
 
-    def evaluate_and_record(piece, study, loads, mu0, tau0, load_definition, names, *others):
+    def evaluate_and_record(piece, study, loads, mu0, tau0, load_definition, names, *other_arguments):
         quantities = None if names is None else frozenset(names)
         requests.extend((study.to_toml(), load_definition, quantities, float(load)) for load in loads)
-        return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *others)
+        return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *other_arguments)
 
     monkeypatch.setattr(member_values, "_evaluate_piece", evaluate_and_record)
     monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all calls
@@ -467,14 +467,14 @@ def test_pair_command_interrupted_while_it_writes_files_has_already_printed_its_
     monkeypatch.setattr("os._exit", sys.exit)  # replace os._exit, which would end the test run
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
     arguments += ["-o", tmp_path / "out"]
-    interrupted = call_stiction(*arguments, cwd=scans_directory, without_report=True)
-    assert interrupted.returncode == 130
-    assert "μ_s = " in interrupted.stdout
-    assert f"interrupted; {message}" in interrupted.stderr
+    interrupted_command = call_stiction(*arguments, cwd=scans_directory, without_report=True)
+    assert interrupted_command.returncode == 130
+    assert "μ_s = " in interrupted_command.stdout
+    assert f"interrupted; {message}" in interrupted_command.stderr
     monkeypatch.undo()
-    finished = call_stiction(*arguments, cwd=scans_directory, without_figures=True, without_report=True)
-    assert finished.returncode == 0
-    assert "already contains this study" in finished.stdout
+    finished_command = call_stiction(*arguments, cwd=scans_directory, without_figures=True, without_report=True)
+    assert finished_command.returncode == 0
+    assert "already contains this study" in finished_command.stdout
     assert (tmp_path / "out" / "friction.png").exists()
 
 
@@ -861,8 +861,8 @@ def test_concurrent_pair_commands_can_write_the_same_files(scans_directory, monk
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
 def test_pair_commands_for_two_parts_of_a_run_give_a_complete_result(scans_directory):
     arguments = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mu0", "30", "--offsets", 4, "-o", "parts"]
-    for part in ("1/2", "2/2"):
-        check_stiction(*arguments, "--part", part, cwd=scans_directory)
+    for run_part in ("1/2", "2/2"):
+        check_stiction(*arguments, "--part", run_part, cwd=scans_directory)
     assert store.open_stored_result(scans_directory / "parts").finished_members.size == 4
     completed = check_stiction(*arguments, cwd=scans_directory)
     assert "not in per cent" in completed.stdout  # caveat about mu0 = 30
@@ -931,12 +931,12 @@ def directory_options_and_record(tmp_path_factory):
 
 def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(directory_options_and_record):
     directory, _, record = directory_options_and_record
-    resolution, answer = record["resolution"], record["points"][0]
+    resolution, json_points = record["resolution"], record["points"][0]
     assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)
     assert [entry["cut_off"] for entry in resolution["cutoffs"]] == pytest.approx([0, 0.2], rel=1e-3)
     pressure = float(hardness_under_shear(0.625, 0.2, 0.01, "slip-line"))
-    assert answer["finer_scans"]["from"] == pytest.approx(0.2 + 0.01 / pressure, rel=1e-3)
-    assert answer["finer_scans"]["to"] >= answer["rules"][0]["coefficient"]["value"]
+    assert json_points["finer_scans"]["from"] == pytest.approx(0.2 + 0.01 / pressure, rel=1e-3)
+    assert json_points["finer_scans"]["to"] >= json_points["rules"][0]["coefficient"]["value"]
     stored_resolution = store.read(directory / "pair" / "resolution")
     expected = run(Study.from_toml(directory / "pair" / "resolution" / "study.toml")).dataset
     np.testing.assert_array_equal(stored_resolution["contact_area"].values, expected["contact_area"].values)

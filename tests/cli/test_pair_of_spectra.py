@@ -121,10 +121,10 @@ def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_comp
             estimate = result.at()[quantity].squeeze()
             estimate = estimate.sel(sliding="all") if "sliding" in estimate.dims else estimate
             estimates.append([float(estimate.sel(statistic=statistic)) for statistic in ("mean", "lower", "upper")])
-        (mean, lower, upper), (truth, *_), (coarse_mean, *_) = estimates
-        assert lower < truth < upper
-    assert abs(coarse_mean - truth) > 2 * abs(
-        mean - truth
+        (mean, lower, upper), (true_value, *_), (coarse_mean, *_) = estimates
+        assert lower < true_value < upper
+    assert abs(coarse_mean - true_value) > 2 * abs(
+        mean - true_value
     )  # A coarse scan lacks short wavelengths, which determine the area.
 
 

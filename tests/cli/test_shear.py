@@ -12,13 +12,15 @@ from stiction.views.figures.shear import shear_figure
 from stiction.views.shear import list_caveats, shear_text
 from support.command import assert_rejected, call_stiction, check_stiction
 
-SHAPE = (48, 48)
-OPTIONS = ("--unit", "um", "--spacing", "50 um", "--load", "1 MPa", "--young", "30 GPa", "--poisson", 0.25)
-CONDITIONS = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25}
+MAP_SHAPE = (48, 48)
+SHEAR_OPTIONS = ("--unit", "um", "--spacing", "50 um", "--load", "1 MPa", "--young", "30 GPa", "--poisson", 0.25)
+LOAD_AND_ELASTICITY = {"load": "1 MPa", "young": "30 GPa", "poisson": 0.25}
 
 
 def create_faces():
-    lower = self_affine_surface(4, hurst_exponent=0.8, rms=20.0, shape=SHAPE, spacing=50.0, shortest_wavelength=300.0)
+    lower = self_affine_surface(
+        4, hurst_exponent=0.8, rms=20.0, shape=MAP_SHAPE, spacing=50.0, shortest_wavelength=300.0
+    )
     return Surface(flipped(lower).heights, spacing=lower.spacing), lower
 
 
@@ -30,7 +32,9 @@ def directory(tmp_path):
 
 
 def run_shear(directory, *options, **settings):
-    return check_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=directory, columns=80, **settings)
+    return check_stiction(
+        "shear", "upper.npy", "lower.npy", *SHEAR_OPTIONS, *options, cwd=directory, columns=80, **settings
+    )
 
 
 # ---- Output ----------------------------------------------------------------------------------------------------------
@@ -47,13 +51,15 @@ def test_shear_command_prints_peak_and_table_and_writes_four_files(directory):
     assert "95 % intervals: μ0" in lines
     assert max(map(len, lines)) <= 80
     assert sum(line.startswith(("0 ", "100 ", "200 ", "300 ", "400 ", "500 ")) for line in lines) == 6
-    test = shear_test(*create_faces(), path="0.5 mm", steps=5, mu0="0.5..0.7", hardness="150 MPa", **CONDITIONS)
+    test = shear_test(
+        *create_faces(), path="0.5 mm", steps=5, mu0="0.5..0.7", hardness="150 MPa", **LOAD_AND_ELASTICITY
+    )
     table = np.genfromtxt(directory / "shear/shear.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     np.testing.assert_allclose(table["mu"], test.friction_coefficient, rtol=1e-6)
     np.testing.assert_allclose(table["shear_stress_MPa"], 1e3 * test.shear_stress, rtol=1e-6)
     assert (table["mu_lower"] < table["mu"]).all()
-    stored = xarray.load_dataset(directory / "shear/shear.nc", engine="h5netcdf")
-    xarray.testing.assert_allclose(stored.drop_attrs(), test.drop_attrs())
+    stored_test = xarray.load_dataset(directory / "shear/shear.nc", engine="h5netcdf")
+    xarray.testing.assert_allclose(stored_test.drop_attrs(), test.drop_attrs())
     assert (directory / "shear/shear.png").read_bytes()[1:4] == b"PNG"
     report = (directory / "shear/report.html").read_text()
     assert "upper.npy on lower.npy" in report
@@ -80,7 +86,7 @@ def test_shear_command_accepts_profiles_in_the_opposite_direction(tmp_path):
         x = 0.05 * np.arange(heights.size)
         np.savetxt(tmp_path / name, np.c_[x, heights / 1e3], delimiter=",", header="x (mm),z (mm)", comments="")
     completed = check_stiction(
-        "shear", "upper.csv", "lower.csv", "--path", "0.5 mm", "--direction", 180, "--mu0", 0.6, *OPTIONS[4:],
+        "shear", "upper.csv", "lower.csv", "--path", "0.5 mm", "--direction", 180, "--mu0", 0.6, *SHEAR_OPTIONS[4:],
         cwd=tmp_path, without_figures=True,
     )  # fmt: skip
     assert "peak: μ = " in completed.stdout
@@ -124,24 +130,24 @@ def count_solved_contacts(monkeypatch):
 
 def test_shear_test_interrupted_while_solving_resumes_with_identical_results(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
-    options = {"path": "0.5 mm", "steps": 10, "mu0": 0.6, "hardness": "200 MPa"} | CONDITIONS
-    whole = shear_test(*create_faces(), **options)
+    options = {"path": "0.5 mm", "steps": 10, "mu0": 0.6, "hardness": "200 MPa"} | LOAD_AND_ELASTICITY
+    uninterrupted_test = shear_test(*create_faces(), **options)
     with pytest.raises(KeyboardInterrupt):
         shear_test(*create_faces(), directory=tmp_path / "test", progress=Interruption(7), **options)
-    calls = count_solved_contacts(monkeypatch)
+    solved_contacts = count_solved_contacts(monkeypatch)
     resumed = shear_test(*create_faces(), directory=tmp_path / "test", **options)
-    assert 0 < len(calls) < 16
-    xarray.testing.assert_identical(resumed.drop_attrs(), whole.drop_attrs())
+    assert 0 < len(solved_contacts) < 16
+    xarray.testing.assert_identical(resumed.drop_attrs(), uninterrupted_test.drop_attrs())
     assert [path.name for path in (tmp_path / "test").iterdir()] == ["shear.nc"]
-    calls.clear()
+    solved_contacts.clear()
     opened = shear_test(*create_faces(), directory=tmp_path / "test", **options)
-    assert not calls
-    np.testing.assert_array_equal(opened.friction_coefficient, whole.friction_coefficient)
+    assert not solved_contacts
+    np.testing.assert_array_equal(opened.friction_coefficient, uninterrupted_test.friction_coefficient)
 
 
 def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical_results(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
-    options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **CONDITIONS}
+    options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **LOAD_AND_ELASTICITY}
     lower = self_affine_surface(
         4, hurst_exponent=0.8, rms=20.0, shape=(128, 128), spacing=50.0, shortest_wavelength=300.0
     )
@@ -149,15 +155,15 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     interruption = Interruption(17)
     with pytest.raises(KeyboardInterrupt):
         shear_test(*faces, directory=tmp_path / "test", progress=interruption, **options)
-    whole = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
+    uninterrupted_test = shear_test(*faces, progress=(counts := Interruption(-1)), **options)
     # Seven shear curves are computed: the test itself, the tests at two limits of the hardness, and four strips.
     assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))
-    calls = count_solved_contacts(monkeypatch)
+    solved_contacts = count_solved_contacts(monkeypatch)
     resumed = shear_test(*faces, directory=tmp_path / "test", **options)
-    assert 0 < len(calls) < 20
-    xarray.testing.assert_identical(resumed.drop_attrs(), whole.drop_attrs())
+    assert 0 < len(solved_contacts) < 20
+    xarray.testing.assert_identical(resumed.drop_attrs(), uninterrupted_test.drop_attrs())
     assert {name: value for name, value in resumed.attrs.items() if name != "key"} == pytest.approx(
-        whole.attrs, nan_ok=True
+        uninterrupted_test.attrs, nan_ok=True
     )
 
 
@@ -175,12 +181,12 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     ],
 )
 def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request(tmp_path, changed):
-    options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | CONDITIONS
+    options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | LOAD_AND_ELASTICITY
     shear_test(*create_faces(), **options)
     with pytest.raises(ValueError, match="contains another shear test; choose another directory"):
         shear_test(*create_faces(), **options | changed)
-    replaced = shear_test(*create_faces(), **options | changed, replace=True)
-    assert replaced.attrs["key"] == shear_test(*create_faces(), **options | changed).attrs["key"]
+    replacing_test = shear_test(*create_faces(), **options | changed, replace=True)
+    assert replacing_test.attrs["key"] == shear_test(*create_faces(), **options | changed).attrs["key"]
 
 
 # ---- Messages --------------------------------------------------------------------------------------------------------
@@ -204,14 +210,14 @@ def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request
 )  # fmt: skip
 def test_shear_command_rejects_invalid_options_with_a_one_line_error(directory, options, message):
     options = options if "--mu0" in options else (*options, "--mu0", 0.6)
-    assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *OPTIONS, *options, cwd=directory), message)
+    assert_rejected(call_stiction("shear", "upper.npy", "lower.npy", *SHEAR_OPTIONS, *options, cwd=directory), message)
 
 
 def test_shear_command_rejects_a_directory_with_another_test(directory):
     for mu0 in (0.6, 0.5):
         completed = call_stiction(
-            "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.2 mm", "--steps", 1, "--mu0", mu0, cwd=directory,
-            without_figures=True,
+            "shear", "upper.npy", "lower.npy", *SHEAR_OPTIONS, "--path", "0.2 mm", "--steps", 1, "--mu0", mu0,
+            cwd=directory, without_figures=True,
         )  # fmt: skip
     assert_rejected(completed, "shear contains another shear test;", "or overwrite the test with --replace")
 
@@ -223,7 +229,7 @@ def test_shear_command_does_not_replace_a_file_of_the_user(directory):
     (directory / "shear").mkdir()
     (directory / "shear/shear.csv").write_text("displacement (um),mu\n1,2\n")
     completed = call_stiction(
-        "shear", "upper.npy", "lower.npy", *OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=directory
+        "shear", "upper.npy", "lower.npy", *SHEAR_OPTIONS, "--path", "0.5 mm", "--mu0", 0.6, cwd=directory
     )
     assert_rejected(completed, "was not written by stiction")
     assert (directory / "shear/shear.csv").read_text() == "displacement (um),mu\n1,2\n"
@@ -233,7 +239,7 @@ def test_shear_test_rejects_the_directory_of_a_study_and_leaves_it_unchanged(tmp
     (tmp_path / "study.toml").write_text("")
     steps = tmp_path / "in_progress/0000000-0123456789abcdef"
     steps.mkdir(parents=True)
-    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **LOAD_AND_ELASTICITY}
     with pytest.raises(ValueError, match="contains the result of a study; choose another directory"):
         shear_test(*create_faces(), directory=tmp_path, **options)
     assert steps.exists()
@@ -242,20 +248,20 @@ def test_shear_test_rejects_the_directory_of_a_study_and_leaves_it_unchanged(tmp
 @pytest.mark.parametrize("name", ["file", "file/folder"])
 def test_shear_test_rejects_a_directory_that_cannot_be_created(tmp_path, name):
     (tmp_path / "file").write_text("")
-    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **LOAD_AND_ELASTICITY}
     with pytest.raises(ValueError, match="file"):
         shear_test(*create_faces(), directory=tmp_path / name, **options)
 
 
 def test_finished_shear_test_can_be_opened_by_other_versions_of_the_software(tmp_path, monkeypatch):
-    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path, **CONDITIONS}
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path, **LOAD_AND_ELASTICITY}
     test = shear_test(*create_faces(), **options)
     monkeypatch.setattr(np, "__version__", "99")
     xarray.testing.assert_identical(shear_test(*create_faces(), **options), test)
 
 
 def test_shear_strength_is_the_largest_stress_even_if_the_coefficient_peaks_earlier():
-    options = {"path": "0.4 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
+    options = {"path": "0.4 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **LOAD_AND_ELASTICITY}
     test = shear_test(*create_faces(), normal_stiffness="20 MPa/mm", **options)
     assert int(np.argmax(test.friction_coefficient.values)) < 4
     assert int(np.argmax(test.shear_stress.values)) == 4
@@ -267,7 +273,7 @@ def test_shear_strength_is_the_largest_stress_even_if_the_coefficient_peaks_earl
 def test_shear_stress_that_rises_because_the_overlap_shrinks_has_a_caveat():
     lower = self_affine_surface(1, hurst_exponent=0.8, rms=20.0, shape=(32, 32), spacing=50.0)
     upper = Surface(-lower.heights[::-1], spacing=lower.spacing)
-    test = shear_test(upper, lower, path="300 um", mu0=0.6, hardness="150 MPa", **CONDITIONS)
+    test = shear_test(upper, lower, path="300 um", mu0=0.6, hardness="150 MPa", **LOAD_AND_ELASTICITY)
     assert int(np.argmax(test.shear_stress.values)) == test.sizes["displacement"] - 1
     assert list_caveats(test)[0] == (
         "The shear stress is largest at the end of the path, because the overlap shrinks: choose a shorter path, or "
@@ -277,7 +283,7 @@ def test_shear_stress_that_rises_because_the_overlap_shrinks_has_a_caveat():
 
 def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat_about_the_fit():
     upper, lower = create_faces()
-    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **CONDITIONS}
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, **LOAD_AND_ELASTICITY}
     fitting, unrelated_face = (
         shear_test(face, lower, **options) for face in (upper, Surface(upper.heights[::-1, ::-1], spacing=50.0))
     )
@@ -291,7 +297,7 @@ def test_shear_test_of_faces_that_do_not_fit_at_the_start_has_a_caveat_about_the
 def test_shear_test_with_an_interface_calibrated_for_opposing_contacts_has_a_caveat(rule):
     film = interface("MoS2 on bearing steel, dry air")
     film = replace(film, fits=(replace(film.fits[0], sliding=rule),))
-    test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **CONDITIONS)
+    test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **LOAD_AND_ELASTICITY)
     assert test.attrs["interface_rule"] == rule
     assert any(
         "fit them with stiction calibrate --sliding all" in caveat_text for caveat_text in list_caveats(test)
@@ -311,9 +317,9 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_th
     upper, lower = create_faces()
     unrelated_face = self_affine_surface(9, hurst_exponent=0.8, rms=1.0, shape=upper.heights.shape, spacing=50.0)
     change = 0.7 * waviness * unrelated_face.heights + np.random.default_rng(1).normal(0, noise, upper.heights.shape)
-    changed = Surface(upper.heights + change, spacing=50.0)
-    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "register": True, "strips": 0, **CONDITIONS}
-    caveats = list_caveats(shear_test(changed, lower, **options))
+    changed_face = Surface(upper.heights + change, spacing=50.0)
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "register": True, "strips": 0, **LOAD_AND_ELASTICITY}
+    caveats = list_caveats(shear_test(changed_face, lower, **options))
     if caveat is None:
         assert not [text for text in caveats if "where" in text and "fit best" in text]
     else:
@@ -321,7 +327,7 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_th
 
 
 def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_it_precedes_all_displacement(directory):
-    test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **CONDITIONS)
+    test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **LOAD_AND_ELASTICITY)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))
 
@@ -330,7 +336,7 @@ def test_shear_test_has_caveats_about_a_missing_hardness_and_load_at_the_edges()
     x = np.linspace(-1, 1, 201)
     bowl = Profile(40 * x**2, spacing=5.0)
     upper = Profile(-bowl.heights, spacing=5.0)
-    text = " ".join(list_caveats(shear_test(upper, bowl, path="0.2 mm", steps=4, mu0=0.4, **CONDITIONS)))
+    text = " ".join(list_caveats(shear_test(upper, bowl, path="0.2 mm", steps=4, mu0=0.4, **LOAD_AND_ELASTICITY)))
     for words in ("at the edges of the faces", "The peak is at the first displacement", "Without a hardness"):
         assert words in text
 
@@ -338,25 +344,30 @@ def test_shear_test_has_caveats_about_a_missing_hardness_and_load_at_the_edges()
 def test_shear_coefficient_that_rises_until_the_end_of_the_path_has_a_caveat():
     x = np.linspace(0, 1, 201)
     ramp, pin = Profile(40 * x**2, spacing=5.0), Profile(40 * np.exp(-((10 * x - 2) ** 2)), spacing=5.0)
-    test = shear_test(pin, ramp, path="0.3 mm", steps=4, mu0=0.4, level="none", **CONDITIONS)
+    test = shear_test(pin, ramp, path="0.3 mm", steps=4, mu0=0.4, level="none", **LOAD_AND_ELASTICITY)
     assert "The coefficient is largest at the end of the path: choose a longer path." in list_caveats(test)
 
 
 def test_shear_test_of_faces_that_lock_prints_no_peak():
-    steep = Profile(100 * np.abs(np.arange(512) / 512 % 0.25 - 0.125), spacing=100 / 512)
-    locked = shear_test(
-        Profile(-steep.heights, spacing=steep.spacing), steep, path="5 um", steps=2, mu0=1.5, boundary="periodic",
-        **CONDITIONS,
+    steep_face = Profile(100 * np.abs(np.arange(512) / 512 % 0.25 - 0.125), spacing=100 / 512)
+    locked_test = shear_test(
+        Profile(-steep_face.heights, spacing=steep_face.spacing), steep_face, path="5 um", steps=2, mu0=1.5,
+        boundary="periodic", **LOAD_AND_ELASTICITY,
     )  # fmt: skip
-    assert any("the faces lock" in caveat for caveat in list_caveats(locked))
-    assert not shear_text(locked).startswith("peak:")
+    assert any("the faces lock" in caveat for caveat in list_caveats(locked_test))
+    assert not shear_text(locked_test).startswith("peak:")
 
 
 def test_shear_test_of_faces_that_lock_is_printed_and_drawn():
     face = create_faces()[1]
-    steep = Surface(20 * face.heights, spacing=face.spacing)
+    steep_face = Surface(20 * face.heights, spacing=face.spacing)
     test = shear_test(
-        Surface(flipped(steep).heights, spacing=steep.spacing), steep, path="0.5 mm", steps=2, mu0=3.0, **CONDITIONS
+        Surface(flipped(steep_face).heights, spacing=steep_face.spacing),
+        steep_face,
+        path="0.5 mm",
+        steps=2,
+        mu0=3.0,
+        **LOAD_AND_ELASTICITY,
     )
     assert "locks" in shear_text(test)
     shear_figure(test).canvas.draw()
@@ -364,7 +375,7 @@ def test_shear_test_of_faces_that_lock_is_printed_and_drawn():
 
 def test_shear_peak_with_few_contacts_has_a_caveat():
     _, lower = create_faces()
-    options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **CONDITIONS}
+    options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **LOAD_AND_ELASTICITY}
     profile = Profile(lower.heights[3], spacing=50.0)
     test = shear_test(Profile(-profile.heights, spacing=50.0), profile, **options)
     peak = int(np.argmax(test.friction_coefficient.values))
@@ -379,8 +390,8 @@ def test_shear_peak_with_few_contacts_has_a_caveat():
 
 def test_shear_peak_above_the_limit_of_rock_joints_has_a_caveat():
     face = create_faces()[1]
-    steep = Surface(6 * face.heights, spacing=face.spacing)
-    upper = Surface(flipped(steep).heights, spacing=steep.spacing)
-    test = shear_test(upper, steep, path="0.5 mm", steps=2, mu0=0.6, hardness="150 MPa", **CONDITIONS)
+    steep_face = Surface(6 * face.heights, spacing=face.spacing)
+    upper = Surface(flipped(steep_face).heights, spacing=steep_face.spacing)
+    test = shear_test(upper, steep_face, path="0.5 mm", steps=2, mu0=0.6, hardness="150 MPa", **LOAD_AND_ELASTICITY)
     assert test.attrs["peak"] > 2.75
     assert list_caveats(test)[0].startswith("The peak is above 70°")

@@ -64,10 +64,10 @@ def bodies():
 @pytest.fixture(scope="module")
 def result(bodies):
     """Return a result with stored height factors: both surfaces scaled by 0.5 and 2, and the upper scaled by 2."""
-    computed = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
-    compute_results_at_height_factors(computed.source, [0.5, 2])
-    compute_results_at_height_factors(computed.source, [2], "upper")
-    return computed
+    pair_result = pair(*bodies, **PAIR_OPTIONS | HARDNESS_OPTION)
+    compute_results_at_height_factors(pair_result.source, [0.5, 2])
+    compute_results_at_height_factors(pair_result.source, [2], "upper")
+    return pair_result
 
 
 # ---- Laws ------------------------------------------------------------------------------------------------------------
@@ -83,8 +83,8 @@ def test_result_at_a_height_factor_of_1_equals_the_unscaled_result(result):
 
 
 def test_area_of_plastic_contacts_equals_load_divided_by_hardness_at_every_height_factor(bodies):
-    computed = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa", "effective_modulus": "1000 GPa"})
-    table = computed.at(height_scale=[0.5, 1, 4], compute=True)
+    pair_result = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa", "effective_modulus": "1000 GPa"})
+    table = pair_result.at(height_scale=[0.5, 1, 4], compute=True)
     assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
@@ -126,8 +126,8 @@ def test_result_at_a_stored_height_factor_equals_the_result_of_scaled_surfaces(b
 def test_results_with_scaled_heights_are_equal_for_scan_files_and_surfaces_in_memory(bodies, result, tmp_path):
     for side, body in zip(("upper", "lower"), bodies, strict=True):
         write_surface(body, tmp_path / f"{side}.npy")
-    computed = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **PAIR_OPTIONS | HARDNESS_OPTION)
-    table_of_files, expected = computed.at(height_scale=2, compute=True), result.at(height_scale=2)
+    pair_result = pair(tmp_path / "upper.npy", tmp_path / "lower.npy", **PAIR_OPTIONS | HARDNESS_OPTION)
+    table_of_files, expected = pair_result.at(height_scale=2, compute=True), result.at(height_scale=2)
     np.testing.assert_allclose(
         table_of_files["friction_combined"], expected["friction_combined"], rtol=SCALING_TOLERANCE
     )
@@ -136,8 +136,8 @@ def test_results_with_scaled_heights_are_equal_for_scan_files_and_surfaces_in_me
 def test_height_factor_scales_every_scan_of_each_face(bodies):
     scans = [bodies, rough_maps(8, shortest_wavelength=0.6)]
     uppers, lowers = ([scan[side] for scan in scans] for side in (0, 1))
-    computed = pair(uppers, lowers, **PAIR_OPTIONS | HARDNESS_OPTION)
-    table = computed.at(height_scale=2, compute=True)
+    pair_result = pair(uppers, lowers, **PAIR_OPTIONS | HARDNESS_OPTION)
+    table = pair_result.at(height_scale=2, compute=True)
     scaled_scans = [scale_heights(scan, 2) for scan in scans]
     expected = pair(
         [scan[0] for scan in scaled_scans], [scan[1] for scan in scaled_scans], **PAIR_OPTIONS | HARDNESS_OPTION
@@ -152,8 +152,8 @@ def test_power_spectrum_is_scaled_by_the_square_of_the_height_factor():
     spectrum = joined_spectrum([surface])
     kwargs = PAIR_OPTIONS | HARDNESS_OPTION | {"shifts": None, "direction": [0.0, 180.0]}
     kwargs = {name: value for name, value in kwargs.items() if value is not None}
-    computed = pair(spectrum, spectrum, **kwargs)
-    table = computed.at(height_scale=[1, 2], compute=True)
+    pair_result = pair(spectrum, spectrum, **kwargs)
+    table = pair_result.at(height_scale=[1, 2], compute=True)
     assert mean_values(table["rms_gradient"])[1] == pytest.approx(
         2 * mean_values(table["rms_gradient"])[0], rel=SCALING_TOLERANCE
     )
@@ -183,10 +183,10 @@ def test_pull_off_force_decreases_with_the_height_factor():
     smooth_surfaces = rough_maps(
         3, points=40, rms=0.003, spacing=0.01, longest_wavelength=0.2, shortest_wavelength=0.04
     )
-    computed = pair(
+    pair_result = pair(
         *smooth_surfaces, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
     )
-    table = computed.at(height_scale=[0.25, 1], compute=True)
+    table = pair_result.at(height_scale=[0.25, 1], compute=True)
     pull_off = mean_values(table["pull_off"])
     assert pull_off[0] > pull_off[1] > 0
 
@@ -196,10 +196,10 @@ def test_pull_off_force_decreases_with_the_height_factor():
 
 @pytest.mark.parametrize("hardness", [{}, HARDNESS_OPTION])
 def test_interpolation_between_height_factors_has_at_most_the_documented_error(hardness):
-    computed = pair(*create_smooth_maps(rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
-    compute_results_at_height_factors(computed.source, "0.5..2")
+    pair_result = pair(*create_smooth_maps(rms=0.01), **PAIR_OPTIONS | hardness | {"load": "100 MPa"})
+    compute_results_at_height_factors(pair_result.source, "0.5..2")
     factors = np.array([0.6, 1.7])
-    table = computed.at(height_scale=factors)
+    table = pair_result.at(height_scale=factors)
     for index, factor in enumerate(factors):
         exact_table = pair(
             *scale_heights(create_smooth_maps(rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
@@ -207,9 +207,9 @@ def test_interpolation_between_height_factors_has_at_most_the_documented_error(h
         coefficient, area = mean_values(table["mean_friction"])[index], mean_values(table["contact_area"])[index]
         assert coefficient == pytest.approx(mean_values(exact_table["mean_friction"]), rel=MAX_FRICTION_ERROR)
         assert area == pytest.approx(mean_values(exact_table["contact_area"]), rel=MAX_AREA_ERROR)
-    combined = table["friction_combined"]
-    assert (combined.sel(statistic="lower") <= combined.sel(statistic="mean")).all()
-    assert (combined.sel(statistic="mean") <= combined.sel(statistic="upper")).all()
+    combined_intervals = table["friction_combined"]
+    assert (combined_intervals.sel(statistic="lower") <= combined_intervals.sel(statistic="mean")).all()
+    assert (combined_intervals.sel(statistic="mean") <= combined_intervals.sel(statistic="upper")).all()
 
 
 def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution():
@@ -228,10 +228,10 @@ def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution(
     factors = [1.19, 1.26]
     table = result.at(height_scale=factors).squeeze()
     for index, factor in enumerate(factors):
-        solved = pair(*scale_heights(bodies, factor), **options).at().squeeze()
+        direct_values = pair(*scale_heights(bodies, factor), **options).at().squeeze()
         for name in ("mean_friction", "friction_combined", "stiffness_per_area", "contact_area"):
             _, lower, upper = np.moveaxis(table[name].isel(height_scale=index).values, -1, 0)
-            value = solved[name].sel(statistic="mean").values
+            value = direct_values[name].sel(statistic="mean").values
             assert ((lower <= value) & (value <= upper)).all()
             assert (lower >= 0).all()
     # Without interpolation error, the width would be linear in the logarithm of the height factor.
@@ -330,30 +330,30 @@ def test_missing_height_factors_raise_an_error_with_the_estimated_time(result):
     with pytest.raises(
         MissingHeightFactorsError,
         match=r"^height_scale needs results at .*, about .*; give compute=True to compute them$",
-    ) as caught:
+    ) as error_info:
         result.at(height_scale="0.25..4")
-    assert caught.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]
-    assert caught.value.seconds > 0
+    assert error_info.value.factors.tolist() == [0.25, 0.353553, 0.707107, 1.41421, 2.82843, 4.0]
+    assert error_info.value.seconds > 0
 
 
 # ---- Stored factors --------------------------------------------------------------------------------------------------
 
 
 def test_results_at_finished_height_factors_are_preserved_after_an_interrupt(bodies, tmp_path):
-    computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
-    announced = []
+    pair_result = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
+    announcements = []
 
     def interrupt_at_second_line(line):
-        announced.append(line)
-        if len(announced) == 2:
+        announcements.append(line)
+        if len(announcements) == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_results_at_height_factors(computed.source, [0.5, 2, 4], announce=interrupt_at_second_line)
-    assert announced == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
-    assert list(open_results_by_factor(computed.source, "both")) == [0.5, 1.0]
-    compute_results_at_height_factors(computed.source, [0.5, 2, 4], announce=announced.append)
-    assert announced[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
+        compute_results_at_height_factors(pair_result.source, [0.5, 2, 4], announce=interrupt_at_second_line)
+    assert announcements == ["heights times 0.5 (1 of 3)", "heights times 2 (2 of 3)"]
+    assert list(open_results_by_factor(pair_result.source, "both")) == [0.5, 1.0]
+    compute_results_at_height_factors(pair_result.source, [0.5, 2, 4], announce=announcements.append)
+    assert announcements[2:] == ["heights times 2 (1 of 2)", "heights times 4 (2 of 2)"]
     assert open_result(tmp_path).at(height_scale=[0.5, 2, 4]).sizes["height_scale"] == 3
 
 
@@ -387,11 +387,11 @@ def test_interval_for_uncertain_hardness_at_a_height_factor_equals_that_for_scal
 
 
 def test_stored_study_without_the_key_of_the_height_factor_can_be_opened(bodies, tmp_path):
-    computed = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
+    pair_result = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))
-    assert open_stored_result(tmp_path).study == computed.study
-    doubled_study = scale_study_heights(computed.study, 2.0, "upper")
+    assert open_stored_result(tmp_path).study == pair_result.study
+    doubled_study = scale_study_heights(pair_result.study, 2.0, "upper")
     assert doubled_study.to_toml().count("height_factor = 2.0") == 1
 
 

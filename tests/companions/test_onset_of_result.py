@@ -205,8 +205,8 @@ def test_onset_table_and_json_record_have_equal_displacements(onset):
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
     assert len(record["curve"]) == onset.sizes["fraction"]
     for scale in (1.0, 1e3):
-        larger = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
-        rows = dict(onset_rows(find_onset_values(larger))[1:])
+        scaled_onset = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
+        rows = dict(onset_rows(find_onset_values(scaled_onset))[1:])
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
@@ -235,14 +235,16 @@ def test_sliding_load_is_the_friction_coefficient_times_the_normal_load(tmp_path
     limits = np.array([coefficient.value, coefficient.lower, coefficient.upper]) * values.load
     sliding_load = values.sliding_load
     np.testing.assert_allclose([sliding_load.value, sliding_load.lower, sliding_load.upper], limits, rtol=1e-12)
-    stored = load_stored_onset(open_stored_result(tmp_path / "pair"))
-    stored_load = float(stored["sliding_load"].sel(statistic="mean"))
+    stored_onset = load_stored_onset(open_stored_result(tmp_path / "pair"))
+    stored_load = float(stored_onset["sliding_load"].sel(statistic="mean"))
     factor = limits[0] / stored_load
     assert factor > 1.02  # junction growth increases the sliding load
     for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
-        scaled, expected = (onset_table[name].sel(statistic="mean").values for onset_table in (result.onset, stored))
-        np.testing.assert_allclose(scaled, expected * factor**power, rtol=1e-12, err_msg=name)
-    np.testing.assert_array_equal(result.onset["stiffness"], stored["stiffness"])
+        scaled_values, expected = (
+            onset_table[name].sel(statistic="mean").values for onset_table in (result.onset, stored_onset)
+        )
+        np.testing.assert_allclose(scaled_values, expected * factor**power, rtol=1e-12, err_msg=name)
+    np.testing.assert_array_equal(result.onset["stiffness"], stored_onset["stiffness"])
     table = pandas.read_csv(tmp_path / "pair" / "onset.csv")
     for suffix, limit in zip(("", ": lower", ": upper"), limits, strict=True):
         assert table[f"tangential load (mN){suffix}"].iloc[-1] == pytest.approx(limit, rel=1e-8)
@@ -258,28 +260,28 @@ def test_pair_function_replaces_an_onset_table_of_an_earlier_call(tmp_path):
     }  # fmt: skip
     pair(*bodies, **options)
     file = tmp_path / "pair/onset.csv"
-    scaled = file.read_text("utf-8")
-    unscaled = format_backbone_csv(load_stored_onset(open_stored_result(tmp_path / "pair")))
-    assert scaled != unscaled
-    file.write_text(unscaled, encoding="utf-8")
+    scaled_csv = file.read_text("utf-8")
+    unscaled_csv = format_backbone_csv(load_stored_onset(open_stored_result(tmp_path / "pair")))
+    assert scaled_csv != unscaled_csv
+    file.write_text(unscaled_csv, encoding="utf-8")
     pair(*bodies, **options)
-    assert file.read_text("utf-8") == scaled
+    assert file.read_text("utf-8") == scaled_csv
 
 
 def test_fitted_iwan_and_lugre_models_are_scaled_with_the_tangential_load(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
-    scaled = scale_onset(onset, coefficient)
+    scaled_onset = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # the load is 2 mN
-    assert scaled.attrs["iwan_sliding_load_mN"] == pytest.approx(
+    assert scaled_onset.attrs["iwan_sliding_load_mN"] == pytest.approx(
         factor * onset.attrs["iwan_sliding_load_mN"], rel=1e-12
     )
     unchanged_names = ("iwan_stiffness_mN_per_um", "lugre_sigma0_mN_per_um")
     for name in unchanged_names:
-        assert scaled.attrs[name] == onset.attrs[name]
+        assert scaled_onset.attrs[name] == onset.attrs[name]
     for name in ("iwan_chi", "iwan_beta", "iwan_largest_residual", "lugre_largest_residual"):
-        assert scaled.attrs[name] == onset.attrs[name]
-    curve = scaled.sel(statistic="mean")
+        assert scaled_onset.attrs[name] == onset.attrs[name]
+    curve = scaled_onset.sel(statistic="mean")
     displacement, load = (curve[name].values for name in ("displacement", "tangential_load"))
-    fit = fit_iwan(displacement, load, sliding_load=1.0, stiffness=scaled.attrs["iwan_stiffness_mN_per_um"])
-    assert fit.chi == pytest.approx(scaled.attrs["iwan_chi"], abs=1e-6)
-    assert fit.beta == pytest.approx(scaled.attrs["iwan_beta"], rel=1e-6)
+    fit = fit_iwan(displacement, load, sliding_load=1.0, stiffness=scaled_onset.attrs["iwan_stiffness_mN_per_um"])
+    assert fit.chi == pytest.approx(scaled_onset.attrs["iwan_chi"], abs=1e-6)
+    assert fit.beta == pytest.approx(scaled_onset.attrs["iwan_beta"], rel=1e-6)

@@ -70,9 +70,9 @@ def test_flipped_bit_in_a_stored_file_is_detected_before_the_file_is_opened(comp
         8 * len(content) - 1,
         *random.Random(5).sample(range(num_checked_bits), 50),
     ]:
-        damaged = bytearray(content)
-        damaged[bit_index // 8] ^= 1 << bit_index % 8
-        path.write_bytes(damaged)
+        damaged_content = bytearray(content)
+        damaged_content[bit_index // 8] ^= 1 << bit_index % 8
+        path.write_bytes(damaged_content)
         with pytest.raises(StoreError, match=rf"{name}: does not match its checksum"):
             COMPANION_LOADERS.get(name, lambda complete_result: read(complete_result.path / "result.nc"))(
                 complete_result
@@ -84,12 +84,12 @@ def test_flipped_bit_in_a_stored_file_is_detected_before_the_file_is_opened(comp
 def test_stored_file_that_lacks_a_variable_is_rejected_with_a_one_line_error(complete_result, name, variable):
     with h5py.File(complete_result.path / name, "r+") as file:
         del file[variable]
-    with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as caught:
+    with pytest.raises(StoreError, match=rf"{name}: .*remove the file, and run the study again") as error_info:
         COMPANION_LOADERS[name](complete_result)
-    assert len(str(caught.value).splitlines()) == 1
+    assert len(str(error_info.value).splitlines()) == 1
 
 
-IMPOSSIBLE_CHANGES = [
+IMPOSSIBLE_STORED_VALUES = [
     ("picture.nc", "contact_force", np.nan), ("picture.nc", "contact_force", -1.0), ("picture.nc", "patch", -1),
     ("picture.nc", "height_x", 0.0), ("picture.nc", "contact_x", np.inf), ("picture.nc", "@load_mN", "text"),
     ("picture.nc", "@x", h5py.Empty("f8")), ("onset.nc", "slip_x", 0.0), ("onset.nc", "displacement", 1e308),
@@ -97,16 +97,16 @@ IMPOSSIBLE_CHANGES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_CHANGES)
+@pytest.mark.parametrize(("file_name", "name", "value"), IMPOSSIBLE_STORED_VALUES)
 def test_error_about_an_impossible_stored_value_names_the_variable(complete_result, file_name, name, value):
     with h5py.File(complete_result.path / file_name, "r+") as file:
         if name.startswith("@"):
             file.attrs[name[1:]] = value
         else:
             file[name][...] = value
-    with pytest.raises(StoreError, match=rf"{file_name}: .*{name.removeprefix('@')}.*remove the file") as caught:
+    with pytest.raises(StoreError, match=rf"{file_name}: .*{name.removeprefix('@')}.*remove the file") as error_info:
         COMPANION_LOADERS[file_name](complete_result)
-    assert len(str(caught.value).splitlines()) == 1
+    assert len(str(error_info.value).splitlines()) == 1
 
 
 def test_stored_onset_of_sliding_is_ignored_if_its_load_steps_are_outdated(complete_result):

@@ -37,7 +37,7 @@ REPEATED_SOLUTION_TOLERANCE = 1e-9
 LOAD_PATH_TOLERANCE = 1e-3
 """Relative tolerance between two solutions at one load, which start from solutions at different loads."""
 
-MAX_ESTIMATE_RATIO = 2.0
+MAX_RATIO_OF_ESTIMATED_INCREASE = 2.0
 """Maximum ratio of the estimated to the computed increase of the load by adhesion, near the limit of 5 %."""
 
 PAIR_OPTIONS = {
@@ -104,8 +104,8 @@ def test_friction_coefficient_with_adhesion_increases_as_the_load_decreases(adhe
 def test_pull_off_force_is_shown_in_table_and_text_and_report_and_figure(adhesive_result, tmp_path):
     text = repr(adhesive_result)
     assert text.startswith("Sticks without a load: yes. Pull-off force ")
-    for term in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
-        assert term in frame_to_csv(summary_table(adhesive_result.summary())).splitlines()[0]
+    for quantity_title in ("pull-off force", "pull-off pressure", "friction at no load", "contact load"):
+        assert quantity_title in frame_to_csv(summary_table(adhesive_result.summary())).splitlines()[0]
     values = json.loads(summary_json("pair", adhesive_result.summary()))["values"]
     assert {value["unit"] for value in values if value["name"] in LOAD_INDEPENDENT_QUANTITIES} == {"mN", "GPa"}
     assert "adhesion 50 mJ/m² over 0.5 nm" in adhesive_result.sentence
@@ -130,18 +130,18 @@ def test_interval_of_friction_at_zero_load_agrees_with_independent_samples_of_th
     """The friction at no load is linear in μ0 and τ0. The positions add a relative error to it."""
     result = run_pair(**ADHESION_OPTIONS, mu0="0.2..0.4", tau0="10..40 MPa")
     values = result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
-    exact = adhesive_result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
+    exact_intervals = adhesive_result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)
     generator = np.random.default_rng(11)
     mu0 = generator.normal(0.3, 0.1 / 1.96, 200_000)
     tau0 = 0.02 * np.exp(generator.normal(0.0, np.log(2) / 1.96, mu0.size))
     for rule in ("all", "opposing"):
-        elastic, frictional, adhesive = (
+        elastic, frictional, adhesive_load = (
             float(result.dataset[f"unloaded_{name}"].sel(sliding=rule).mean())
             for name in ("elastic", "frictional", "adhesive")
         )
-        _, lower, upper = exact.sel(sliding=rule).values
+        _, lower, upper = exact_intervals.sel(sliding=rule).values
         errors = generator.normal(0.0, np.log(upper / lower) / (2 * 1.96), mu0.size)
-        samples = (elastic + mu0 * frictional + tau0 * adhesive) * np.exp(errors)
+        samples = (elastic + mu0 * frictional + tau0 * adhesive_load) * np.exp(errors)
         interval = values.sel(sliding=rule).values[1:]
         assert interval == pytest.approx(np.quantile(samples, [0.025, 0.975]), abs=0.03 * np.ptp(interval))
 
@@ -371,9 +371,9 @@ def test_estimated_effect_of_adhesion_agrees_with_adhesive_solutions():
             misjudged_increases.append(solved_increase)
     assert len(misjudged_increases) <= 4
     assert all(
-        MAX_NEGLECTED_ADHESION_FRACTION / MAX_ESTIMATE_RATIO
+        MAX_NEGLECTED_ADHESION_FRACTION / MAX_RATIO_OF_ESTIMATED_INCREASE
         < increase
-        < MAX_NEGLECTED_ADHESION_FRACTION * MAX_ESTIMATE_RATIO
+        < MAX_NEGLECTED_ADHESION_FRACTION * MAX_RATIO_OF_ESTIMATED_INCREASE
         for increase in misjudged_increases
     )
 
@@ -402,8 +402,8 @@ def test_stiffness_interval_between_adhesive_loads_contains_the_direct_solution(
     loads = ["2 MPa", "6 MPa"]
     result = run_pair(load=loads, **ADHESION_OPTIONS)
     stiffness = result.at(["2 MPa", "3.5 MPa", "6 MPa"])["normal_stiffness"].squeeze(drop=True)
-    at_2_mpa, interpolated, at_6_mpa = stiffness.sel(statistic="mean").values
+    at_2_mpa, interpolated_stiffness, at_6_mpa = stiffness.sel(statistic="mean").values
     lower, upper = stiffness.isel(load=1).sel(statistic=["lower", "upper"]).values
-    direct = run_pair(load="3.5 MPa", **ADHESION_OPTIONS).at()["normal_stiffness"].sel(statistic="mean").item()
-    assert at_2_mpa < interpolated < at_6_mpa
-    assert lower <= direct <= upper
+    direct_result = run_pair(load="3.5 MPa", **ADHESION_OPTIONS).at()["normal_stiffness"].sel(statistic="mean").item()
+    assert at_2_mpa < interpolated_stiffness < at_6_mpa
+    assert lower <= direct_result <= upper

@@ -20,13 +20,13 @@ RUBBER_OPTIONS = {
 }  # fmt: skip
 
 
-def press(**options):
+def press_rubber(**options):
     return pair(*rough_maps(5, rms=0.05, shortest_wavelength=0.4), **RUBBER_OPTIONS | options)
 
 
 @cache
 def press_with_loss(area_loss):
-    return press(area_loss=area_loss)
+    return press_rubber(area_loss=area_loss)
 
 
 def mean_value(result, name, **inputs):
@@ -35,14 +35,14 @@ def mean_value(result, name, **inputs):
 
 
 def test_area_loss_under_shear_reduces_the_contribution_of_tau0():
-    before, after = press_with_loss(0), press_with_loss(0.2)
-    mu0_part = mean_value(before, "mean_friction", tau0=[0.0])
-    parts = [mean_value(result, "mean_friction") - mu0_part for result in (before, after)]
+    result_without_loss, result_with_loss = press_with_loss(0), press_with_loss(0.2)
+    mu0_part = mean_value(result_without_loss, "mean_friction", tau0=[0.0])
+    parts = [mean_value(result, "mean_friction") - mu0_part for result in (result_without_loss, result_with_loss)]
     assert parts[1] == pytest.approx(0.8 * parts[0], rel=SLOPE_TOLERANCE)
-    area = mean_value(after, "contact_area")
-    assert area == mean_value(before, "contact_area")
-    assert mean_value(after, "contact_area_at_onset") == pytest.approx(0.8 * area, rel=1e-12)
-    assert mean_value(after, "mean_friction", tau0=[0.0]) == mu0_part
+    area = mean_value(result_with_loss, "contact_area")
+    assert area == mean_value(result_without_loss, "contact_area")
+    assert mean_value(result_with_loss, "contact_area_at_onset") == pytest.approx(0.8 * area, rel=1e-12)
+    assert mean_value(result_with_loss, "mean_friction", tau0=[0.0]) == mu0_part
 
 
 @pytest.mark.parametrize(("options", "text"), [
@@ -52,14 +52,14 @@ def test_area_loss_under_shear_reduces_the_contribution_of_tau0():
     ({"effective_modulus": "2 MPa", "area_loss": "0.05..0.1"}, "0.05..0.1"),
 ])  # fmt: skip
 def test_soft_elastic_bodies_have_an_area_loss_under_shear_by_default(options, text):
-    loss = press(**options | {"shifts": 2}).study.contact.area_loss
-    assert (loss and loss.text) == text
+    area_loss = press_rubber(**options | {"shifts": 2}).study.contact.area_loss
+    assert (area_loss and area_loss.text) == text
 
 
 def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation():
     moduli = np.array([1.4, 1.7, 2.0, 2.3, 2.6])
     # derivatives of the friction coefficient with respect to μ0 and τ0 (1/MPa), at each modulus
-    results = [press(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
+    results = [press_rubber(effective_modulus=f"{modulus} MPa", area_loss=0) for modulus in moduli]
     coefficients = np.array(
         [
             [
@@ -70,17 +70,17 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
         ]
     )
     coefficients /= 0.1
-    result = press(
+    result = press_rubber(
         effective_modulus="2 MPa ± 5 %", mu0="0.1 ± 0.01", tau0="uniform 0.05 MPa .. 0.15 MPa", area_loss="0..0.3"
     )
     random, count = np.random.default_rng(4), 200_000
     modulus, mu0 = (
         value * (1 + deviation * random.standard_normal(count)) for value, deviation in ((2, 0.05), (0.1, 0.1))
     )
-    tau0, loss = random.uniform(0.05, 0.15, count), random.uniform(0, 0.3, count)
+    tau0, area_loss = random.uniform(0.05, 0.15, count), random.uniform(0, 0.3, count)
     value, lower, upper = result.at()["mean_friction"].sel(sliding="all").values.ravel()
     log_standard_error = np.log(upper / lower) / (2 * 1.96)
-    samples = mu0 * coefficients[2, 0] + tau0 * (1 - loss) * np.interp(modulus, moduli, coefficients[:, 1])
+    samples = mu0 * coefficients[2, 0] + tau0 * (1 - area_loss) * np.interp(modulus, moduli, coefficients[:, 1])
     samples *= np.exp(log_standard_error * random.standard_normal(count))
     expected = np.quantile(samples, [0.025, 0.975])
     assert result.interval == pytest.approx(expected, abs=0.03 * (expected[1] - expected[0]))
@@ -109,7 +109,7 @@ def test_friction_at_zero_load_includes_the_area_loss():
         "shifts": 4,
         "onset": 0,
     }
-    without_loss, with_loss = (press(**options, area_loss=loss) for loss in (0, 0.2))
+    without_loss, with_loss = (press_rubber(**options, area_loss=area_loss) for area_loss in (0, 0.2))
     for name in ("friction_at_no_load", "tangential_load"):
         value, expected = (
             float(adhesive_result.at(mu0=[0.0])[name].sel(sliding="all", statistic="mean").mean())
@@ -117,8 +117,10 @@ def test_friction_at_zero_load_includes_the_area_loss():
         )
         assert value == pytest.approx(0.8 * expected, rel=0.02)  # slopes slightly increase the friction force
     widths = []
-    for loss in (0.15, "0..0.3"):
-        _, lower, upper = press(**options, area_loss=loss).at()["friction_at_no_load"].sel(sliding="all").values.ravel()
+    for area_loss in (0.15, "0..0.3"):
+        _, lower, upper = (
+            press_rubber(**options, area_loss=area_loss).at()["friction_at_no_load"].sel(sliding="all").values.ravel()
+        )
         widths.append(upper - lower)
     assert widths[1] > widths[0]
 
@@ -134,7 +136,7 @@ def test_soft_bodies_add_a_caveat_if_their_study_has_no_area_loss():
     assert "true area" not in texts_with_loss
 
 
-@pytest.mark.parametrize(("arguments", "term"), [
+@pytest.mark.parametrize(("arguments", "expected_term"), [
     ({"area_loss": -0.1}, "area_loss"), ({"area_loss": 0.95}, "0.9"), ({"area_loss": "0.3..0"}, "smaller"),
     (
         {"area_loss": "-0.1..0.2"},
@@ -143,6 +145,6 @@ def test_soft_bodies_add_a_caveat_if_their_study_has_no_area_loss():
     ({"area_loss": 0.1, "hardness": "5 MPa"}, "hardness"), ({"area_loss": float("nan")}, "area_loss"),
     ({"area_loss": 0.1, "mechanics": "asperities"}, "half-space"),
 ])  # fmt: skip
-def test_pair_function_rejects_invalid_area_losses(arguments, term):
-    with pytest.raises(ValueError, match=term):
-        press(**arguments)
+def test_pair_function_rejects_invalid_area_losses(arguments, expected_term):
+    with pytest.raises(ValueError, match=expected_term):
+        press_rubber(**arguments)

@@ -43,7 +43,7 @@ from support.studies_of_files import create_study_from_files, write_maps, write_
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
-SCANS = Path(__file__).parents[2] / "examples/scans"
+SAMPLE_SCANS = Path(__file__).parents[2] / "examples/scans"
 
 ROUND_OFF = 1e-9
 
@@ -187,14 +187,16 @@ def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
 def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_surfaces(
     areal_study_and_dataset, profile_study_and_dataset
 ):
-    measured = {
+    measured_names = {
         str(variable) for study, dataset in (areal_study_and_dataset, profile_study_and_dataset)
         for variable in at_load(dataset, study.friction.load).data_vars
     }  # fmt: skip
-    generated = {str(variable) for name in GENERATED_STUDIES for variable in run_generated_study(name).at().data_vars}
+    generated_names = {
+        str(variable) for name in GENERATED_STUDIES for variable in run_generated_study(name).at().data_vars
+    }
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
-    assert shown_ratios - measured == {"share_overlapping"}  # the half-space model has no overlapping asperities
-    assert shown_ratios - generated == QUANTITIES_PER_NOMINAL_AREA
+    assert shown_ratios - measured_names == {"share_overlapping"}  # the half-space model has no overlapping asperities
+    assert shown_ratios - generated_names == QUANTITIES_PER_NOMINAL_AREA
 
 
 def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
@@ -282,18 +284,20 @@ def test_closure_stiffness_is_the_derivative_of_load_with_respect_to_mean_closur
 def test_interpolated_stiffnesses_of_yielding_profiles_agree_with_direct_solutions():
     """Compare where half of the load is on yielded contacts, and where almost no contact yields."""
     result = pair(
-        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", load="50 MPa", effective_modulus=78.7, hardness=1.27,
-        mu0=0.2, mechanics="half-space", offsets=16, onset=0, cutoff="none",
+        SAMPLE_SCANS / "lapped_upper.csv", SAMPLE_SCANS / "lapped_lower.csv", load="50 MPa",
+        effective_modulus=78.7, hardness=1.27, mu0=0.2, mechanics="half-space", offsets=16, onset=0, cutoff="none",
     )  # fmt: skip
     loads = [result.nominal_area * pressure for pressure in (0.073, 0.28, 0.34, 0.41)]
     all_loads = sorted([*loads, *result.study.contact.loading_steps().tolist()])
     direct_result = run(result.study.with_changes({"contact.load": [f"{load} mN" for load in all_loads]}))
-    interpolated, direct = (compared_result.at(loads) for compared_result in (result, direct_result))
+    interpolated_values, direct_values = (compared_result.at(loads) for compared_result in (result, direct_result))
     for name, tolerance in (
         ("closure", 0.005), ("closure_stiffness", 0.05), ("unloading_closure_stiffness", 0.05),
         ("tangential_stiffness_per_area", 0.05),
     ):  # fmt: skip
-        np.testing.assert_allclose(get_means(interpolated, name), get_means(direct, name), rtol=tolerance, err_msg=name)
+        np.testing.assert_allclose(
+            get_means(interpolated_values, name), get_means(direct_values, name), rtol=tolerance, err_msg=name
+        )
 
 
 def test_tangential_stiffness_per_area_excludes_the_mean_tangential_displacement_of_the_half_space(
@@ -379,8 +383,8 @@ def test_mean_along_an_axis_requires_results_in_two_opposite_directions():
 
 def test_load_that_no_pair_reaches_has_the_status_not_reached(areal_study_and_dataset, profile_study_and_dataset):
     for _, result in (areal_study_and_dataset, profile_study_and_dataset):
-        highest = float(result["load"][-1])
-        table = at_load(result, [2 * highest])
+        highest_load = float(result["load"][-1])
+        table = at_load(result, [2 * highest_load])
         assert np.isnan(table["friction_coefficient"]).all()
         assert set(np.unique(table["status"])) <= {"not-reached", "not-solved"}
         assert int(table["ok"].max()) == 0
@@ -388,30 +392,32 @@ def test_load_that_no_pair_reaches_has_the_status_not_reached(areal_study_and_da
 
 def test_pair_without_a_solution_at_a_load_is_omitted_from_the_mean(areal_study_and_dataset):
     _, result = areal_study_and_dataset
-    incomplete = result.copy(deep=True)
-    incomplete["normal_elastic"].values[0, 1] = np.nan
-    incomplete["status"].values[0, 1] = 5
-    table = at_load(incomplete, [2.0])
+    incomplete_result = result.copy(deep=True)
+    incomplete_result["normal_elastic"].values[0, 1] = np.nan
+    incomplete_result["status"].values[0, 1] = 5
+    table = at_load(incomplete_result, [2.0])
     assert int(table["ok"].max()) == 4
     assert np.isfinite(table["mean_friction"]).all()
-    assert member_values(incomplete, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
+    assert member_values(incomplete_result, [2.0])["status"].isel(repetition=1).values.ravel()[0] == "not-solved"
 
 
 @pytest.mark.parametrize("load_definition", ["elastic", "normal"])
 def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal_study_and_dataset, load_definition):
     _, result = areal_study_and_dataset
     step = 1
-    incomplete = result.copy(deep=True)
-    incomplete["status"].values[0, 0, step] = STATUSES.index("not-solved")
-    for values in incomplete.data_vars.values():
+    incomplete_result = result.copy(deep=True)
+    incomplete_result["status"].values[0, 0, step] = STATUSES.index("not-solved")
+    for values in incomplete_result.data_vars.values():
         if values.dtype.kind == "f" and "load" in values.dims:
             values.loc[{"repetition": 0, "load": values["load"][step]}] = np.nan
-    loads = incomplete["load"].values[step] * np.array([0.9, 1.0])
-    status = member_values(incomplete, loads, load_definition=load_definition)["status"].transpose("repetition", ...)
+    loads = incomplete_result["load"].values[step] * np.array([0.9, 1.0])
+    status = member_values(incomplete_result, loads, load_definition=load_definition)["status"].transpose(
+        "repetition", ...
+    )
     assert (status[0] == "not-solved").all()
     assert (status[1:] == "ok").all()
     area_of_incomplete, area_of_complete = (
-        member_values(item, result["load"].values[2:3])["contact_area"] for item in (incomplete, result)
+        member_values(item, result["load"].values[2:3])["contact_area"] for item in (incomplete_result, result)
     )
     np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
@@ -466,22 +472,22 @@ def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, ha
     }  # fmt: skip
     result = pair(*bodies, load=["10 MPa", "30 MPa"], **options)
     loads = ["13 MPa", "17 MPa", "22 MPa"]
-    interpolated = result.at(loads)
-    solved = pair(*bodies, load=["10 MPa", *loads, "30 MPa"], **options).at(loads)
-    members = member_values(result, interpolated["load"].values)
+    interpolated_values = result.at(loads)
+    solved_values = pair(*bodies, load=["10 MPa", *loads, "30 MPa"], **options).at(loads)
+    members = member_values(result, interpolated_values["load"].values)
     members["mean_friction"] = members["friction_coefficient"].mean("direction")
     rows = []
     for name in INTERPOLATED_QUANTITIES:
-        dims = [dim for dim in interpolated[name].dims if dim != "statistic"]
+        dims = [dim for dim in interpolated_values[name].dims if dim != "statistic"]
         # Compare compliances, because the mean of a stiffness is the inverse of the mean compliance.
         sign = -1 if "stiffness" in name else 1
         values = members[name].transpose("repetition", *dims).values ** sign
         mean, *limits = sign * np.log(intervals.average_independent_values(values))
         upper = np.maximum(*limits)
-        estimate = np.log(interpolated[name].transpose(*dims, "statistic").values)
+        estimate = np.log(interpolated_values[name].transpose(*dims, "statistic").values)
         np.testing.assert_allclose(estimate[..., 0], mean)
         interpolation_error = np.sqrt(np.maximum((estimate[..., 2] - mean) ** 2 - (upper - mean) ** 2, 0))
-        difference = np.log(solved[name].sel(statistic="mean").transpose(*dims).values) - mean
+        difference = np.log(solved_values[name].sel(statistic="mean").transpose(*dims).values) - mean
         numbers = (difference, interpolation_error, upper - mean)
         rows += list(zip([name] * mean.size, *(array.ravel().tolist() for array in numbers), strict=True))
     return rows
@@ -520,10 +526,10 @@ def test_value_at_a_computed_load_does_not_depend_on_interpolated_loads(areal_st
 
 def test_upper_limit_of_the_interval_of_a_fraction_is_at_most_one(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
-    changed = dataset.copy(deep=True)
+    changed_dataset = dataset.copy(deep=True)
     name = "share_on_largest"
-    changed[name] = changed[name] * 0 + xarray.DataArray([1.0, 1.0, 0.7, 1.0, 0.9], dims="repetition")
-    mean, lower, upper = at_load(changed, [2.0], names=[name])[name].values.ravel()
+    changed_dataset[name] = changed_dataset[name] * 0 + xarray.DataArray([1.0, 1.0, 0.7, 1.0, 0.9], dims="repetition")
+    mean, lower, upper = at_load(changed_dataset, [2.0], names=[name])[name].values.ravel()
     assert mean == pytest.approx(0.92)
     assert lower < mean < upper == 1.0
 
@@ -550,10 +556,10 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
-    evaluated = set(ONSET_QUANTITIES)  # quantities of results of generated surfaces
-    for more in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
-        evaluated |= set(pair(*maps, **options, **more, direction=[0.0, 180.0]).at().data_vars)
-    assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated == set()
+    evaluated_names = set(ONSET_QUANTITIES)  # quantities of results of generated surfaces
+    for added_options in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
+        evaluated_names |= set(pair(*maps, **options, **added_options, direction=[0.0, 180.0]).at().data_vars)
+    assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated_names == set()
 
 
 def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to_each_other_load(
@@ -571,8 +577,13 @@ def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to
 
 def test_interpolation_error_midway_between_loads_equals_its_closed_form():
     """In the middle between two points, the error is sqrt(3/4) of the half width of the changes."""
-    below = np.array([1.0, -1.0, 2.0, -2.0])
+    values_below = np.array([1.0, -1.0, 2.0, -2.0])
     means = include_interpolation_error(
-        np.zeros(3), np.zeros(4), below, -below, np.asarray(0.5), lambda values: np.array([0.0, -1.0, 1.0])
+        np.zeros(3),
+        np.zeros(4),
+        values_below,
+        -values_below,
+        np.asarray(0.5),
+        lambda values: np.array([0.0, -1.0, 1.0]),
     )
     assert means == pytest.approx([0.0, -(0.75**0.5), 0.75**0.5])

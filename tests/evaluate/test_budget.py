@@ -166,21 +166,26 @@ def test_percentiles_of_a_single_friction_test_agree_with_percentiles_of_random_
     """Sample mu0, tau0 and the scatter of tests; without a hardness, friction is linear in mu0 and tau0."""
     kwargs = dict(load=["20 MPa", "40 MPa"], effective_modulus="80 GPa", **PAIR_OPTIONS)
     result = pair(*rough_surfaces(rms=0.001), mu0="0.2 ± 0.02", tau0="20..80 MPa", **kwargs)
-    at = result.at().isel(load=0).sel(sliding="all").squeeze()
+    values_at_load = result.at().isel(load=0).sel(sliding="all").squeeze()
     inputs = Inputs.from_study(result.study).uncertain
     random = np.random.default_rng(5)
     mu0, tau0 = (inputs[name].estimate.quantile(random.random(400_000)) for name in ("mu0", "tau0"))
     strengths = result.at(mu0=[0.0, 0.2], tau0=[0.0, 0.05]).isel(load=0).sel(sliding="all", statistic="mean")
-    corners = strengths["mean_friction"].squeeze(drop=True).transpose("mu0", "tau0").values
-    coefficient = corners[1, 0] * mu0 / 0.2 + corners[0, 1] * tau0 / 0.05
-    members = int(at["ok"].min())
-    deviation = float(at["spread_high"] - at["spread_low"]) / 2.5631 / corners[1, 1] * np.sqrt(1 + 1 / members)
-    test = coefficient * np.exp(random.standard_t(members - 1, mu0.size) * np.sqrt(np.log1p(deviation**2)))
-    expected = np.quantile(test, [0.05, 0.5, 0.95])
-    percentiles = at["friction_percentiles"]
+    corner_coefficients = strengths["mean_friction"].squeeze(drop=True).transpose("mu0", "tau0").values
+    coefficient = corner_coefficients[1, 0] * mu0 / 0.2 + corner_coefficients[0, 1] * tau0 / 0.05
+    members = int(values_at_load["ok"].min())
+    deviation = (
+        float(values_at_load["spread_high"] - values_at_load["spread_low"])
+        / 2.5631
+        / corner_coefficients[1, 1]
+        * np.sqrt(1 + 1 / members)
+    )
+    test_samples = coefficient * np.exp(random.standard_t(members - 1, mu0.size) * np.sqrt(np.log1p(deviation**2)))
+    expected = np.quantile(test_samples, [0.05, 0.5, 0.95])
+    percentiles = values_at_load["friction_percentiles"]
     assert percentiles["percentile"].values.tolist() == [5, 50, 95]
     np.testing.assert_allclose(percentiles, expected, atol=0.02 * (expected[2] - expected[0]))
-    _, lower, upper = at["friction_prediction"].values
+    _, lower, upper = values_at_load["friction_prediction"].values
     assert lower < expected[0] < expected[2] < upper
 
 
@@ -323,11 +328,11 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
         stored_study.with_changes({"friction.tau0": "20..80"})
 
 
-TRUTH_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+TRUE_SURFACE_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 MIN_COVERAGE = 0.92  # minimum fraction of 300 true values that 95 % intervals contain
 
 
-@pytest.mark.parametrize("num_truths", TRUTH_COUNT_CASES)
+@pytest.mark.parametrize("num_truths", TRUE_SURFACE_COUNT_CASES)
 def test_combined_interval_contains_the_true_friction_for_random_inputs(num_truths) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     num_covered = num_covered_tests = 0
@@ -343,13 +348,15 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
         ]
         scans = [Surface(surface.heights[::refinement, ::refinement], spacing=0.05) for surface in filtered_surfaces]
         options = dict(load="4 MPa", **PAIR_OPTIONS)
-        predicted = pair(*scans, **ranges, **options)
-        inputs = Inputs.from_study(predicted.study).uncertain
+        predicted_result = pair(*scans, **ranges, **options)
+        inputs = Inputs.from_study(predicted_result.study).uncertain
         true_inputs = {name: float(inputs[name].estimate.quantile(rng.random())) for name in ranges}
-        truth = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
-        num_covered += predicted.interval[0] <= truth.value <= predicted.interval[1]
-        tested_coefficient = simulate_friction_test(truth, rng)
-        num_covered_tests += predicted.prediction_interval[0] <= tested_coefficient <= predicted.prediction_interval[1]
+        true_result = pair(*true_surfaces, **true_inputs, **(options | {"shifts": 40}))
+        num_covered += predicted_result.interval[0] <= true_result.value <= predicted_result.interval[1]
+        tested_coefficient = simulate_friction_test(true_result, rng)
+        num_covered_tests += (
+            predicted_result.prediction_interval[0] <= tested_coefficient <= predicted_result.prediction_interval[1]
+        )
     if num_truths < 100:
         assert min(num_covered, num_covered_tests) >= num_truths - 1
         return
@@ -358,11 +365,11 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
     assert num_covered_tests / num_truths >= MIN_COVERAGE
 
 
-def simulate_friction_test(truth, rng) -> float:
+def simulate_friction_test(true_result, rng) -> float:
     """Return the coefficient of a random member of the result in a random direction."""
     from stiction.evaluate.member_values import member_values
 
-    members = member_values(truth.source, truth.at_study_loads["load"].values).sel(sliding="all").squeeze()
+    members = member_values(true_result.source, true_result.at_study_loads["load"].values).sel(sliding="all").squeeze()
     assert (members["status"] == STATUS_OK).all()
     return float(rng.choice(members["friction_coefficient"].values.ravel()))
 
@@ -511,5 +518,5 @@ def test_interval_evaluated_at_zero_mu0_and_tau0_ignores_the_range_of_mu0_in_the
         cutoff="none",
     )  # fmt: skip
     loads = np.geomspace(0.05, 0.5, 12)
-    combined = result.at(loads, mu0=[0.0], tau0=[0.0])["friction_combined"].sel(sliding="all")
-    assert float(combined.sel(statistic="upper").max()) < 1e-9
+    combined_intervals = result.at(loads, mu0=[0.0], tau0=[0.0])["friction_combined"].sel(sliding="all")
+    assert float(combined_intervals.sel(statistic="upper").max()) < 1e-9

@@ -41,21 +41,21 @@ def build_intervals(
         "normal_elastic": 1.0, "tangential_frictional": 1.0, "tangential_adhesive": central_area / LOAD,
     }  # fmt: skip
     inputs = Inputs.from_study(study)
-    central = InputValues(
+    central_values = InputValues(
         mu0=mu0, tau0=tau0, hardness=np.nan if hardness is None else hardness, yield_exponent=1.15,
         junction_growth=growth, uses_slip_lines=growth > 0,
     )  # fmt: skip
-    response = ContactResponse(LOAD, sums, areas, central)
-    values = response.evaluate(central)
+    response = ContactResponse(LOAD, sums, areas, central_values)
+    values = response.evaluate(central_values)
     value = float(values.friction_coefficient)
     point = {
         "mean_friction": value * np.array([1.0, math.exp(-half_width), math.exp(half_width)]), "mu0": mu0, "tau0": tau0,
         "spread_low": value * (1 - spread / 2), "spread_high": value * (1 + spread / 2), "ok": np.array(ok),
         "members": max(ok), "contact_count": np.array([50.0]), "sliding": sliding,
     }  # fmt: skip
-    uncertain = {name: uncertain_input for name, uncertain_input in inputs.uncertain.items() if name != "creep"}
+    uncertain_inputs = {name: uncertain_input for name, uncertain_input in inputs.uncertain.items() if name != "creep"}
     return CombinedIntervals(
-        point, response, values, study, uncertain, InputSampler(study), drifts={} if drifts is None else drifts
+        point, response, values, study, uncertain_inputs, InputSampler(study), drifts={} if drifts is None else drifts
     )
 
 
@@ -90,8 +90,8 @@ def test_combined_interval_adds_input_error_and_scatter_in_quadrature():
         2 * norm.ppf(0.975) * math.hypot(*deviations), rel=QUANTILE_ERROR
     )
     assert log_width(intervals.interval({"tau0": 0.5})) == pytest.approx(0.6, rel=QUANTILE_ERROR)
-    scattered = build_intervals(changes, tau0=0.04899, half_width=0.8)
-    assert log_width(scattered.interval({POSITIONS_INPUT_NAME: 0.5})) == pytest.approx(
+    intervals_with_scatter = build_intervals(changes, tau0=0.04899, half_width=0.8)
+    assert log_width(intervals_with_scatter.interval({POSITIONS_INPUT_NAME: 0.5})) == pytest.approx(
         math.log(0.08 / 0.03), rel=QUANTILE_ERROR
     )
 
@@ -119,45 +119,45 @@ def test_uncertainty_budget_averages_the_remaining_interval_width_over_possible_
 def test_combined_interval_of_the_true_area_is_limited_to_the_nominal_area():
     intervals = build_intervals({"contact.effective_modulus": "50..200 GPa"}, area=0.9 * NOMINAL_AREA, half_width=1e-6)
     estimates = {name: np.array([0.9, 0.85, 0.95]) for name in ("contact_area_fraction", "normal_stiffness")}
-    combined = intervals.extend_quantity_intervals(estimates)
-    assert combined["contact_area_fraction"][2] == 1.0
-    assert combined["contact_area_fraction"][1] < 0.6
-    assert combined["contact_area_fraction"][0] == 0.9
+    extended_intervals = intervals.extend_quantity_intervals(estimates)
+    assert extended_intervals["contact_area_fraction"][2] == 1.0
+    assert extended_intervals["contact_area_fraction"][1] < 0.6
+    assert extended_intervals["contact_area_fraction"][0] == 0.9
 
 
 def test_combined_interval_of_a_quantity_contains_the_interval_of_the_mean():
     intervals = build_intervals({"friction.tau0": "0.0499..0.0501 GPa"}, half_width=1e-6)
     skewed = np.array([20.0, 19.0, 30.0])
-    combined = intervals.extend_quantity_intervals({"contact_area": skewed})["contact_area"]
-    assert combined[0] == 20.0
-    assert combined[1] <= 19.0
-    assert combined[2] >= 30.0
+    extended_intervals = intervals.extend_quantity_intervals({"contact_area": skewed})["contact_area"]
+    assert extended_intervals[0] == 20.0
+    assert extended_intervals[1] <= 19.0
+    assert extended_intervals[2] >= 30.0
 
 
 def test_contact_area_and_pressure_intervals_follow_the_range_of_the_modulus():
     intervals = build_intervals({"contact.effective_modulus": "80..125 GPa"}, half_width=1e-6)
     names = ("contact_area", "contact_area_fraction", "mean_pressure", "normal_stiffness", "unloading_stiffness")
-    combined = intervals.extend_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
+    extended_intervals = intervals.extend_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
     for name in names[:3]:
-        assert combined[name][1:] / 0.5 == pytest.approx([0.8, 1.25], rel=QUANTILE_ERROR)
+        assert extended_intervals[name][1:] / 0.5 == pytest.approx([0.8, 1.25], rel=QUANTILE_ERROR)
     # If the area is proportional to the load, the stiffness does not depend on the modulus.
     for name in names[3:]:
-        assert combined[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
+        assert extended_intervals[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
 
 def test_uncertain_tau0_widens_only_the_interval_of_the_contact_area_at_the_onset_of_sliding():
     changes = {"friction.tau0": "uniform 0.05 .. 0.15 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, growth=5.6, half_width=1e-6)
     areas = {name: np.array([12.0, 12.0, 12.0]) for name in ("contact_area", "contact_area_at_onset")}
-    combined = intervals.extend_quantity_intervals(areas)
+    extended_intervals = intervals.extend_quantity_intervals(areas)
     response = intervals.response
     expected = [
         12.0 * float(response.at_central_inputs(tau0=tau0).area_at_onset / response.at_central_inputs().area_at_onset)
         for tau0 in (0.0525, 0.1475)
     ]
     assert expected[1] > 1.1 * expected[0]
-    assert combined["contact_area_at_onset"][1:] == pytest.approx(expected, rel=QUANTILE_ERROR)
-    assert combined["contact_area"][1:] == pytest.approx([12.0, 12.0])
+    assert extended_intervals["contact_area_at_onset"][1:] == pytest.approx(expected, rel=QUANTILE_ERROR)
+    assert extended_intervals["contact_area"][1:] == pytest.approx([12.0, 12.0])
 
 
 def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():

@@ -18,9 +18,9 @@ def result():
 
 def test_range_of_computed_loads_of_a_fractal_dimension_ignores_other_dimensions(result):
     elastic_loads = result.mean_elastic_loads
-    lowest, highest = find_computed_load_range(result)
-    assert highest == elastic_loads.max()
-    assert lowest == elastic_loads.where(elastic_loads > 0).min()
+    lowest_load, highest_load = find_computed_load_range(result)
+    assert highest_load == elastic_loads.max()
+    assert lowest_load == elastic_loads.where(elastic_loads > 0).min()
     values = result.at(1e-3).isel(fractal_dimension=[0])
     assert find_computed_load_range(result, values)[1] == elastic_loads.isel(fractal_dimension=0).max()
 
@@ -34,12 +34,12 @@ def test_range_of_computed_loads_ignores_pairs_without_a_solution(result):
     is_solved &= elastic_loads["repetition"] != last_loads
     incomplete = Result.of(result.dataset.assign(normal_elastic=elastic_loads.where(is_solved)))
     expected = elastic_loads.where(is_solved).mean("repetition")
-    lowest, highest = find_computed_load_range(incomplete)
-    assert lowest == pytest.approx(float(expected.where(expected > 0).min()))
-    assert highest == pytest.approx(float(expected.max()))
-    loads = [0.99 * highest, 1.01 * highest]
+    lowest_load, highest_load = find_computed_load_range(incomplete)
+    assert lowest_load == pytest.approx(float(expected.where(expected > 0).min()))
+    assert highest_load == pytest.approx(float(expected.max()))
+    loads = [0.99 * highest_load, 1.01 * highest_load]
     assert find_loads_outside_range(incomplete, incomplete.at(loads)) == loads[1:]
-    assert incomplete.reached_loads()[-1] == highest
+    assert incomplete.reached_loads()[-1] == highest_load
 
 
 def test_load_outside_the_computed_loads_has_no_values_even_for_self_locked_surfaces(result):

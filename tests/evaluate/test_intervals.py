@@ -45,11 +45,11 @@ def test_interval_of_the_mean_of_correlated_values_contains_the_true_mean_and_is
     distribution, positions, correlation
 ):
     random = np.random.default_rng([positions, int(10 * correlation)])
-    truth, smallest_width = estimate_true_mean(distribution, positions, correlation, random)
+    true_mean, smallest_width = estimate_true_mean(distribution, positions, correlation, random)
     coverage, width_ratio, defined_fraction = coverage_and_width(
         average_correlated_values,
         simulate_correlated_positions(distribution, NUM_TRIALS, positions, correlation, random),
-        truth,
+        true_mean,
         smallest_width,
     )
     assert defined_fraction > MIN_DEFINED_FRACTION
@@ -196,8 +196,8 @@ def test_intervals_of_means_at_loads_agree_with_a_slow_jackknife(repetitions, do
     for members in (slice(0, 2), slice(2, None)):
         means.add(normal[..., members], [values[..., members], normal[..., members]])
     expected = [interval_at_load(normal[curve], values[curve], load) for curve in range(num_curves)]
-    computed = np.stack([means.mean(0), *means.interval(0)], axis=-1)[:, 0]
-    assert computed == pytest.approx(np.array(expected), rel=JACKKNIFE_TOLERANCE)
+    computed_intervals = np.stack([means.mean(0), *means.interval(0)], axis=-1)[:, 0]
+    assert computed_intervals == pytest.approx(np.array(expected), rel=JACKKNIFE_TOLERANCE)
     assert np.stack([means.mean(1), *means.interval(1)]) == pytest.approx(load, rel=JACKKNIFE_TOLERANCE)
 
 
@@ -225,10 +225,10 @@ def test_jackknife_sums_do_not_depend_on_the_memory_layout_of_curves():
     curves = np.random.default_rng(1).random((2, 3, 4))
     points = {"curve": np.array([1]), "step": np.array([2]), "slope": np.ones(1)}
     points |= {"fraction": np.array([0.5]), "load": curves[1, 1:].mean(keepdims=True).ravel(), "mean": np.ones(1)}
-    expected, computed = (
+    expected, computed_sums = (
         _core.jackknife_sums(curves, np.asarray(curves, order=order), **points, total_repetitions=4) for order in "CF"
     )
-    assert np.array_equal(computed, expected)
+    assert np.array_equal(computed_sums, expected)
 
 
 def test_jackknife_sums_function_rejects_points_outside_the_curves_and_arrays_of_unequal_shape():

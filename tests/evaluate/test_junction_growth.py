@@ -30,8 +30,8 @@ def rough_surfaces(rms=0.05, size=48):
     )
 
 
-def mean_coefficient(result, rule="all", **at):
-    point = result.at(**at) if at else result.at()
+def mean_coefficient(result, rule="all", **conditions):
+    point = result.at(**conditions) if conditions else result.at()
     return float(point["mean_friction"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
 
 
@@ -153,9 +153,11 @@ def with_sums(result, **ratios):
 def find_area_ratios(result):
     """Return the true area before shear per solved area, and the true area at the onset per area before shear."""
     values = result.at().sel(statistic="mean")
-    before, onset = (float(values[name].squeeze()) for name in ("contact_area", "contact_area_at_onset"))
+    area_before_shear, area_at_onset = (
+        float(values[name].squeeze()) for name in ("contact_area", "contact_area_at_onset")
+    )
     solved = result.dataset["contact_area"].sel(load=float(values["load"].squeeze()), method="nearest").mean()
-    return before / float(solved), onset / before
+    return area_before_shear / float(solved), area_at_onset / area_before_shear
 
 
 def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
@@ -224,7 +226,7 @@ def test_friction_of_yielding_bodies_follows_slip_line_theory_by_default(options
     assert (growth and growth.text) == (text or growth)
 
 
-@pytest.mark.parametrize(("arguments", "term"), [
+@pytest.mark.parametrize(("arguments", "expected_term"), [
     ({"junction_growth": -1.0}, "junction_growth"), ({"junction_growth": 101}, "100"),
     ({"junction_growth": "27..0"}, "smaller"), ({"junction_growth": 9, "hardness": None}, "hardness"),
     ({"junction_growth": 9, "mechanics": "asperities", "hardness": None}, "half-space"),
@@ -232,8 +234,8 @@ def test_friction_of_yielding_bodies_follows_slip_line_theory_by_default(options
     ({"junction_growth": float("nan")}, "junction_growth"), ({"junction_growth": "slip-line 9"}, "from 5 to 6.5"),
     ({"junction_growth": "slip lines"}, "slip lines"),
 ])  # fmt: skip
-def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, term):
-    with pytest.raises(ValueError, match=term):
+def test_pair_function_rejects_invalid_values_of_junction_growth(arguments, expected_term):
+    with pytest.raises(ValueError, match=expected_term):
         pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | arguments)
 
 

@@ -251,10 +251,12 @@ def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_their_single_value
     values, mean = result.at(per_member=True), result.at()
     for mu0 in (0.3, 0.5):
         for tau0 in (0.0, 0.1):
-            single = result.at(mu0=mu0, tau0=tau0, per_member=True)
-            assert values.sel(mu0=[mu0], tau0=[tau0]).identical(single)
-            selected = mean.sel(mu0=mu0, tau0=tau0)["friction_coefficient"]
-            np.testing.assert_array_equal(selected, result.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :])
+            result_of_single_values = result.at(mu0=mu0, tau0=tau0, per_member=True)
+            assert values.sel(mu0=[mu0], tau0=[tau0]).identical(result_of_single_values)
+            selected_means = mean.sel(mu0=mu0, tau0=tau0)["friction_coefficient"]
+            np.testing.assert_array_equal(
+                selected_means, result.at(mu0=mu0, tau0=tau0)["friction_coefficient"][..., 0, 0, :]
+            )
 
 
 def test_interval_of_the_mean_over_positions_accounts_for_their_correlation(profile_pair):

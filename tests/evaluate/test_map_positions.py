@@ -367,10 +367,11 @@ def test_contact_area_lost_at_missing_points_is_at_most_the_estimate_in_their_ca
     pierced_maps = [
         Surface(complete_map.heights, spacing=0.5, missing=rng.random((64, 64)) < 0.3) for complete_map in maps
     ]
-    complete, pierced = (stiction.pair(*map_pair, **CAVEAT_OPTIONS) for map_pair in (maps, pierced_maps))
-    (text,) = (caveat.text for caveat in pierced.caveats if "holes" in caveat.text)
+    complete_result, pierced_result = (stiction.pair(*map_pair, **CAVEAT_OPTIONS) for map_pair in (maps, pierced_maps))
+    (text,) = (caveat.text for caveat in pierced_result.caveats if "holes" in caveat.text)
     limit = float(re.findall(r"up to (\S+) % too small", text)[0]) / 100
     areas = [
-        float(result.at()["contact_area_fraction"].sel(statistic="mean").squeeze()) for result in (complete, pierced)
+        float(result.at()["contact_area_fraction"].sel(statistic="mean").squeeze())
+        for result in (complete_result, pierced_result)
     ]
     assert 0.2 < 1 - areas[1] / areas[0] < limit

@@ -10,7 +10,7 @@ from support.generated_studies import empty_dataset
 
 ROUND_OFF = 1e-12
 APPROACHES = np.linspace(0.01, 0.1, 10)
-SINGLE_MAPS = {"friction_coefficient": friction_map, "contact_area": area_map, "normal_stiffness": stiffness_map}
+MAP_FUNCTIONS = {"friction_coefficient": friction_map, "contact_area": area_map, "normal_stiffness": stiffness_map}
 
 
 def create_result(normal, tangential, *, frictional=None, area=None, count=None):
@@ -184,13 +184,13 @@ def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touchin
     factor = np.exp(spread * random.standard_normal(shape) - spread**2 / 2)
     friction_factor = np.exp(scatter * random.standard_normal(shape) - scatter**2 / 2)
     factor = factor * (random.random(shape) < touching) / touching
-    normal = factor * APPROACHES**1.5
-    tangential = factor * friction_factor * 0.3 * APPROACHES**1.35
-    zeros = np.zeros_like(normal)
+    normal_load = factor * APPROACHES**1.5
+    tangential_load = factor * friction_factor * 0.3 * APPROACHES**1.35
+    zeros = np.zeros_like(normal_load)
     dims = ("fractal_dimension", "amplitude", "repetition", "approach")
     fields = {name: (dims, zeros) for name in LoadCurve.__dataclass_fields__ if name.startswith(("normal", "tangent"))}
-    fields |= {"normal_elastic": (dims, normal), "tangential_elastic": (dims, tangential)}
-    fields |= {"contact_count": (dims, np.ones(normal.shape, int)), "contact_area": (dims, zeros)}
+    fields |= {"normal_elastic": (dims, normal_load), "tangential_elastic": (dims, tangential_load)}
+    fields |= {"contact_count": (dims, np.ones(normal_load.shape, int)), "contact_area": (dims, zeros)}
     coordinates = {"fractal_dimension": np.arange(ensembles), "amplitude": [0.1], "approach": APPROACHES}
     return xarray.Dataset(fields, coordinates)
 
@@ -203,22 +203,26 @@ def simulate_ensembles(repetitions, ensembles, *, spread, scatter, seed, touchin
 def test_friction_map_intervals_contain_the_true_value_in_95_percent_of_cases(repetitions, spread, scatter):
     # Request the true mean load at one of the approaches, at which interpolation adds no error.
     load = APPROACHES[5] ** 1.5
-    truth = 0.3 * APPROACHES[5] ** 1.35 / load
+    true_coefficient = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(repetitions, NUM_ENSEMBLES, spread=spread, scatter=scatter, seed=repetitions)
     table = friction_map(result, [load], mu0=0.0, tau0=0.0)
     is_ok = table["status"].values.ravel() == "ok"
     assert is_ok.mean() > 0.9
-    coverage = ((table["lower"] <= truth) & (truth <= table["upper"])).values.ravel()[is_ok].mean()
+    coverage = (
+        ((table["lower"] <= true_coefficient) & (true_coefficient <= table["upper"])).values.ravel()[is_ok].mean()
+    )
     assert MIN_COVERAGE[spread, scatter][repetitions] <= coverage <= MAX_COVERAGE, coverage
 
 
 def test_friction_map_intervals_cover_95_percent_of_cases_if_half_of_the_pairs_lack_contact():
     load = APPROACHES[5] ** 1.5
-    truth = 0.3 * APPROACHES[5] ** 1.35 / load
+    true_coefficient = 0.3 * APPROACHES[5] ** 1.35 / load
     result = simulate_ensembles(24, NUM_ENSEMBLES, spread=0.5, scatter=0.3, seed=5, touching=0.5)
     table = friction_map(result, [load], mu0=0.0, tau0=0.0)
     is_ok = table["status"].values.ravel() == "ok"
-    coverage = ((table["lower"] <= truth) & (truth <= table["upper"])).values.ravel()[is_ok].mean()
+    coverage = (
+        ((table["lower"] <= true_coefficient) & (true_coefficient <= table["upper"])).values.ravel()[is_ok].mean()
+    )
     assert 0.9 <= coverage <= MAX_COVERAGE
 
 
@@ -250,12 +254,14 @@ def test_stiffness_map_requires_a_result_with_at_least_three_approaches():
 def test_evaluation_of_all_quantities_reads_the_stored_result_only_twice(monkeypatch):
     result = run(Study.named("quick").with_changes({"ensemble.repetitions": 6, "surfaces.points": 3000}))
     loads = result.mean_elastic_loads.values.max() * np.array([0.1, 0.5])
-    maps = [(name, evaluate(result, loads)) for name, evaluate in SINGLE_MAPS.items()]
-    passes = []
+    maps = [(name, evaluate(result, loads)) for name, evaluate in MAP_FUNCTIONS.items()]
+    requested_names = []
     read_pieces = Result.pieces
-    monkeypatch.setattr(Result, "pieces", lambda self, names=None: passes.append(names) or read_pieces(self, names))
+    monkeypatch.setattr(
+        Result, "pieces", lambda self, names=None: requested_names.append(names) or read_pieces(self, names)
+    )
     points = at_load(result, loads)
-    assert len(passes) == 2
+    assert len(requested_names) == 2
     for name, single_map in maps:
         for statistic, variable in (("mean", name), ("lower", "lower"), ("upper", "upper")):
             xarray.testing.assert_equal(
@@ -263,6 +269,6 @@ def test_evaluation_of_all_quantities_reads_the_stored_result_only_twice(monkeyp
                 single_map[variable].reset_coords(drop=True),
             )
     np.testing.assert_array_equal(points["share_beyond_hertz"], maps[0][1]["share_beyond_hertz"])
-    passes.clear()
+    requested_names.clear()
     assert "share_beyond_hertz" not in at_load(result, loads, names=["contact_area"])
-    assert {name for names in passes for name in names}.isdisjoint({"overlap_load", "crossed_count"})
+    assert {name for names in requested_names for name in names}.isdisjoint({"overlap_load", "crossed_count"})

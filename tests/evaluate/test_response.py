@@ -21,19 +21,21 @@ from support.rough_surfaces import rough_maps
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # hardness (GPa), effective modulus (GPa), load (mN)
-OPTIONS = {
+PAIR_OPTIONS = {
     "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
     "direction": [0.0, 180.0],
 }  # fmt: skip
-NO_INPUTS = {(OPTIONS["mu0"], 0.05): ({}, [])}  # no uncertain inputs and no joint samples, at one mu0 and tau0 (GPa)
+NO_UNCERTAIN_INPUTS = {
+    (PAIR_OPTIONS["mu0"], 0.05): ({}, [])
+}  # no uncertain inputs and no joint samples, at one mu0 and tau0 (GPa)
 
 
 def rough_pair(rms=0.01):
     return rough_maps(5, hurst_exponent=0.7, rms=rms, points=64, spacing=0.05, shortest_wavelength=0.3)
 
 
-def press(hardness=HARDNESS, **options):
-    return pair(*rough_pair(), **OPTIONS | {"load": f"{LOAD} MPa", "hardness": hardness} | options)
+def press_rough_pair(hardness=HARDNESS, **options):
+    return pair(*rough_pair(), **PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": hardness} | options)
 
 
 def mean_value(result, name):
@@ -42,7 +44,7 @@ def mean_value(result, name):
 
 @pytest.fixture(scope="module")
 def result():
-    return press(yield_exponent=1.25)
+    return press_rough_pair(yield_exponent=1.25)
 
 
 def solve_members(result, load, hardness):
@@ -81,7 +83,7 @@ def test_elastic_contact_area_is_computed_only_for_the_first_pairs_of_a_result(r
     all_members = result.dataset["elastic_area"]
     assert np.isfinite(all_members).all()
     monkeypatch.setattr(member_solution, "NUM_ELASTIC_MAP_MEMBERS", 2)
-    first_members = press(yield_exponent=1.25).dataset["elastic_area"]
+    first_members = press_rough_pair(yield_exponent=1.25).dataset["elastic_area"]
     np.testing.assert_array_equal(first_members[:, :2], all_members[:, :2])
     assert np.isnan(first_members[:, 2:]).all()
 
@@ -111,9 +113,9 @@ def test_adhesive_forces_are_scaled_by_the_ratio_of_true_area_to_stored_area(res
 
 
 def test_estimated_elastic_area_is_at_most_the_area_at_pressures_limited_to_the_hardness():
-    hard = press(20.0)
-    study = hard.study.with_changes({"contact.yield_exponent": None})
-    dataset = hard.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
+    hard_result = press_rough_pair(20.0)
+    study = hard_result.study.with_changes({"contact.yield_exponent": None})
+    dataset = hard_result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml())
     areas = dataset["contact_area"].mean("repetition").values.ravel()
     elastic_areas = build_area_functions(MemberSums.of(dataset))[0].elastic_areas
     assert (elastic_areas <= areas * (1 + 1e-12)).all()
@@ -133,7 +135,7 @@ def test_dataset_stores_the_contact_area_at_pressures_limited_to_the_hardness(re
 )  # fmt: skip
 def test_area_evaluated_at_another_hardness_or_modulus_equals_that_of_a_direct_solution(result, changes):
     area = result.compute_once(build_area_functions)[0]
-    direct_result = press(**{"yield_exponent": 1.25} | changes)
+    direct_result = press_rough_pair(**{"yield_exponent": 1.25} | changes)
     load = float(result.study.friction.load[0])
     ratio = area(
         load, hardness=changes.get("hardness", HARDNESS), modulus=changes.get("effective_modulus", MODULUS) / MODULUS,
@@ -152,12 +154,12 @@ def test_true_area_as_a_function_of_load_does_not_exceed_the_nominal_area():
 
 @pytest.mark.usefixtures("all_input_samples")
 def test_interval_of_the_area_contains_the_areas_at_both_limits_of_the_hardness():
-    ranged = press("0.8..1.25 GPa", yield_exponent=1.25)
-    estimate = ranged.at()["contact_area"].squeeze()
+    result_of_range = press_rough_pair("0.8..1.25 GPa", yield_exponent=1.25)
+    estimate = result_of_range.at()["contact_area"].squeeze()
     value, lower, upper = (float(estimate.sel(statistic=name)) for name in ("mean", "lower", "upper"))
-    sampling = ranged.at()["contact_count"].squeeze()
+    sampling = result_of_range.at()["contact_count"].squeeze()
     assert sampling.sel(statistic="lower") < sampling.sel(statistic="mean")
-    areas = [mean_value(press(hardness, yield_exponent=1.25), "contact_area") for hardness in (0.8, 1.25)]
+    areas = [mean_value(press_rough_pair(hardness, yield_exponent=1.25), "contact_area") for hardness in (0.8, 1.25)]
     assert lower == pytest.approx(areas[1], rel=0.02)
     assert upper == pytest.approx(areas[0], rel=0.02)
     assert lower < areas[1] < value < areas[0] < upper
@@ -171,48 +173,62 @@ def test_limits_of_the_closure_interval_are_closures_at_the_limits_of_the_uncert
     upper, _ = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
     options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
     options |= {"yield_exponent": 1.15, "junction_growth": 0}
-    ranged = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
-    central = mean_value(pair(gap=upper, **options), "closure")
+    values_of_range = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
+    central_closure = mean_value(pair(gap=upper, **options), "closure")
     lower, upper_limit = (
-        float(ranged["closure"].sel(statistic=statistic).squeeze()) / central for statistic in ("lower", "upper")
+        float(values_of_range["closure"].sel(statistic=statistic).squeeze()) / central_closure
+        for statistic in ("lower", "upper")
     )
     direct = [mean_value(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
-    expected = np.array(sorted(direct)) / central
+    expected = np.array(sorted(direct)) / central_closure
     assert (lower, upper_limit) == pytest.approx(tuple(expected), abs=0.2 * np.ptp(expected))
 
 
 def test_pressure_interval_is_the_load_divided_by_the_area_interval():
-    table = press("0.8..1.25 GPa").at()
+    table = press_rough_pair("0.8..1.25 GPa").at()
     area, pressure = (table[name].squeeze().values for name in ("contact_area", "mean_pressure"))
     assert pressure[1:] == pytest.approx((pressure[0] * area[0] / area[1:])[::-1], rel=0.01)
 
 
 @pytest.mark.parametrize("hardness", [HARDNESS, "0.8..1.25 GPa"])
 def test_summary_table_and_joint_table_give_a_quantity_the_same_kind_of_interval(hardness):
-    ranged = press(hardness)
-    quantities = ranged.summary().points[0].quantities
-    rows = values_frame(ranged.at()).set_index("name")
-    combined = {"contact_area", "contact_area_fraction", "mean_pressure", "normal_stiffness", "closure_stiffness"}
-    assert {quantities[name].kind for name in combined} == set(rows.loc[sorted(combined), "kind"]) == {"combined"}
+    result_of_range = press_rough_pair(hardness)
+    quantities = result_of_range.summary().points[0].quantities
+    rows = values_frame(result_of_range.at()).set_index("name")
+    combined_quantities = {
+        "contact_area",
+        "contact_area_fraction",
+        "mean_pressure",
+        "normal_stiffness",
+        "closure_stiffness",
+    }
+    assert (
+        {quantities[name].kind for name in combined_quantities}
+        == set(rows.loc[sorted(combined_quantities), "kind"])
+        == {"combined"}
+    )
     assert quantities["contact_count"].kind == rows.loc["contact_count", "kind"] == "mean"
-    table = ranged.joint_table(ranged.study.friction.load).rows[0].estimates
-    assert {table[name].kind for name in combined & set(table)} == {"combined"}
+    table = result_of_range.joint_table(result_of_range.study.friction.load).rows[0].estimates
+    assert {table[name].kind for name in combined_quantities & set(table)} == {"combined"}
 
 
 def test_reference_load_of_a_joint_table_is_the_first_load_of_the_study():
-    result = press(load=["10 MPa", "40 MPa"])
+    result = press_rough_pair(load=["10 MPa", "40 MPa"])
     first_load, second_load = map(float, result.study.friction.load)
     assert result.joint_table([first_load, second_load]).reference.load == pytest.approx(first_load)
 
 
 def test_uncertain_yield_exponent_widens_the_interval_of_the_contact_area():
-    exact, ranged = (press(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6"))
-    assert ranged.value == exact.value
+    exact_result, result_of_range = (
+        press_rough_pair(yield_exponent=exponent) for exponent in (1.15, "uniform 0.7 .. 1.6")
+    )
+    assert result_of_range.value == exact_result.value
     widths = [
-        np.ptp(result.at()["contact_area"].sel(statistic=["lower", "upper"]).values) for result in (exact, ranged)
+        np.ptp(result.at()["contact_area"].sel(statistic=["lower", "upper"]).values)
+        for result in (exact_result, result_of_range)
     ]
     assert widths[1] > 1.2 * widths[0]
-    assert "the yield exponent m" in set(ranged.budget["input"]) - set(exact.budget["input"])
+    assert "the yield exponent m" in set(result_of_range.budget["input"]) - set(exact_result.budget["input"])
 
 
 def test_results_without_elastic_areas_use_the_area_at_pressures_limited_to_the_hardness(result):
@@ -230,7 +246,7 @@ def test_results_without_elastic_areas_use_the_area_at_pressures_limited_to_the_
 def press_large_maps(rms, **changes):
     """Return the result of large maps at the central inputs, which is solved only once for all tests."""
     maps = rough_maps(5, hurst_exponent=0.7, rms=rms, points=128, spacing=0.05, shortest_wavelength=0.3)
-    return pair(*maps, **OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15} | changes)
+    return pair(*maps, **PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": HARDNESS, "yield_exponent": 1.15} | changes)
 
 
 @pytest.mark.parametrize("rms", [0.005, 0.02, 0.05])
@@ -240,7 +256,7 @@ def press_large_maps(rms, **changes):
 def test_stiffness_evaluated_at_another_hardness_or_modulus_agrees_with_a_direct_solution(rms, changes):
     result, direct_result = press_large_maps(rms), press_large_maps(rms, **changes)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(result, result.at_study_loads, dims, NO_INPUTS, {}, {}))
+    _, intervals = next(_iterate_intervals(result, result.at_study_loads, dims, NO_UNCERTAIN_INPUTS, {}, {}))
     inputs = replace(
         intervals.response.central,
         hardness=changes.get("hardness", HARDNESS),
@@ -255,7 +271,7 @@ def test_stiffness_evaluated_at_another_hardness_or_modulus_agrees_with_a_direct
         assert float(ratio) == pytest.approx(expected, rel=tolerance)
 
 
-UNLOADING_PAIRS = (
+UNLOADING_AND_LOADING_STIFFNESSES = (
     ("unloading_stiffness", "normal_stiffness"), ("unloading_closure_stiffness", "closure_stiffness"),
     ("unloading_stiffness_per_area", "stiffness_per_area"),
 )  # fmt: skip
@@ -267,7 +283,7 @@ def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals()
     options = {"load": "20 kPa", "mu0": 0.1, "onset": 0, "cutoff": "none", "area_loss": 0}
     table = pair(*maps, **options, effective_modulus="1..4 MPa").at().squeeze()
     direct_tables = [pair(*maps, **options, effective_modulus=f"{modulus} MPa").at().squeeze() for modulus in (1, 4)]
-    for unloading, loading in UNLOADING_PAIRS:
+    for unloading, loading in UNLOADING_AND_LOADING_STIFFNESSES:
         assert table[unloading].values == pytest.approx(table[loading].values, rel=1e-9)
     for name in ("unloading_stiffness", "tangential_stiffness_per_area"):
         direct_means = sorted(float(table[name].sel(statistic="mean")) for table in direct_tables)
@@ -276,7 +292,9 @@ def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals()
 
 @pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])
 def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yield(load, has_caveat):
-    new_result = press(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press(load=f"{load} MPa")
+    new_result = (
+        press_rough_pair(6.0, load=f"{load} MPa", tau0=0.0) if not has_caveat else press_rough_pair(load=f"{load} MPa")
+    )
     study = new_result.study.with_changes({"contact.yield_exponent": None})
     old_result = type(new_result)(new_result.dataset.drop_vars("elastic_area").assign_attrs(study=study.to_toml()))
     assert any("yielding below the surface" in caveat.text for caveat in old_result.caveats) == has_caveat
@@ -285,16 +303,16 @@ def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yiel
 
 def test_missing_elastic_areas_of_an_unfinished_result_are_estimated(result):
     dataset = result.dataset
-    unfinished = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
-    areas = [mean_value(type(result)(pair_dataset), "contact_area") for pair_dataset in (dataset, unfinished)]
+    unfinished_dataset = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
+    areas = [mean_value(type(result)(pair_dataset), "contact_area") for pair_dataset in (dataset, unfinished_dataset)]
     assert areas[1] == pytest.approx(areas[0], rel=0.25)
-    table = type(result)(unfinished).at()
+    table = type(result)(unfinished_dataset).at()
     assert np.isfinite(table["friction_combined"]).all()
 
 
 def test_hardness_does_not_change_the_area_of_adhesive_contacts_that_do_not_yield():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
-    options = OPTIONS | {"load": "0.2 MPa", "work_of_adhesion": "0.2 J/m^2", "adhesion_range": "2 nm"}
+    options = PAIR_OPTIONS | {"load": "0.2 MPa", "work_of_adhesion": "0.2 J/m^2", "adhesion_range": "2 nm"}
     result, softer_result = (pair(*maps, **options, hardness=hardness) for hardness in (3.0, 2.0))
     area, load = result.compute_once(build_area_functions)[0], float(result.study.friction.load[0])
     assert mean_value(softer_result, "contact_area") == pytest.approx(mean_value(result, "contact_area"), rel=1e-3)
@@ -305,10 +323,10 @@ def test_hardness_does_not_change_the_area_of_adhesive_contacts_that_do_not_yiel
 def test_stiffness_of_scaled_heights_agrees_with_a_direct_solution(result):
     maps = rough_pair()
     scaled_maps = [type(surface)(1.1 * surface.heights, spacing=surface.spacing) for surface in maps]
-    options = OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}
+    options = PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}
     base, scaled = pair(*maps, **options), pair(*scaled_maps, **options)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(base, base.at_study_loads, dims, NO_INPUTS, {}, {}))
+    _, intervals = next(_iterate_intervals(base, base.at_study_loads, dims, NO_UNCERTAIN_INPUTS, {}, {}))
     inputs = replace(intervals.response.central, height_factor=1.1)
     loading, *_ = intervals.response.stiffness_ratios(inputs, intervals.response.areas_before_shear(inputs).true)
     assert float(loading) == pytest.approx(

@@ -50,10 +50,12 @@ def test_variance_of_the_mean_over_scans_is_computed_from_mean_squares() -> None
     assert result.variances == pytest.approx(
         [(mean_squares[0] - mean_squares[2]) / 20, (mean_squares[1] - mean_squares[2]) / 20, mean_squares[2] / 20]
     )
-    total = mean_squares[0] + mean_squares[1] - mean_squares[2]
-    degrees_of_freedom = total**2 / (mean_squares[0] ** 2 / 3 + mean_squares[1] ** 2 / 4 + mean_squares[2] ** 2 / 12)
+    total_variance = mean_squares[0] + mean_squares[1] - mean_squares[2]
+    degrees_of_freedom = total_variance**2 / (
+        mean_squares[0] ** 2 / 3 + mean_squares[1] ** 2 / 4 + mean_squares[2] ** 2 / 12
+    )
     assert result.half_width == pytest.approx(
-        float(student_quantile(degrees_of_freedom)) * np.sqrt(total / 20), rel=1e-9
+        float(student_quantile(degrees_of_freedom)) * np.sqrt(total_variance / 20), rel=1e-9
     )
 
 
@@ -87,7 +89,7 @@ def test_intervals_from_several_scans_contain_the_true_mean_and_a_single_frictio
     def random_gradients(*shape):
         return np.exp(spread * rng.standard_normal(shape))
 
-    truth = simulate_coefficient(random_gradients(200_000), random_gradients(200_000)).mean()
+    true_coefficient = simulate_coefficient(random_gradients(200_000), random_gradients(200_000)).mean()
     covered, covered_tests, times = [], [], 2
     for upper, lower in SCAN_COUNTS:
         for _ in range(200):
@@ -98,7 +100,7 @@ def test_intervals_from_several_scans_contain_the_true_mean_and_a_single_frictio
             result = average_scan_pairs(
                 coefficients * (1 + 0.02 * rng.standard_normal(coefficients.size)), upper_scans, lower_scans
             )
-            covered.append(abs(result.mean - truth) <= result.half_width)
+            covered.append(abs(result.mean - true_coefficient) <= result.half_width)
             new_coefficient = float(
                 simulate_coefficient(random_gradients(1), random_gradients(1))[0] * (1 + 0.02 * rng.standard_normal())
             )
@@ -283,13 +285,13 @@ def test_roughness_drift_of_a_single_scan_widens_the_interval_and_appears_in_bud
 
 
 def test_roughness_drift_of_plastic_contacts_or_several_scans_has_no_caveat():
-    plastic = pair(
+    plastic_result = pair(
         build_map(1, drift=0.8), build_map(2), **DRIFT_OPTIONS | {"tau0": "50 MPa", "hardness": "0.3 GPa"}
     )  # fmt: skip
-    assert not any(DRIFT_CAVEAT in caveat.text for caveat in plastic.caveats)
+    assert not any(DRIFT_CAVEAT in caveat.text for caveat in plastic_result.caveats)
     upper_scans = [build_map(seed, drift=0.8) for seed in (1, 3, 4)]
-    several = pair(upper_scans, build_map(2), **DRIFT_OPTIONS)
-    assert not any(DRIFT_CAVEAT in caveat.text for caveat in several.caveats)
+    result_of_several_scans = pair(upper_scans, build_map(2), **DRIFT_OPTIONS)
+    assert not any(DRIFT_CAVEAT in caveat.text for caveat in result_of_several_scans.caveats)
 
 
 @pytest.mark.parametrize("masked", [False, True])

@@ -20,7 +20,7 @@ METAL_OPTIONS = {
 
 
 @cache
-def press(**options):
+def press_metals(**options):
     return pair(*rough_maps(5, rms=0.05, shortest_wavelength=0.4), **METAL_OPTIONS | options)
 
 
@@ -47,35 +47,38 @@ def test_indent_of_the_estimated_depth_has_the_same_ratio_of_slope_to_radius_as_
 
 
 def test_contact_hardness_is_the_hardness_at_the_indentation_depth_of_the_contacts():
-    without_indent, result = press(), press(indent="2 um")
+    without_indent, result = press_metals(), press_metals(indent="2 um")
     depth = estimate_indentation_depth(
-        *(mean_value(press(yield_exponent=10.0), name) for name in ("contact_area", "contact_count", "rms_gradient"))
+        *(
+            mean_value(press_metals(yield_exponent=10.0), name)
+            for name in ("contact_area", "contact_count", "rms_gradient")
+        )
     )
     value, lower, upper = result.at()["contact_hardness"].values.ravel()
     assert value == pytest.approx(0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0), rel=0.05)
     for limit, length in ((lower, 0.1), (upper, 2.0)):
         factor = size_effect_factor(length, depth, 2.0)
         assert limit == pytest.approx(0.5 * factor, rel=0.05)
-    harder = press(hardness=float(value))
+    harder_result = press_metals(hardness=float(value))
     for name, tolerance in (("mean_friction", 0.01), ("contact_area", 0.03), ("contact_area_at_onset", 0.03)):
-        assert mean_value(result, name) == pytest.approx(mean_value(harder, name), rel=tolerance)
+        assert mean_value(result, name) == pytest.approx(mean_value(harder_result, name), rel=tolerance)
     assert mean_value(result, "mean_friction") < mean_value(without_indent, "mean_friction")
     assert mean_value(result, "closure") == mean_value(without_indent, "closure")
 
 
 def test_hardness_test_as_shallow_as_the_contacts_leaves_friction_nearly_unchanged():
     depth = estimate_indentation_depth(
-        *(mean_value(press(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
+        *(mean_value(press_metals(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
     )
-    result = press(indent=float(depth))
-    assert result.value == pytest.approx(press().value, rel=5e-3)
-    assert result.interval == pytest.approx(press().interval, rel=0.01)
+    result = press_metals(indent=float(depth))
+    assert result.value == pytest.approx(press_metals().value, rel=5e-3)
+    assert result.interval == pytest.approx(press_metals().interval, rel=0.01)
 
 
 def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_size_effect():
-    result = press(indent="2 um")
+    result = press_metals(indent="2 um")
     _, *hardnesses = result.at()["contact_hardness"].values.ravel()
-    ends = [press(hardness=float(hardness)) for hardness in hardnesses]
+    ends = [press_metals(hardness=float(hardness)) for hardness in hardnesses]
     assert result.interval[1] == pytest.approx(ends[0].value, rel=0.02)
     assert result.interval[0] == pytest.approx(ends[1].value, rel=0.03)
     assert result.budget["input"].iloc[0] == "the indentation size effect"
@@ -87,29 +90,29 @@ def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_s
     assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
 
 
-UNCERTAIN_YIELDING = {"junction_growth": "slip-line 5.14..6.05", "hardness": "0.5 GPa ± 10 %"}
+UNCERTAIN_GROWTH_AND_HARDNESS = {"junction_growth": "slip-line 5.14..6.05", "hardness": "0.5 GPa ± 10 %"}
 
 
 @pytest.mark.parametrize("indent", [None, "2 um"])
 def test_intervals_at_several_loads_agree_with_intervals_at_single_loads(indent):
-    dataset = press(**UNCERTAIN_YIELDING, indent=indent).dataset
+    dataset = press_metals(**UNCERTAIN_GROWTH_AND_HARDNESS, indent=indent).dataset
     several_loads = Result.of(dataset).at(["10 MPa", "20 MPa"], mu0=[0.1, 0.4], tau0=[0.02, 0.1])["friction_combined"]
     for index, load in enumerate(several_loads["load"].values):
         single_load = Result.of(dataset).at(load, mu0=0.4, tau0=0.1)["friction_combined"]
-        selected = several_loads.isel(load=index, mu0=1, tau0=1)
-        np.testing.assert_allclose(selected.squeeze(), single_load.squeeze(), rtol=1e-12)
+        selected_values = several_loads.isel(load=index, mu0=1, tau0=1)
+        np.testing.assert_allclose(selected_values.squeeze(), single_load.squeeze(), rtol=1e-12)
 
 
 def test_yield_pressures_of_input_samples_are_computed_once_for_all_loads(monkeypatch):
-    result = press(**UNCERTAIN_YIELDING)
+    result = press_metals(**UNCERTAIN_GROWTH_AND_HARDNESS)
     compute_pressure = FrictionLaw.yield_pressure
     num_computed = []
 
-    def count_samples(law, hardness):
+    def count_arrays_of_hardnesses(law, hardness):
         num_computed[-1] += np.size(hardness) > 1
         return compute_pressure(law, hardness)
 
-    monkeypatch.setattr(FrictionLaw, "yield_pressure", count_samples)
+    monkeypatch.setattr(FrictionLaw, "yield_pressure", count_arrays_of_hardnesses)
     for num_loads in (1, 3):
         num_computed.append(0)
         loads = np.linspace(0.2, 0.8, num_loads) * result.study.contact.loading_steps()[-1]
@@ -118,8 +121,8 @@ def test_yield_pressures_of_input_samples_are_computed_once_for_all_loads(monkey
 
 
 def test_missing_indentation_depth_adds_a_caveat_for_metals_only():
-    result, measured = press(), press(indent="2 um")
-    polymer = press(effective_modulus=5.0, hardness=0.025, load="1 MPa", tau0=1e-3)
+    result, measured = press_metals(), press_metals(indent="2 um")
+    polymer = press_metals(effective_modulus=5.0, hardness=0.025, load="1 MPa", tau0=1e-3)
     texts = [
         " ".join(caveat.text for caveat in pair_result.summary().points[0].caveats)
         for pair_result in (result, polymer, measured)
@@ -131,7 +134,7 @@ def test_missing_indentation_depth_adds_a_caveat_for_metals_only():
 def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():
     options = {"hardness": 5.0, "tau0": 0.3, "load": "200 MPa"}
     texts = [
-        " ".join(caveat.text for caveat in press(**options, indent=indent).summary().first.caveats)
+        " ".join(caveat.text for caveat in press_metals(**options, indent=indent).summary().first.caveats)
         for indent in (None, "2 um")
     ]
     assert "as hard as large ones" not in texts[0]
@@ -140,39 +143,45 @@ def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():
 
 @pytest.mark.parametrize("name", ["closure", "closure_stiffness", "normal_stiffness", "unloading_stiffness"])
 def test_closure_and_stiffness_are_computed_without_the_size_effect(name):
-    without_indent, result = (pair_result.at()[name].values.ravel() for pair_result in (press(), press(indent="2 um")))
+    without_indent, result = (
+        pair_result.at()[name].values.ravel() for pair_result in (press_metals(), press_metals(indent="2 um"))
+    )
     assert result == pytest.approx(without_indent, rel=1e-3)
 
 
 def test_text_about_several_loads_states_the_range_of_their_contact_hardnesses():
-    result = press(indent="2 um", load="10 MPa, 20 MPa")
+    result = press_metals(indent="2 um", load="10 MPa, 20 MPa")
     values = result.at()["contact_hardness"].sel(statistic="mean").values.ravel()
     assert values[0] > 1.02 * values[1]
-    smallest, largest = (format_with_unit(float(value), "GPa") for value in (values.min(), values.max()))
-    assert f"measured 2 µm deep, {smallest} to {largest} [" in " ".join(str(result).split())
+    min_hardness, max_hardness = (format_with_unit(float(value), "GPa") for value in (values.min(), values.max()))
+    assert f"measured 2 µm deep, {min_hardness} to {max_hardness} [" in " ".join(str(result).split())
 
 
 def test_caveat_about_the_size_effect_and_contact_hardness_use_the_same_depth():
-    text = next(caveat.text for caveat in press(yield_exponent=0.7).summary().first.caveats if "deep" in caveat.text)
+    text = next(
+        caveat.text for caveat in press_metals(yield_exponent=0.7).summary().first.caveats if "deep" in caveat.text
+    )
     depth = 1e-3 * float(text.split(" nm deep")[0].split()[-1])
     expected = 0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0)
-    assert mean_value(press(yield_exponent=0.7, indent="2 um"), "contact_hardness") == pytest.approx(expected, rel=3e-3)
+    assert mean_value(press_metals(yield_exponent=0.7, indent="2 um"), "contact_hardness") == pytest.approx(
+        expected, rel=3e-3
+    )
 
 
-@pytest.mark.parametrize(("options", "term"), [
+@pytest.mark.parametrize(("options", "expected_term"), [
     ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 GPa"}, "indent"),
     ({"indent": "2 um", "hardness": None}, "indent needs hardness, because contacts yield only with a hardness$"),
     ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "indent must not be combined with work_of_adhesion"),
     ({"indent": "1..5 um"}, "indent must be one number with a unit of length, not a range, got '1..5 um'"),
 ])  # fmt: skip
-def test_pair_function_rejects_invalid_indentations(options, term):
+def test_pair_function_rejects_invalid_indentations(options, expected_term):
     defaults = {"junction_growth": None, "yield_exponent": None} if len(options) > 1 else {}
-    with pytest.raises(ValueError, match=term):
-        press(**defaults | options)
+    with pytest.raises(ValueError, match=expected_term):
+        press_metals(**defaults | options)
 
 
 def test_indentation_is_rejected_unless_the_softer_body_is_a_metal():
     options = {"effective_modulus": None, "hardness": None, "upper": "steel", "indent": "2 um"}
-    assert press(**options, lower="brass").summary().first.value > 0.2
+    assert press_metals(**options, lower="brass").summary().first.value > 0.2
     with pytest.raises(ValueError, match=r"^indent must not be given for PMMA, because .* metals"):
-        press(**options, lower="PMMA")
+        press_metals(**options, lower="PMMA")

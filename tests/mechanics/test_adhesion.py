@@ -93,32 +93,32 @@ SPACING_TOLERANCE = 0.03
     ids=["hard ball", "ball", "smooth", "rough", "silicone", "complete"],
 )
 def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
-    bodies, adhesive = case
-    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    bodies, adhesion_options = case
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     gap, area = -bodies[1].heights, bodies[0].heights.size * bodies[0].spacing[0] ** 2
     heights = gap - gap.min()
-    noise = 0.01 * adhesive["adhesion_range"] * np.random.default_rng(1).random(gap.shape)
+    noise = 0.01 * adhesion_options["adhesion_range"] * np.random.default_rng(1).random(gap.shape)
     for fraction in (0.0, -1 + STABILITY_MARGIN):
         load = fraction * curve.pull_off_bound[0]
-        contact = half_space(*bodies, [load], boundary="periodic", **adhesive).contact(0)
+        contact = half_space(*bodies, [load], boundary="periodic", **adhesion_options).contact(0)
         initial_gap = np.maximum(contact.gap, 0) + noise
-        gap, pressure = minimize_energy(heights, bodies[0].spacing[0], load / area, initial_gap, **adhesive)
-        assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesive["adhesion_range"] * (
+        gap, pressure = minimize_energy(heights, bodies[0].spacing[0], load / area, initial_gap, **adhesion_options)
+        assert np.abs(gap - contact.gap).max() < GAP_TOLERANCE * adhesion_options["adhesion_range"] * (
             1 if fraction == 0 else 10
         )
         assert pressure.mean() == pytest.approx(contact.pressure.mean(), rel=GAP_TOLERANCE)
         assert ((gap == 0) != (contact.pressure > 0)).sum() <= 1
     pressure_beyond_pull_off = (-1 - STABILITY_MARGIN) * curve.pull_off_bound[0] / area
-    gap, _ = minimize_energy(heights, bodies[0].spacing[0], pressure_beyond_pull_off, initial_gap, **adhesive)
+    gap, _ = minimize_energy(heights, bodies[0].spacing[0], pressure_beyond_pull_off, initial_gap, **adhesion_options)
     assert (gap > 0).all()
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
 def test_adhesive_contact_agrees_with_a_solution_by_tamaas_at_the_same_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
-    (flat, lower), adhesive = create_rough_bodies(rms, 5e-5, points=64, modulus=modulus)
+    (flat, lower), adhesion_options = create_rough_bodies(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2
-    curve = half_space(flat, lower, [load * area], boundary="periodic", **adhesive)
+    curve = half_space(flat, lower, [load * area], boundary="periodic", **adhesion_options)
     contact = curve.contact(0)
     lengths = [64 * lower.spacing[0]] * 2
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, lengths, [64, 64])
@@ -126,7 +126,7 @@ def test_adhesive_contact_agrees_with_a_solution_by_tamaas_at_the_same_mean_gap(
     heights, gap = np.array(lower.heights), tamaas.PolonskyKeerRey.gap
     solver = tamaas.PolonskyKeerRey(model, heights, 1e-11, gap, gap)
     attraction = tamaas.ExponentialAdhesionFunctional(heights)
-    attraction.parameters = {"rho": curve.adhesion_range, "surface_energy": adhesive["work_of_adhesion"]}
+    attraction.parameters = {"rho": curve.adhesion_range, "surface_energy": adhesion_options["work_of_adhesion"]}
     solver.addFunctionalTerm(attraction)
     solver.max_iter = 20_000
     solver.solve(contact.gap.mean())
@@ -137,16 +137,16 @@ def test_adhesive_contact_agrees_with_a_solution_by_tamaas_at_the_same_mean_gap(
 
 @pytest.mark.parametrize("tabor", [0.3, 1.0, 1.7])
 def test_pull_off_force_of_a_sphere_equals_maugis_solution_for_any_period(tabor):
-    bodies, adhesive = create_ball_on_flat(tabor)
-    assert tabor_parameter(1.0, 1.0, **{name: adhesive[name] for name in ("work_of_adhesion", "adhesion_range")}) == (
-        pytest.approx(tabor)
-    )
-    unit_load = np.pi * adhesive["work_of_adhesion"]
-    free_curve = half_space(*bodies, [unit_load], **adhesive)
+    bodies, adhesion_options = create_ball_on_flat(tabor)
+    assert tabor_parameter(
+        1.0, 1.0, **{name: adhesion_options[name] for name in ("work_of_adhesion", "adhesion_range")}
+    ) == (pytest.approx(tabor))
+    unit_load = np.pi * adhesion_options["work_of_adhesion"]
+    free_curve = half_space(*bodies, [unit_load], **adhesion_options)
     wide_bodies, _ = create_ball_on_flat(tabor, points=128, length=20.0)
-    periodic_curve = half_space(*wide_bodies, [unit_load], boundary="periodic", **adhesive)
+    periodic_curve = half_space(*wide_bodies, [unit_load], boundary="periodic", **adhesion_options)
     assert free_curve.pull_off_bound[0] == pytest.approx(periodic_curve.pull_off, rel=PERIODICITY_TOLERANCE)
-    radius, pull_off = maugis_dugdale(unit_load, radius=1.0, **adhesive)
+    radius, pull_off = maugis_dugdale(unit_load, radius=1.0, **adhesion_options)
     assert free_curve.pull_off_bound[0] == pytest.approx(float(pull_off), rel=ATTRACTION_LAW_TOLERANCE)
     assert 1.5 * unit_load < free_curve.pull_off_bound[0] < 2 * unit_load
     assert np.sqrt(free_curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=ATTRACTION_LAW_TOLERANCE)
@@ -157,8 +157,8 @@ def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tab
     """Check that differences from Maugis' solution are due to the exponential law, not to the grid or the edge."""
     length = 8 * max(1, tabor**-0.5)
     exponential = [
-        half_space(*bodies, [0.0], **adhesive).pull_off
-        for bodies, adhesive in (
+        half_space(*bodies, [0.0], **adhesion_options).pull_off
+        for bodies, adhesion_options in (
             create_ball_on_flat(tabor, points=n, length=c * length) for n, c in ((64, 1), (128, 1), (96, 1.5))
         )
     ]
@@ -169,9 +169,9 @@ def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tab
         return self.max_attraction / (1 + np.exp(np.minimum((np.maximum(gap, 0) / self.range - 1) / edge, 500)))
 
     monkeypatch.setattr(AdhesionSolver, "attraction_at_gap", finite_range_attraction)
-    bodies, adhesive = create_ball_on_flat(tabor, points=128, length=length)
-    curve = half_space(*bodies, [0.0], **adhesive)
-    radius, pull_off = maugis_dugdale(0.0, radius=1.0, **adhesive)
+    bodies, adhesion_options = create_ball_on_flat(tabor, points=128, length=length)
+    curve = half_space(*bodies, [0.0], **adhesion_options)
+    radius, pull_off = maugis_dugdale(0.0, radius=1.0, **adhesion_options)
     assert curve.pull_off == pytest.approx(float(pull_off), rel=MAUGIS_TOLERANCE)
     assert np.sqrt(curve.contact_area[0] / np.pi) == pytest.approx(float(radius), rel=MAUGIS_TOLERANCE)
 
@@ -202,9 +202,9 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     work = (alpha * full_contact_pressure) ** 2 / 2
     # Choose the adhesion range so that 4 grid points resolve the attraction at the contact edge.
-    adhesive = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}
+    adhesion_options = {"work_of_adhesion": work, "adhesion_range": (4 * work / points) ** 0.5}
     loads = np.array([0.0, 0.05]) * full_contact_pressure
-    curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesive)
+    curve = half_space(*bodies, loads, effective_modulus=1.0, boundary="periodic", **adhesion_options)
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
@@ -236,13 +236,13 @@ def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_
     bodies = Profile(np.zeros(points), spacing=1 / points), Profile(height * np.cos(2 * np.pi * x), spacing=1 / points)
     # Choose a work of adhesion so large that the grid resolves the range of the attraction.
     work = 2.001 * (tension * full_contact_pressure) ** 2 / points
-    adhesive = {
+    adhesion_options = {
         "work_of_adhesion": work,
         "adhesion_range": work / (tension * full_contact_pressure),
         "effective_modulus": 1.0,
     }
     curve = half_space(
-        *bodies, [1.2 * full_contact_pressure, 0.05 * full_contact_pressure], boundary="periodic", **adhesive
+        *bodies, [1.2 * full_contact_pressure, 0.05 * full_contact_pressure], boundary="periodic", **adhesion_options
     )
     assert curve.contact(1).pressure.all()
     opening_load = (tension - 1) * full_contact_pressure
@@ -255,11 +255,11 @@ def test_pull_off_force_of_a_sinusoid_in_full_contact_is_the_tension_that_opens_
         -0.5 * opening_load,
         (PULL_OFF_TOLERANCE - 1) * opening_load,
     ]
-    tensile_curve = half_space(*bodies, loads, boundary="periodic", **adhesive)
+    tensile_curve = half_space(*bodies, loads, boundary="periodic", **adhesion_options)
     assert tensile_curve.normal_elastic == pytest.approx(loads, abs=1e-4 * tensile_curve.contact_load[0])
     assert tensile_curve.contact(3).pressure.all()
     with pytest.raises(RuntimeError, match="bodies"):
-        half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening_load], boundary="periodic", **adhesive)
+        half_space(*bodies, [*loads, -(1 + PULL_OFF_TOLERANCE) * opening_load], boundary="periodic", **adhesion_options)
 
 
 def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tension():
@@ -268,9 +268,9 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
         self_affine_surface(4, side=side, longest_wavelength=longest, **shape)
         for side, longest in (("upper", 0.64), ("lower", 0.32))
     ]
-    adhesive = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
-    adhesive["adhesion_range"] = 1.001 * min_resolved_adhesion_range(5.85e-5, 0.01, 1.72)
-    curve = half_space(*bodies, [0.0], **adhesive)
+    adhesion_options = {"effective_modulus": 1.72, "work_of_adhesion": 5.85e-5, "boundary": "periodic"}
+    adhesion_options["adhesion_range"] = 1.001 * min_resolved_adhesion_range(5.85e-5, 0.01, 1.72)
+    curve = half_space(*bodies, [0.0], **adhesion_options)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     states = [adhesion_solver.find_equilibrium_at_pressure(None, 0.0)[0]]
     while states[-1].contact_load > 0.02 * states[0].contact_load:
@@ -285,7 +285,7 @@ def test_pull_off_force_of_rough_surfaces_is_the_largest_local_maximum_of_tensio
     assert first_local_minimum > 0.9 * loads.min()
     largest_tension = adhesion_solver.mean_pressure_to_force(-loads.min())
     assert curve.pull_off == pytest.approx(largest_tension, rel=PULL_OFF_TOLERANCE)
-    tensile_curve = half_space(*bodies, [0.0, -0.95 * largest_tension], **adhesive)
+    tensile_curve = half_space(*bodies, [0.0, -0.95 * largest_tension], **adhesion_options)
     assert tensile_curve.normal_elastic[1] == pytest.approx(-0.95 * largest_tension, rel=1e-3)
     assert curve.parting.load[-1] == -curve.pull_off
 
@@ -296,8 +296,8 @@ def create_soft_bodies_in_complete_contact():
 
 
 def test_attraction_decreases_at_every_point_as_the_load_approaches_pull_off():
-    bodies, adhesive = create_soft_bodies_in_complete_contact()
-    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    bodies, adhesion_options = create_soft_bodies_in_complete_contact()
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     force, is_bound = curve.pull_off_bound
     assert not is_bound
@@ -316,8 +316,8 @@ def test_attraction_decreases_at_every_point_as_the_load_approaches_pull_off():
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pull_off(boundary):
-    bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
-    curve = half_space(*bodies, [0.0], boundary=boundary, **adhesive)
+    bodies, adhesion_options = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary=boundary, **adhesion_options)
     adhesion_solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     pull_off = curve.pull_off / adhesion_solver.mean_pressure_to_force(1.0)
     start = adhesion_solver.find_equilibrium_at_pressure(None, 0.0)[0]
@@ -353,8 +353,8 @@ class InterruptedRecord(SolutionRecord):
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_resumed_energy_minimization_gives_bit_identical_results(boundary):
-    bodies, adhesive = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
-    curve = half_space(*bodies, [0.0], boundary=boundary, **adhesive)
+    bodies, adhesion_options = create_rough_bodies(0.02, 5e-5, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary=boundary, **adhesion_options)
     start = AdhesionSolver(curve._problem, tolerance=1e-6, report=None).find_equilibrium_at_pressure(None, 0.0)[0]
 
     def minimize(record):
@@ -373,8 +373,8 @@ def test_resumed_energy_minimization_gives_bit_identical_results(boundary):
 
 
 def test_energy_minimization_releases_the_interpreter_lock():
-    bodies, adhesive = create_rough_bodies(0.02, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
-    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    bodies, adhesion_options = create_rough_bodies(0.02, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None)
     start = solver.find_equilibrium_at_pressure(None, 0.0)[0]
     minimizer = EnergyMinimizer(solver)
@@ -382,19 +382,19 @@ def test_energy_minimization_releases_the_interpreter_lock():
 
 
 def test_pull_off_force_is_a_lower_bound_if_no_tensile_load_is_solved(monkeypatch):
-    bodies, adhesive = create_soft_bodies_in_complete_contact()
-    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    bodies, adhesion_options = create_soft_bodies_in_complete_contact()
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     assert not curve.pull_off_is_bound
     monkeypatch.setattr(adhesion, "MAX_TRIAL_LOADS", 0)
-    limited_curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    limited_curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     assert limited_curve.pull_off_is_bound
     with pytest.warns(UserWarning, match="the pull-off force is at least"):
         assert 0 < limited_curve.pull_off < curve.pull_off
 
 
 def test_pull_off_force_is_a_lower_bound_if_the_energy_minimization_does_not_converge(monkeypatch):
-    bodies, adhesive = create_soft_bodies_in_complete_contact()
-    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesive)
+    bodies, adhesion_options = create_soft_bodies_in_complete_contact()
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
     assert curve.contact(0).pressure.all()
     monkeypatch.setattr(adhesion, "MAX_MINIMIZATION_STEPS", 3)
     assert curve.pull_off_is_bound
@@ -407,18 +407,20 @@ def test_pull_off_force_is_a_lower_bound_if_the_energy_minimization_does_not_con
 )
 def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
     """Check that the work over a closed loop is the energy lost in jumps, which is 0 without jumps."""
-    bodies, adhesive = case
-    area, unloaded_curve = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesive)
-    loads = np.linspace(0, 0.001 * adhesive["effective_modulus"] * area, 41)
+    bodies, adhesion_options = case
+    area, unloaded_curve = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
+    loads = np.linspace(0, 0.001 * adhesion_options["effective_modulus"] * area, 41)
     works_of_paths = []
     for path_loads in (loads, loads[::-1], np.linspace(0, -0.9 * unloaded_curve.pull_off, 41)):
-        curve = half_space(*bodies, path_loads, boundary="periodic", **adhesive)
+        curve = half_space(*bodies, path_loads, boundary="periodic", **adhesion_options)
         energies = []
         for load_index in (0, -1):
             contact, problem = curve.contact(load_index), curve._problem
             net_pressure = contact.pressure - curve.at(load_index).attraction
             elastic_energy = net_pressure * problem.grids.displacement(net_pressure) / 2
-            adhesive_energy = adhesive["work_of_adhesion"] * np.exp(-np.maximum(contact.gap, 0) / curve.adhesion_range)
+            adhesive_energy = adhesion_options["work_of_adhesion"] * np.exp(
+                -np.maximum(contact.gap, 0) / curve.adhesion_range
+            )
             energies.append(problem.cell_area * float((elastic_energy - adhesive_energy).sum()))
         works_of_paths.append(float(trapezoid(curve.load, curve.approach)))
         assert works_of_paths[-1] == pytest.approx(energies[1] - energies[0], rel=STEP_SUM_TOLERANCE)
@@ -436,16 +438,18 @@ def test_random_adhesive_contacts_converge_and_few_of_their_pull_off_forces_are_
     for _ in range(200):
         modulus, work = 10 ** random.uniform(-3, 2.3), 10 ** random.uniform(-6, -3)
         rms, spacing = 10 ** random.uniform(-3.3, -1.3), 10 ** random.uniform(-2.5, -0.5)
-        bodies, adhesive = create_rough_bodies(
+        bodies, adhesion_options = create_rough_bodies(
             rms, work, modulus=modulus, length=5e-4, spacing=spacing, seed=int(random.integers(1e6))
         )
         strength = work / max(5e-4, (2 * spacing * work / modulus) ** 0.5)
         if random.random() < 0.4:
-            adhesive["hardness"] = max(modulus * 10 ** random.uniform(-2.5, -0.5), 2 * strength)
-        load = 0.003 * min(modulus, adhesive.get("hardness", modulus)) * (32 * spacing) ** 2
+            adhesion_options["hardness"] = max(modulus * 10 ** random.uniform(-2.5, -0.5), 2 * strength)
+        load = 0.003 * min(modulus, adhesion_options.get("hardness", modulus)) * (32 * spacing) ** 2
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            curve = half_space(*bodies, [0.0, load], boundary=str(random.choice(["free", "periodic"])), **adhesive)
+            curve = half_space(
+                *bodies, [0.0, load], boundary=str(random.choice(["free", "periodic"])), **adhesion_options
+            )
             assert curve.normal_elastic == pytest.approx([0, load], abs=1e-4 * curve.contact_load.max())
             assert curve.pull_off > 0
             num_bounds += curve.pull_off_is_bound
@@ -464,9 +468,9 @@ def test_maugis_dugdale_solution_tends_to_jkr_and_dmt_solutions():
 
 
 def test_maugis_dugdale_contact_radius_is_nan_for_tensions_beyond_the_pull_off_force():
-    adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}
-    pull_off = float(maugis_dugdale(0.0, 3.0, 80.0, **adhesive)[1])
-    radius, _ = maugis_dugdale([-1.001 * pull_off, -0.999 * pull_off], 3.0, 80.0, **adhesive)
+    adhesion_options = {"work_of_adhesion": 5e-5, "adhesion_range": 5e-4}
+    pull_off = float(maugis_dugdale(0.0, 3.0, 80.0, **adhesion_options)[1])
+    radius, _ = maugis_dugdale([-1.001 * pull_off, -0.999 * pull_off], 3.0, 80.0, **adhesion_options)
     assert np.isnan(radius).tolist() == [True, False]
 
 
@@ -493,9 +497,9 @@ def test_fuller_tabor_pull_off_force_equals_the_sum_over_summit_heights():
 
 
 def test_friction_coefficient_of_adhesive_surfaces_increases_as_the_load_decreases():
-    bodies, adhesive = create_rough_bodies(1e-3, 5e-5)
+    bodies, adhesion_options = create_rough_bodies(1e-3, 5e-5)
     loads = np.array([0.01, 0.0, -0.001])
-    curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesive)
+    curve = half_space(*bodies, loads, boundary="periodic", sliding="all", **adhesion_options)
     assert curve.normal_elastic == pytest.approx(loads, abs=1e-4 * curve.contact_load[0])
     assert curve.tangential_load(mu0=0.3) == pytest.approx(0.3 * curve.contact_load, rel=0.1)
     assert (np.diff(curve.contact_load) < 0).all()
@@ -507,7 +511,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_as_the_load_decreas
 
 
 def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_those_without_adhesion():
-    bodies, adhesive = create_ball_on_flat(1.0)
+    bodies, adhesion_options = create_ball_on_flat(1.0)
     curve_without_adhesion = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     zero_adhesion_curve = half_space(
         *bodies, [1e-4, 2e-4], effective_modulus=1.0, work_of_adhesion="0 J/m^2", adhesion_range="1 nm"
@@ -515,7 +519,7 @@ def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_those_without_a
     assert (curve_without_adhesion.contact(0).pressure == zero_adhesion_curve.contact(0).pressure).all()
     assert (curve_without_adhesion.contact_load == curve_without_adhesion.load).all()
     assert zero_adhesion_curve.pull_off == 0
-    weakly_adhesive_curve = half_space(*bodies, [1e-4, 2e-4], **adhesive | {"work_of_adhesion": 1e-12})
+    weakly_adhesive_curve = half_space(*bodies, [1e-4, 2e-4], **adhesion_options | {"work_of_adhesion": 1e-12})
     assert weakly_adhesive_curve.contact_area == pytest.approx(curve_without_adhesion.contact_area, rel=1e-6)
 
 
@@ -535,25 +539,25 @@ def test_pull_off_force_is_positive_even_if_two_successive_iterations_change_not
 
 
 def test_half_space_rejects_invalid_adhesion_arguments():
-    bodies, adhesive = create_ball_on_flat(1.0)
+    bodies, adhesion_options = create_ball_on_flat(1.0)
     with pytest.raises(ValueError, match="strictly increasing or strictly decreasing"):
-        half_space(*bodies, [1.0, 0.0, 1.0], **adhesive)
+        half_space(*bodies, [1.0, 0.0, 1.0], **adhesion_options)
     with pytest.raises(ValueError, match="approaches must not be given for surfaces with adhesion"):
-        half_space(*bodies, approaches=[1e-3], **adhesive)
+        half_space(*bodies, approaches=[1e-3], **adhesion_options)
     with pytest.raises(ValueError, match="work_of_adhesion must be"):
         half_space(*bodies, [1.0], work_of_adhesion=-1.0)
     with pytest.raises(ValueError, match="a unit of work of adhesion"):
         half_space(*bodies, [1.0], work_of_adhesion="50 mJ/mm")
     with pytest.raises(ValueError, match=r"hardness must be above .* GPa, the attraction in contact"):
-        half_space(*bodies, [1.0], hardness=1e-3, **adhesive)
+        half_space(*bodies, [1.0], hardness=1e-3, **adhesion_options)
     with pytest.raises(RuntimeError, match="separate"):
-        half_space(*bodies, [-2 * np.pi * adhesive["work_of_adhesion"]], **adhesive)
+        half_space(*bodies, [-2 * np.pi * adhesion_options["work_of_adhesion"]], **adhesion_options)
 
 
 def test_adhesion_range_below_grid_resolution_is_increased_with_a_warning():
-    bodies, adhesive = create_ball_on_flat(1.0)
+    bodies, adhesion_options = create_ball_on_flat(1.0)
     with pytest.warns(UserWarning, match="adhesion_range = 0.1 nm is increased to"):
-        curve = half_space(*bodies, [0.0], **adhesive | {"adhesion_range": 1e-4})
+        curve = half_space(*bodies, [0.0], **adhesion_options | {"adhesion_range": 1e-4})
     assert curve.adhesion_range > 1e-4
 
 
@@ -568,7 +572,9 @@ def test_pull_off_force_is_independent_of_grid_spacing(modulus, length, rms):
             if 2 <= wave <= 6:
                 heights += amplitude * wave**-1.8 * np.cos(2 * np.pi * ((i - 6) * x[:, None] + j * x) + phase)
         bodies = (Surface(body_heights, spacing=1.28 / points) for body_heights in (0 * heights, rms * heights))
-        adhesive = {"work_of_adhesion": 5e-5, "adhesion_range": length}
-        values.append(half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesive).pull_off)
+        adhesion_options = {"work_of_adhesion": 5e-5, "adhesion_range": length}
+        values.append(
+            half_space(*bodies, [0.0], effective_modulus=modulus, boundary="periodic", **adhesion_options).pull_off
+        )
     assert values[0] > 0
     assert values[1:] == pytest.approx(values[:1] * 2, rel=SPACING_TOLERANCE)

@@ -38,7 +38,7 @@ DIRECTION_DEPENDENT_SUMS = (
     "lateral_elastic", "lateral_frictional", "lateral_adhesive",
 )  # fmt: skip
 DIRECTION_INDEPENDENT_SUMS = ("contact_count", "contact_area", "normal_elastic", "load_at_edge")
-ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
+MOTION_ANGLES = (0.0, 33.0, 90.0, 180.0, 213.0, 301.5)
 
 
 def create_rough_surfaces(seed=3, **changes):
@@ -76,13 +76,13 @@ class TestSurfacesAgainstReference:
         for seed in (3, 4):
             upper, lower = create_rough_surfaces(seed)
             approaches = [0.03, 0.1, 0.2]
-            curve = press(upper, lower, approaches, direction=ANGLES, sliding=sliding, curvature=curvature)
+            curve = press(upper, lower, approaches, direction=MOTION_ANGLES, sliding=sliding, curvature=curvature)
             for k, approach in enumerate(approaches):
                 result = areal.find_contacts(
                     upper.heights, lower.heights, upper.spacing, approach, convex=curvature == "convex"
                 )
                 total += len(result)
-                for row, angle in enumerate(ANGLES):
+                for row, angle in enumerate(MOTION_ANGLES):
                     expected = areal.sum_contacts(result, angle, sliding)
                     for name in DIRECTION_INDEPENDENT_SUMS:
                         assert_close(getattr(curve, name)[k], expected[name], REFERENCE_TOLERANCE)
@@ -274,7 +274,7 @@ class TestSurfacesAgainstExactSolutions:
 class TestSurfaceScalingAndSymmetry:
     APPROACHES = (0.03, 0.08, 0.15)
 
-    def press_in_all_directions(self, upper, lower, angles=ANGLES, approaches=APPROACHES, **contact):
+    def press_in_all_directions(self, upper, lower, angles=MOTION_ANGLES, approaches=APPROACHES, **contact):
         return press(upper, lower, approaches, direction=angles, **contact)
 
     def test_areal_load_curve_scales_with_size_and_modulus(self):
@@ -323,8 +323,8 @@ class TestSurfaceScalingAndSymmetry:
     def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
         upper, lower = create_rough_surfaces()
         curve_of_all_directions = self.press_in_all_directions(upper, lower)
-        assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in ANGLES]
-        for row, angle in enumerate(ANGLES):
+        assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in MOTION_ANGLES]
+        for row, angle in enumerate(MOTION_ANGLES):
             curve_of_one_direction = self.press_in_all_directions(upper, lower, angles=angle)
             assert curve_of_one_direction.tangential_elastic.shape == (3,)
             for name in DIRECTION_DEPENDENT_SUMS:
@@ -334,7 +334,7 @@ class TestSurfaceScalingAndSymmetry:
         assert curve_of_all_directions.friction_coefficient(mu0=[[0.1], [0.4]], tau0=[0.0, 0.1, 0.2]).shape == (
             2,
             3,
-            len(ANGLES),
+            len(MOTION_ANGLES),
             3,
         )
         assert (
@@ -589,11 +589,11 @@ class TestGridRefinement:
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
             first_contact = (upper.heights - lower.heights).min()
-            finest = results_by_points[1024][0] if results_by_points else first_contact
+            finest_curve = results_by_points[1024][0] if results_by_points else first_contact
             result = candidates(upper, lower, deepest=0.25)
             order = np.lexsort(np.round(result.position[:, :2] * 50).T)
             results_by_points[points] = first_contact, result.gap[order] + first_contact, result.radii[order], press(
-                upper, lower, [0.1 + finest - first_contact], direction=[20, 200]
+                upper, lower, [0.1 + finest_curve - first_contact], direction=[20, 200]
             )  # fmt: skip
         gap_errors, radius_errors = (
             [
@@ -607,10 +607,10 @@ class TestGridRefinement:
         assert np.log2(gap_errors[0] / gap_errors[1]) > 3.5
         assert (np.log2(radius_errors[0] / radius_errors[1]) > 1.2).all()
         for points, tolerance in ((256, 1e-3), (512, 2e-4)):
-            coarser, finest = results_by_points[points][3], results_by_points[1024][3]
-            assert (coarser.contact_count == finest.contact_count).all()
+            coarser_curve, finest_curve = results_by_points[points][3], results_by_points[1024][3]
+            assert (coarser_curve.contact_count == finest_curve.contact_count).all()
             for name in ("contact_area", "normal_elastic", "tangential_elastic", "normal_frictional"):
-                assert_close(getattr(coarser, name), getattr(finest, name), tolerance)
+                assert_close(getattr(coarser_curve, name), getattr(finest_curve, name), tolerance)
 
 
 class TestSmallSlopeSurfaces:
@@ -648,8 +648,8 @@ class TestSmallSlopeSurfaces:
 
 
 def test_press_function_rejects_straight_grooves():
-    along = 0.01 * np.cos(np.linspace(0, 12, 40))
-    grooves = [Surface(np.tile(sign * along, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
+    heights_along_y = 0.01 * np.cos(np.linspace(0, 12, 40))
+    grooves = [Surface(np.tile(sign * heights_along_y, (30, 1)), spacing=0.1) for sign in (1.0, -0.5)]
     with pytest.raises(ValueError, match="must vary along y"):
         press(*grooves, [0.005])
     with pytest.raises(ValueError, match="must vary along x"):
@@ -710,7 +710,7 @@ def create_body_with_flat_areas(generator, kind, shape):
 
 
 FLAT_VALLEY_SURFACE_KINDS = ("flat", "rough", "grooves", "diagonal grooves", "steps", "terraces", "coarse", "roof")
-COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
+CONTACT_COUNT_NAMES = ("contact_count", "grid_minimum_count", "unanswered_count")
 
 
 @pytest.mark.parametrize("kind", FLAT_VALLEY_SURFACE_KINDS)
@@ -756,7 +756,7 @@ def test_load_curve_of_flat_valleys_is_unchanged_by_rotation_mirroring_and_excha
             continue
         num_pressed += 1
         for transformed_curve in transformed_curves:
-            for name in COUNT_NAMES:
+            for name in CONTACT_COUNT_NAMES:
                 assert getattr(transformed_curve, name).tolist() == getattr(original_curve, name).tolist(), name
             assert_sums_close(
                 transformed_curve,
@@ -794,8 +794,8 @@ def test_areal_contact_candidates_include_every_minimum_of_the_gap():
     # The roughness extends down to the grid spacing, with many small minima near saddles.
     upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
-    deepest = 2 * np.ptp(gap)
-    contact_candidates = candidates(upper, lower, deepest=deepest)
+    max_approach = 2 * np.ptp(gap)
+    contact_candidates = candidates(upper, lower, deepest=max_approach)
     minimum_positions = areal.find_minima(gap, (0.05, 0.05))
     assert len(contact_candidates) >= len(minimum_positions) > 100
     max_offsets = np.abs(contact_candidates.position[:, None, :2] - minimum_positions).max(axis=2)

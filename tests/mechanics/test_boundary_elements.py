@@ -20,7 +20,7 @@ FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
 
 @pytest.fixture(autouse=True, scope="module")
-def tamaas():
+def tamaas_module():
     return pytest.importorskip("tamaas")
 
 

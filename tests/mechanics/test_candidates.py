@@ -33,7 +33,7 @@ MAX_DELAY_AFTER_SIGNAL = 1.0
 
 
 @pytest.fixture(scope="module")
-def pair():
+def rough_profiles():
     return tuple(
         weierstrass_mandelbrot(random_phases(4, side=side), 1.3, points=20_000, extent=8.0).with_amplitude(0.1)
         for side in ("upper", "lower")
@@ -42,21 +42,22 @@ def pair():
 
 class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_pressing_candidates_gives_the_loads_of_pressing_the_surfaces(self, pair, curvature):
-        contact_candidates = candidates(*pair, deepest=0.03, curvature=curvature)
+    def test_pressing_candidates_gives_the_loads_of_pressing_the_surfaces(self, rough_profiles, curvature):
+        contact_candidates = candidates(*rough_profiles, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         curve_of_candidates = press(contact_candidates, steps, shear="-x")
-        curve_of_surfaces = press(*pair, steps, shear="-x", detection="gap-minimum", curvature=curvature)
+        curve_of_surfaces = press(*rough_profiles, steps, shear="-x", detection="gap-minimum", curvature=curvature)
         for name in SUM_QUANTITIES:
             assert np.array_equal(getattr(curve_of_candidates, name), getattr(curve_of_surfaces, name)), name
         table = contacts(contact_candidates, 0.02)
         assert set(table.index) <= set(contact_candidates.index)
         assert np.array_equal(
-            table.force, contacts(*pair, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force
+            table.force,
+            contacts(*rough_profiles, 0.02, model=ContactModel(detection="gap-minimum", curvature=curvature)).force,
         )
 
-    def test_candidates_lie_at_minima_of_the_gap(self, pair):
-        upper, lower = pair
+    def test_candidates_lie_at_minima_of_the_gap(self, rough_profiles):
+        upper, lower = rough_profiles
         contact_candidates = candidates(upper, lower, deepest=0.03)
         assert isinstance(contact_candidates, Candidates)
         assert (contact_candidates.gap <= 0.03).all()
@@ -74,8 +75,8 @@ class TestContactCandidates:
         assert (contact_candidates.radii[:, 0] == contact_candidates.radii[:, 1]).all()
         assert not contact_candidates.gap.flags.writeable
 
-    def test_press_function_rejects_options_that_differ_from_those_of_the_candidates(self, pair):
-        contact_candidates = candidates(*pair, deepest=0.03)
+    def test_press_function_rejects_options_that_differ_from_those_of_the_candidates(self, rough_profiles):
+        contact_candidates = candidates(*rough_profiles, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
@@ -85,47 +86,47 @@ class TestContactCandidates:
         with pytest.raises(ValueError, match=r"^curvature must be 'convex' for these candidates, got 'signed'"):
             contacts(contact_candidates, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
-            candidates(*pair, deepest="deep")
+            candidates(*rough_profiles, deepest="deep")
         with pytest.raises(ValueError, match="lower must not be given together with candidates"):
-            press(contact_candidates, pair[1], [0.01])
+            press(contact_candidates, rough_profiles[1], [0.01])
         with pytest.raises(ValueError, match="must have equal spacings"):
-            candidates(pair[0], Profile(pair[1].heights, spacing=1.0), deepest=0.1)
+            candidates(rough_profiles[0], Profile(rough_profiles[1].heights, spacing=1.0), deepest=0.1)
 
 
 class TestContactModel:
-    def test_press_arguments_override_fields_of_the_contact_model(self, pair):
+    def test_press_arguments_override_fields_of_the_contact_model(self, rough_profiles):
         assert set(ContactModelArguments.__annotations__) == {"model"} | {
             field.name for field in dataclasses.fields(ContactModel)
         }
         model = ContactModel(effective_modulus=20.0, detection="gap-minimum")
-        curve_of_model = press(*pair, [0.01], model=model, shear="-x")
-        curve_of_keywords = press(*pair, [0.01], effective_modulus=20.0, detection="gap-minimum", shear="-x")
+        curve_of_model = press(*rough_profiles, [0.01], model=model, shear="-x")
+        curve_of_keywords = press(*rough_profiles, [0.01], effective_modulus=20.0, detection="gap-minimum", shear="-x")
         assert curve_of_model.effective_modulus == 20.0
         assert np.array_equal(curve_of_model.tangential_elastic, curve_of_keywords.tangential_elastic)
 
-    def test_pickled_contact_model_gives_the_results_of_the_original(self, pair):
+    def test_pickled_contact_model_gives_the_results_of_the_original(self, rough_profiles):
         model = ContactModel(law=JacksonGreen(yield_strength=0.5, poisson_ratio=0.3), shear="-x")
-        curve = press(*pair, [0.01], model=model)
+        curve = press(*rough_profiles, [0.01], model=model)
         unpickled_model = pickle.loads(pickle.dumps(model))
         assert unpickled_model == model
         assert hash(unpickled_model) == hash(model)
-        assert press(*pair, [0.01], model=unpickled_model).contact_area == curve.contact_area
+        assert press(*rough_profiles, [0.01], model=unpickled_model).contact_area == curve.contact_area
         assert (
-            press(*pair, [0.01], model=dataclasses.replace(unpickled_model, shear="+x")).contact_area
+            press(*rough_profiles, [0.01], model=dataclasses.replace(unpickled_model, shear="+x")).contact_area
             == curve.contact_area
         )
 
-    def test_contact_model_rejects_invalid_fields(self, pair):
+    def test_contact_model_rejects_invalid_fields(self, rough_profiles):
         with pytest.raises(ValueError, match="direction must have at least one element"):
             ContactModel(direction=[])
         with pytest.raises(ValueError, match="effective_modulus must be"):
             ContactModel(effective_modulus=True)
         with pytest.raises(ValueError, match="model must be a ContactModel, got dict"):
-            press(*pair, [0.01], model={})
+            press(*rough_profiles, [0.01], model={})
         with pytest.raises(ValueError, match="detection must be one of 'cell', 'gap-minimum', got 'both'"):
             ContactModel(detection="both")
         with pytest.raises(TypeError, match="'modulus'"):
-            press(*pair, [0.01], modulus=3.0)
+            press(*rough_profiles, [0.01], modulus=3.0)
 
 
 def test_names_of_contact_sums_equal_those_of_the_core_and_names_of_contact_laws_are_unique():
@@ -143,8 +144,8 @@ def test_status_of_a_coefficient_names_the_first_condition_that_is_not_met():
         (False, False, False, False), (True, True, False, False), (True, False, True, False),
         (True, False, False, True), (True, False, False, False),
     ]  # fmt: skip
-    touched, reached, below, self_locked = np.array(arguments).T
-    status = choose_statuses(touched=touched, reached=reached, below=below, locked=self_locked)
+    has_touched, is_reached, is_below_range, self_locked = np.array(arguments).T
+    status = choose_statuses(touched=has_touched, reached=is_reached, below=is_below_range, locked=self_locked)
     assert status.tolist() == ["no-contact", "ok", "below-range", "self-locked", "not-reached"]
     assert status.dtype == STATUS_DTYPE
 

@@ -167,19 +167,19 @@ class TestProfilesAgainstExactSolutions:
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
-    @pytest.mark.parametrize("below", [True, False])
+    @pytest.mark.parametrize("is_ball_below", [True, False])
     @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.1, 0.3])
     def test_contact_of_a_ball_on_a_tilted_plane_equals_hertz_solution(
-        self, create_circular_arc, slope, below, detection
+        self, create_circular_arc, slope, is_ball_below, detection
     ):
         radius, spacing, points = 12.0, 0.01, 2001
-        ball = create_circular_arc(10.003, radius, spacing, points, "lower" if below else "upper")
+        ball = create_circular_arc(10.003, radius, spacing, points, "lower" if is_ball_below else "upper")
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
-        upper, lower = (plane, ball) if below else (ball, plane)
+        upper, lower = (plane, ball) if is_ball_below else (ball, plane)
         contact_gap = (upper.heights - lower.heights).min()
         # After the approach, `height` is the height of the ball centre, which determines the overlap with the plane.
-        height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if below else 0)
-        centre = -radius if below else radius - contact_gap - 1e-3
+        height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if is_ball_below else 0)
+        centre = -radius if is_ball_below else radius - contact_gap - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
         table = contacts(upper, lower, 1e-3, detection=detection)
         assert len(table) == 1
@@ -390,17 +390,21 @@ class TestGapMinimumDetection:
         return result
 
     def test_contact_area_and_loads_are_independent_of_the_grid(self, curves_by_points):
-        finest = curves_by_points[self.POINT_COUNTS[-1]]
-        assert np.all(finest[:, 0] >= 1)
+        finest_curve = curves_by_points[self.POINT_COUNTS[-1]]
+        assert np.all(finest_curve[:, 0] >= 1)
         for points in self.POINT_COUNTS[:-1]:
-            assert_close(curves_by_points[points][:, 1:], finest[:, 1:], self.PAIR_TOLERANCE)
-            assert_close(curves_by_points[points][:, 1:].sum(axis=0), finest[:, 1:].sum(axis=0), self.SUM_TOLERANCE)
+            assert_close(curves_by_points[points][:, 1:], finest_curve[:, 1:], self.PAIR_TOLERANCE)
+            assert_close(
+                curves_by_points[points][:, 1:].sum(axis=0), finest_curve[:, 1:].sum(axis=0), self.SUM_TOLERANCE
+            )
 
     def test_error_of_the_load_curve_decreases_with_the_square_of_the_grid_spacing(self, curves_by_points):
         # The position of first contact within a cell is random. Therefore mean errors over the pairs are compared.
-        finest, coarser = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
-        errors = [np.abs(curves_by_points[points][:, 1:3] / finest[:, 1:3] - 1).mean() for points in coarser]
-        convergence_order = -np.polyfit(np.log(coarser), np.log(errors), 1)[0]
+        finest_curve, coarser_curve = curves_by_points[self.POINT_COUNTS[-1]], self.POINT_COUNTS[:-1]
+        errors = [
+            np.abs(curves_by_points[points][:, 1:3] / finest_curve[:, 1:3] - 1).mean() for points in coarser_curve
+        ]
+        convergence_order = -np.polyfit(np.log(coarser_curve), np.log(errors), 1)[0]
         assert 1.7 < convergence_order < 2.3
 
     def test_both_contact_detections_give_equal_contact_areas_on_fine_grids(self):
@@ -453,10 +457,10 @@ class TestProfileContactArguments:
     def test_warning_about_a_large_tau0_depends_on_the_modulus_and_suggests_the_unit_that_was_meant(
         self, effective_modulus, tau0, words
     ):
-        with warnings.catch_warnings(record=True) as caught:
+        with warnings.catch_warnings(record=True) as caught_warnings:
             warnings.simplefilter("always")
             gentle_friction(0.1, rms_gradient=0.1, tau0=tau0, effective_modulus=effective_modulus)
-        assert [str(warning.message) for warning in caught] == ([words] if words else [])
+        assert [str(warning.message) for warning in caught_warnings] == ([words] if words else [])
 
     @pytest.mark.parametrize(
         "invalid_arguments", [{"mu0": -0.1}, {"mu0": math.nan}, {"mu0": "x"}, {"mu0": 0.1, "tau0": -1}]

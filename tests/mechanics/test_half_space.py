@@ -93,27 +93,27 @@ def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, bound
 @pytest.mark.parametrize("relative_load", [0.02, 0.3])
 def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, relative_load):
     body = periodic_body(shape, longest=1, shortest=5)
-    missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
-    missing[tuple(slice(n // 2) for n in shape)] = missing[np.unravel_index(body.heights.argmax(), shape)] = True
-    lower = type(body)(body.heights, spacing=body.spacing, missing=missing)
+    is_missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
+    is_missing[tuple(slice(n // 2) for n in shape)] = is_missing[np.unravel_index(body.heights.argmax(), shape)] = True
+    lower = type(body)(body.heights, spacing=body.spacing, missing=is_missing)
     load, spacing = relative_load * EFFECTIVE_MODULUS * 0.05, np.array([1 / n for n in shape])
     curve = half_space(flat_like(lower), lower, [load], boundary=boundary, hardness=hardness, tolerance=1e-11)
     assert curve.error[0] <= 1e-11
     result = curve.contact(0)
-    assert not result.pressure[missing].any()
-    assert np.isnan(result.gap[missing]).all()
-    gap = lower.heights[~missing].max() - lower.heights
-    bound = np.where(missing, 0.0, np.inf if hardness is None else hardness)
+    assert not result.pressure[is_missing].any()
+    assert np.isnan(result.gap[is_missing]).all()
+    gap = lower.heights[~is_missing].max() - lower.heights
+    bound = np.where(is_missing, 0.0, np.inf if hardness is None else hardness)
     matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=boundary == "periodic")
     is_between_bounds = ((result.pressure > 0) & (result.pressure < bound)).ravel()
     approach = float(np.mean((matrix @ result.pressure.ravel() + gap.ravel())[is_between_bounds]))
-    total = result.pressure.sum() if boundary == "periodic" else None
-    exact_pressure = dense_half_space.solve_pressure(matrix, gap, approach, total=total, bound=bound)
+    total_pressure = result.pressure.sum() if boundary == "periodic" else None
+    exact_pressure = dense_half_space.solve_pressure(matrix, gap, approach, total=total_pressure, bound=bound)
     np.testing.assert_allclose(
         result.pressure.ravel(), exact_pressure, rtol=0, atol=DENSE_SOLUTION_TOLERANCE * exact_pressure.max()
     )
     load_at_pressure = half_space(flat_like(lower), lower, "1 MPa", boundary=boundary).load
-    np.testing.assert_allclose(load_at_pressure, 1e-3 * (1 - missing.mean()), rtol=ROUND_OFF)
+    np.testing.assert_allclose(load_at_pressure, 1e-3 * (1 - is_missing.mean()), rtol=ROUND_OFF)
     with pytest.raises(ValueError, match="every model except half_space requires complete scans"):
         press(flat_like(lower), lower, [0.1])
 
@@ -197,11 +197,11 @@ def test_half_space_solution_of_a_sinusoid_equals_westergaard_solution(fraction)
         x = (np.arange(n) + 0.31) / n
         lower = Profile(amplitude * np.cos(2 * np.pi * x), spacing=1 / n)
         curve = half_space(flat_like(lower), lower, [load], boundary="periodic", tolerance=TIGHT_TOLERANCE)
-        exact = westergaard_contact_fraction(load, **wave_arguments)
+        exact_fraction = westergaard_contact_fraction(load, **wave_arguments)
         result = curve.contact(0)
         errors.append(np.abs(result.pressure - westergaard_pressure(x, load, **wave_arguments)).mean() / load)
         # The edge of the contact is accurate to one point, and the gap next to the edge has the corresponding accuracy.
-        assert abs(curve.contact_area[0] - exact) < 1 / n
+        assert abs(curve.contact_area[0] - exact_fraction) < 1 / n
         gap = westergaard_gap(x, load, **wave_arguments)
         assert np.abs(result.gap - gap).max() < 2 * amplitude / n**0.5 * max(fraction, 0.1) * 0.1
     # Mean errors decrease with the spacing to first order or faster, for any position of the edges.
@@ -233,8 +233,8 @@ def test_half_space_solution_of_a_line_contact_equals_hertz_solution():
         x = (np.arange(n) - n / 2 + 0.31) / n
         gap = Profile(x**2 / (2 * radius), spacing=1 / n)
         curve = half_space(gap, flat_like(gap), [load], tolerance=1e-9)
-        exact = max_pressure * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
-        errors.append(np.abs(curve.contact(0).pressure - exact).mean() / exact.mean())
+        exact_pressure = max_pressure * np.sqrt(np.maximum(1 - (x / half_width) ** 2, 0))
+        errors.append(np.abs(curve.contact(0).pressure - exact_pressure).mean() / exact_pressure.mean())
         assert abs(curve.contact_area[0] - 2 * half_width) < 1 / n
         assert np.isnan(curve.approach).all()
         assert np.isnan(curve.stiffness).all()
@@ -292,10 +292,10 @@ def test_pressure_in_full_contact_equals_the_exact_fourier_series(shape):
         indexing="ij",
     )
     k = np.sqrt(sum(np.square(wave) for wave in waves))
-    exact = 5.0 + scipy.fft.irfftn(0.5 * EFFECTIVE_MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
-    assert exact.min() > 0
+    exact_pressure = 5.0 + scipy.fft.irfftn(0.5 * EFFECTIVE_MODULUS * k * scipy.fft.rfftn(lower.heights), shape)
+    assert exact_pressure.min() > 0
     curve = half_space(flat_like(lower), lower, [5.0], boundary="periodic", tolerance=TIGHT_TOLERANCE)
-    np.testing.assert_allclose(curve.contact(0).pressure, exact, rtol=1e-7)
+    np.testing.assert_allclose(curve.contact(0).pressure, exact_pressure, rtol=1e-7)
     assert np.isinf(curve.stiffness[0])
 
 
@@ -393,9 +393,9 @@ def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
     solver.max_iter = 1000
     assert solver.solve(load) < 1e-11
     result = half_space(flat_like(lower), lower, [load], boundary=boundary, tolerance=1e-9).contact(0).pressure
-    exact = np.array(model.traction).reshape(n, n)
+    tamaas_pressure = np.array(model.traction).reshape(n, n)
     # Both solvers limit the error of the energy, so errors of pressures are larger than the tolerance.
-    assert np.abs(result - exact).max() < 1e-7 * exact.max()
+    assert np.abs(result - tamaas_pressure).max() < 1e-7 * tamaas_pressure.max()
 
 
 def test_nondimensional_contact_area_per_load_is_near_2_at_light_load():
@@ -480,11 +480,11 @@ def test_pressure_with_hardness_agrees_with_tamaas():
     solver = tamaas.KatoSaturated(model, lower.heights.copy(), 1e-12, hardness)
     solver.max_iter = 100_000
     solver.solve(load)
-    exact = np.array(model.traction).reshape(n, n)
+    tamaas_pressure = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
     # The tolerance of 1e-4 includes the error of the tamaas solution.
-    assert np.abs(curve.contact(0).pressure - exact).max() < 1e-4 * hardness
+    assert np.abs(curve.contact(0).pressure - tamaas_pressure).max() < 1e-4 * hardness
 
 
 def test_half_space_friction_agrees_with_the_small_slope_formula():
@@ -926,9 +926,9 @@ def test_half_space_results_are_bit_identical_for_any_thread_count(boundary, har
 
 def test_closure_of_a_masked_surface_does_not_reuse_closure_of_the_complete_surface():
     body = periodic_body((32, 32))
-    missing = np.zeros((32, 32), bool)
-    missing[:8] = True
-    masked_body = Surface(body.heights, spacing=body.spacing, missing=missing)
+    is_missing = np.zeros((32, 32), bool)
+    is_missing[:8] = True
+    masked_body = Surface(body.heights, spacing=body.spacing, missing=is_missing)
     complete_curve, masked_curve, repeated_curve = (
         half_space(flat_like(item), item, [0.05]) for item in (body, masked_body, body)
     )
@@ -938,10 +938,10 @@ def test_closure_of_a_masked_surface_does_not_reuse_closure_of_the_complete_surf
     mean_displacement = (complete_curve.contact(0).pressure * uniform_displacement).mean()
     assert complete_curve.closure[0] == pytest.approx(complete_curve.approach[0] - mean_displacement, rel=1e-12)
     mean_displacement = (
-        masked_curve.contact(0).pressure * masked_curve._problem.grids.displacement(np.where(missing, 0.0, 1.0))
+        masked_curve.contact(0).pressure * masked_curve._problem.grids.displacement(np.where(is_missing, 0.0, 1.0))
     ).sum()
     assert masked_curve.closure[0] == pytest.approx(
-        masked_curve.approach[0] - mean_displacement / (~missing).sum(), rel=1e-12
+        masked_curve.approach[0] - mean_displacement / (~is_missing).sum(), rel=1e-12
     )
 
 

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from stiction.mechanics.hardness import yielded_area
 
-EXPONENTS = (0.5, 1.0, 1.25, 2.0, 10.0)
+YIELD_EXPONENTS = (0.5, 1.0, 1.25, 2.0, 10.0)
 
 
-@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("exponent", YIELD_EXPONENTS)
 def test_yielded_area_equals_the_elastic_area_up_to_half_of_the_hardness_and_is_continuous(exponent: float) -> None:
     assert yielded_area(3.0, [1e-6, 0.7, 1.5], 1.0, exponent).tolist() == [3.0, 3.0, 3.0]
     assert yielded_area(3.0, 1.5 * (1 + 1e-9), 1.0, exponent) == pytest.approx(3.0, rel=1e-8)
     assert yielded_area(3.0, 5.0, np.inf, exponent) == 3.0
 
 
-@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize("exponent", YIELD_EXPONENTS)
 def test_yielded_area_satisfies_its_equation_and_grows_with_the_load(exponent: float) -> None:
     elastic_area, hardness, load = 3.0, 0.8, np.array([1.3, 2.0, 4.0, 20.0])
     area = yielded_area(elastic_area, load, hardness, exponent)

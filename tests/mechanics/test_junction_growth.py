@@ -95,20 +95,20 @@ def test_friction_law_computes_the_hardness_and_friction_of_yielding_contacts_un
 # ---- Slip lines ------------------------------------------------------------------------------------------------------
 
 SLIP_LINE_TOLERANCE = 1e-10
-CENTRAL_RATIO = 5.6
+HARDNESS_TO_SHEAR_STRENGTH = 5.6
 
 
 def solve_slip_lines(hardness, mu0, tau0, ratio):
     """Return H', found by bracketing the root in the pressure, or None if the interface is stronger than the bulk."""
 
-    def residual(pressure):
+    def slip_line_residual(pressure):
         traction_over_strength = min(ratio * (mu0 * pressure + tau0) / hardness, 1.0)
         angle = 1 + np.pi / 2 + np.arccos(traction_over_strength) + np.sqrt(1 - traction_over_strength**2)
         return pressure / hardness - angle / (2 + np.pi)
 
     if ratio * (0.5 * mu0 + tau0 / hardness) > 1:
         return None
-    return brentq(residual, 0.5 * hardness, hardness, xtol=1e-15, rtol=1e-15)
+    return brentq(slip_line_residual, 0.5 * hardness, hardness, xtol=1e-15, rtol=1e-15)
 
 
 def random_slip_line_parameters(count=300):
@@ -145,7 +145,7 @@ def test_slip_line_theory_gives_friction_and_growth_of_fully_plastic_contacts(
         assert growth == pytest.approx(expected_growth, abs=5e-3)
 
 
-@pytest.mark.parametrize("ratio", [5.14, CENTRAL_RATIO, 6.05])
+@pytest.mark.parametrize("ratio", [5.14, HARDNESS_TO_SHEAR_STRENGTH, 6.05])
 def test_yield_pressure_by_slip_lines_has_exact_limits_at_zero_and_full_traction(ratio):
     without_shear = FrictionLaw(0.0, 0.0, ratio, uses_slip_lines=True)
     assert float(without_shear.yield_pressure(1.27)) == pytest.approx(1.27, rel=1e-15)
@@ -169,24 +169,24 @@ def test_lower_limit_of_friction_in_bulk_shear_agrees_with_a_sum_over_contact_po
     )
     pressure = curve.contact(0).pressure
     pressure = pressure[pressure > 0]
-    law = FrictionLaw(mu0, tau0_over_hardness * hardness, CENTRAL_RATIO, uses_slip_lines=True)
+    law = FrictionLaw(mu0, tau0_over_hardness * hardness, HARDNESS_TO_SHEAR_STRENGTH, uses_slip_lines=True)
     traction = law.force(pressure, 1.0)
-    limited = np.minimum(traction, hardness / CENTRAL_RATIO).sum()
+    limited_traction = np.minimum(traction, hardness / HARDNESS_TO_SHEAR_STRENGTH).sum()
     load, area = pressure.sum(), float(pressure.size)
     onset = law.onset(load, hardness, 1e9, lambda largest: np.full(np.shape(largest), area))
-    expected = limited / traction.sum()
+    expected = limited_traction / traction.sum()
     if expected < 0.95:
         assert 0.93 * expected < onset.friction_fraction < 1.03 * expected
     else:  # the model neglects a reduction of friction below 5 %
         assert onset.friction_fraction == 1
 
 
-def limit_pressures(log_scale, unlimited):
-    return np.minimum(np.exp(log_scale) * unlimited, 1.0)
+def limit_pressures(log_scale, unlimited_pressures):
+    return np.minimum(np.exp(log_scale) * unlimited_pressures, 1.0)
 
 
-def excess_of_mean(log_scale, unlimited, mean):
-    return limit_pressures(log_scale, unlimited).mean() - mean
+def excess_of_mean_pressure(log_scale, unlimited_pressures, mean):
+    return limit_pressures(log_scale, unlimited_pressures).mean() - mean
 
 
 def test_friction_in_bulk_shear_agrees_with_quantiles_of_the_pressure_distribution():
@@ -195,8 +195,10 @@ def test_friction_in_bulk_shear_agrees_with_quantiles_of_the_pressure_distributi
     probabilities = (np.arange(200_000) + 0.5) / 200_000
     for mean in random.uniform(0.06, 0.95, 30):
         shape = 1.5 - 0.65 * mean
-        unlimited = (-np.log1p(-probabilities)) ** (1 / shape)
-        pressures = limit_pressures(brentq(excess_of_mean, -9, 9, args=(unlimited, mean)), unlimited)
+        unlimited_pressures = (-np.log1p(-probabilities)) ** (1 / shape)
+        pressures = limit_pressures(
+            brentq(excess_of_mean_pressure, -9, 9, args=(unlimited_pressures, mean)), unlimited_pressures
+        )
         hardness, ratio, mu0, tau0 = 1.0, 5.6, random.uniform(0.4, 1.5), random.uniform(0.0, 0.05)
         # Contacts yield at half the hardness, because the interface is stronger than the body.
         traction = mu0 * 0.5 * hardness * pressures + tau0

@@ -385,26 +385,26 @@ def test_onset_of_sliding_is_computed_at_requested_displacements(half_space_curv
 # With 0.01 E* h' and free boundaries, the displacements of the few contact points are computed with a dense matrix.
 @pytest.mark.parametrize(("boundary", "relative_pressure"), [("periodic", 0.1), ("free", 0.1), ("free", 0.01)])
 def test_energy_loss_and_stiffnesses_reuse_the_solution_of_the_onset(monkeypatch, boundary, relative_pressure):
-    calls = []
+    solved_problems = []
     for name in ("linear_response", "displacement"):
         compute = getattr(_core.HalfSpaceGrids, name)
         monkeypatch.setattr(
             _core.HalfSpaceGrids,
             name,
             lambda *arguments, name=name, compute=compute, **options: (
-                calls.append(name) or compute(*arguments, **options)
+                solved_problems.append(name) or compute(*arguments, **options)
             ),
         )
     lower = create_rough_body((64, 64))
     load = compute_load_at_relative_pressure(lower, relative_pressure)
     curve = half_space(flat_like(lower), lower, [load], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
     onset = curve.onset(0, mu0=0.3, steps=[0.2, 0.5, 0.8, 1.0])
-    calls_until_onset = calls.copy()
+    calls_until_onset = solved_problems.copy()
     losses = onset.energy_lost(onset.tangential_load)
     assert (losses > 0).all()
     assert (curve.unloading_stiffness > onset.stiffness).all()
     assert calls_until_onset.count("linear_response") == 1
-    assert calls == calls_until_onset
+    assert solved_problems == calls_until_onset
 
 
 def test_tangential_stiffness_is_finite_even_if_contact_pressures_reach_the_hardness():
@@ -487,16 +487,20 @@ def test_onset_of_sliding_of_a_single_asperity_equals_mindlin_solution():
     for poisson in (0.0, 0.3):
         onset = curve.onset(0, mu0=0.3, poisson=poisson)
         ratio = (2 - poisson) / (2 * (1 - poisson))
-        part = np.arange(1, 21) / 20
+        load_fractions = np.arange(1, 21) / 20
         table = contacts(*curve._inputs.bodies, 0.02)
         load, area = table.force * table.normal[:, 2], table.area
         radius, overlap = np.sqrt(area[0] / np.pi), table.overlap[0]
         sliding_displacement = 0.3 * ratio * overlap
         assert onset.sliding_load == pytest.approx(0.3 * load.sum(), rel=ROUND_OFF)
-        np.testing.assert_allclose(onset.displacement, sliding_displacement * (1 - (1 - part) ** (2 / 3)), rtol=1e-6)
-        np.testing.assert_allclose(onset.slipped_area, 1 - (1 - part) ** (2 / 3), rtol=1e-6)
+        np.testing.assert_allclose(
+            onset.displacement, sliding_displacement * (1 - (1 - load_fractions) ** (2 / 3)), rtol=1e-6
+        )
+        np.testing.assert_allclose(onset.slipped_area, 1 - (1 - load_fractions) ** (2 / 3), rtol=1e-6)
         assert onset.stiffness == pytest.approx(2 * EFFECTIVE_MODULUS * radius / ratio, rel=1e-6)
-        energy_loss = 24 / 5 * (1 - (1 - part) ** (5 / 3)) - 4 * part * (1 + (1 - part) ** (2 / 3))
+        energy_loss = 24 / 5 * (1 - (1 - load_fractions) ** (5 / 3)) - 4 * load_fractions * (
+            1 + (1 - load_fractions) ** (2 / 3)
+        )
         np.testing.assert_allclose(
             onset.energy_lost(onset.tangential_load), onset.sliding_load * sliding_displacement * energy_loss, rtol=1e-6
         )
@@ -530,13 +534,13 @@ def test_tangential_stiffness_of_an_elliptical_contact_equals_cerruti_quadrature
     def ellipse_radius(angle):
         return 1 / np.hypot(np.cos(angle) / axes[0], np.sin(angle) / axes[1])
 
-    def displacement_contribution(
+    def displacement_per_angle(
         angle,
     ):  # The unit force has the traction 1/(2π a b) (1 - s²)^(-1/2). For one of two equal bodies 1/G = 4 (1 - ν)/E*.
         return (1 - poisson * np.sin(angle - direction_angle) ** 2) * ellipse_radius(angle)
 
     shear_modulus = EFFECTIVE_MODULUS * (1 - poisson)  # For equal bodies E* = G/(1 - ν).
-    displacement = quad(displacement_contribution, 0, 2 * np.pi)[0] / (8 * np.pi * shear_modulus * axes.prod())
+    displacement = quad(displacement_per_angle, 0, 2 * np.pi)[0] / (8 * np.pi * shear_modulus * axes.prod())
     onset = curve.onset(0, mu0=0.3, poisson=poisson, direction=direction)
     assert onset.stiffness == pytest.approx(1 / (2 * displacement), rel=1e-9)
     assert onset.direction == direction

@@ -132,19 +132,20 @@ def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantiti
             else:
                 # The mean load depends on the sliding rule, mu0 and tau0, and so do all quantities at this load.
                 extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["load_definition"] == "mean" else set()
-                missing = {"sliding", "direction"} - set(dataset.dims)
+                missing_dimensions = {"sliding", "direction"} - set(dataset.dims)
                 assert (
-                    normalized_dims(name, dataset) - extra_dims == {*QUANTITIES[name].along} - extra_dims - missing
+                    normalized_dims(name, dataset) - extra_dims
+                    == {*QUANTITIES[name].along} - extra_dims - missing_dimensions
                 ), f"{name} of {title}"
 
 
 def test_intervals_at_a_load_lie_between_the_limits_listed_in_the_table_of_quantities(results_at_loads):
     for title, name, item in iterate_variables(results_at_loads):
         if name in QUANTITIES and "statistic" in item.dims and item.dtype.kind == "f":
-            ends, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
+            interval_limits, mean = item.sel(statistic=["lower", "upper"]), item.sel(statistic="mean")
             lower_bound, upper_bound = QUANTITIES[name].bounds
-            assert not (ends < min(lower_bound, float(mean.min()))).any(), f"{name} of {title}"
-            assert not (ends > max(upper_bound, float(mean.max()))).any(), f"{name} of {title}"
+            assert not (interval_limits < min(lower_bound, float(mean.min()))).any(), f"{name} of {title}"
+            assert not (interval_limits > max(upper_bound, float(mean.max()))).any(), f"{name} of {title}"
 
 
 def test_variables_of_single_pairs_have_the_units_listed_in_the_table_of_quantities():

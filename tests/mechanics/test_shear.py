@@ -9,13 +9,13 @@ from stiction.evaluate.shear_intervals import add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.views.shear import headline_estimates
 
-ANGLE = math.radians(10)
-FULL_FIT = {"load": "1 MPa", "effective_modulus": "30 GPa"}
+TOOTH_ANGLE = math.radians(10)
+LOAD_AND_MODULUS = {"load": "1 MPa", "effective_modulus": "30 GPa"}
 
 
 def create_sawtooth(points_per_tooth, teeth=2):
     x = np.arange(teeth * points_per_tooth) / points_per_tooth
-    height = np.tan(ANGLE) * 100 * (0.5 - np.abs(x % 1 - 0.5))  # each tooth is 100 µm long
+    height = np.tan(TOOTH_ANGLE) * 100 * (0.5 - np.abs(x % 1 - 0.5))  # each tooth is 100 µm long
     return Profile(height, spacing=100 / points_per_tooth)
 
 
@@ -37,7 +37,7 @@ def create_mate(face):
 
 
 def run_shear_test(face, **options):
-    return shear_test(create_mate(face), face, level="none", **FULL_FIT | options)
+    return shear_test(create_mate(face), face, level="none", **LOAD_AND_MODULUS | options)
 
 
 def integrate_work(result):
@@ -55,10 +55,10 @@ def integrate_work(result):
 @pytest.mark.parametrize("mu0", [0.0, 0.5])
 def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angle(boundary, mu0):
     result = run_shear_test(create_sawtooth(12800), path="20 um", steps=4, mu0=mu0, boundary=boundary)
-    exact = math.tan(math.atan(mu0) + ANGLE)
+    exact_coefficient = math.tan(math.atan(mu0) + TOOTH_ANGLE)
     assert result.friction_coefficient[0] == pytest.approx(mu0, abs=1e-3)
-    np.testing.assert_allclose(result.friction_coefficient[1:], exact, rtol=0.01)
-    np.testing.assert_allclose(result.dilation[1:], math.tan(ANGLE) * result.displacement[1:], rtol=0.01)
+    np.testing.assert_allclose(result.friction_coefficient[1:], exact_coefficient, rtol=0.01)
+    np.testing.assert_allclose(result.dilation[1:], math.tan(TOOTH_ANGLE) * result.displacement[1:], rtol=0.01)
     assert result.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
 
 
@@ -80,8 +80,8 @@ def test_sawtooth_slides_by_itself_after_its_tips_have_passed_each_other():
 
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
-    steep = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth with flanks of 45 degrees
-    result = run_shear_test(steep, path="5 um", steps=2, mu0=1.5, boundary="periodic")
+    steep_face = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth with flanks of 45 degrees
+    result = run_shear_test(steep_face, path="5 um", steps=2, mu0=1.5, boundary="periodic")
     assert list(result.status.values) == ["ok", "self-locked", "self-locked"]
     assert result.attrs["peak_status"] == "self-locked"
     assert np.isnan(result.attrs["peak"])
@@ -177,7 +177,7 @@ def test_shear_test_loses_contact_if_the_normal_stiffness_unloads_contracting_fa
     opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # at the start, crests are in contact with crests
     result = shear_test(
         opposite, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
-        **FULL_FIT,
+        **LOAD_AND_MODULUS,
     )  # fmt: skip
     assert result.status.values[-1] == "no-contact"
     assert np.isnan(result.friction_coefficient[-1])
@@ -307,10 +307,10 @@ def test_two_uncertain_inputs_widen_the_interval_of_a_shear_test():
 
 def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_the_largest_hardness():
     face = create_rough_map()
-    steep = Surface(6 * face.heights, spacing=face.spacing)
+    steep_face = Surface(6 * face.heights, spacing=face.spacing)
     options = {"path": "60 um", "steps": 2, "mu0": 2.0, "boundary": "periodic"}
-    assert run_shear_test(steep, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
-    result = run_shear_test(steep, hardness="10..1000 MPa", **options)
+    assert run_shear_test(steep_face, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
+    result = run_shear_test(steep_face, hardness="10..1000 MPa", **options)
     assert result.attrs["peak_upper"] == np.inf
     assert result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
 
@@ -383,7 +383,7 @@ def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a
         create_rough_map(128),
         {"path": "150 um", "steps": 3, "mu0": 0.6, "hardness": "200 MPa", "strips": 0},
     )
-    whole = run_shear_test(face, **options)
+    test_of_whole_face = run_shear_test(face, **options)
     strips = [
         run_shear_test(Surface(face.heights[first_row : first_row + 32], spacing=face.spacing), **options)
         for first_row in range(0, 128, 32)
@@ -392,16 +392,17 @@ def test_interval_of_a_shear_test_contains_the_scatter_of_the_strips_that_have_a
     for name in ("shear_stress", "dilation", "normal_load"):
         unsolved[name][-1] = np.nan
     expected, result = (
-        add_shear_intervals(whole, [], [], compared_strips) for compared_strips in (strips, [unsolved, *strips[1:]])
+        add_shear_intervals(test_of_whole_face, [], [], compared_strips)
+        for compared_strips in (strips, [unsolved, *strips[1:]])
     )
     for name in ("friction_coefficient_interval", "shear_stress_interval", "dilation_interval"):
         np.testing.assert_allclose(result[name][:, :-1], expected[name][:, :-1], rtol=1e-9)
-    assert whole["friction_coefficient"].values.argmax() < 3
+    assert test_of_whole_face["friction_coefficient"].values.argmax() < 3
     assert result.attrs["peak_upper"] == pytest.approx(expected.attrs["peak_upper"], rel=1e-9)
     coefficients = [float(strip["friction_coefficient"][-1]) for strip in strips[1:]]
     width = 2 * 4.303 * np.std(coefficients, ddof=1) / np.sqrt(3)  # Student's t with two degrees of freedom
     assert np.ptp(result["friction_coefficient_interval"].values[:, -1]) == pytest.approx(width, rel=0.02)
-    only_one = add_shear_intervals(whole, [], [], [unsolved, unsolved, unsolved, strips[3]])
+    only_one = add_shear_intervals(test_of_whole_face, [], [], [unsolved, unsolved, unsolved, strips[3]])
     assert np.isnan(only_one["friction_coefficient_interval"][:, -1]).all()
 
 
@@ -423,19 +424,19 @@ def test_shear_test_of_small_maps_and_profiles_has_no_strips():
 
 def test_strips_without_measured_points_are_omitted_from_a_shear_test():
     face = create_rough_map(128)
-    missing = np.zeros(face.heights.shape, bool)
-    missing[:26] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
-    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "mean", "strips": 5} | FULL_FIT
+    is_missing = np.zeros(face.heights.shape, bool)
+    is_missing[:26] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "mean", "strips": 5} | LOAD_AND_MODULUS
     assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
 
 
 def test_shear_test_rejects_strips_if_only_one_strip_has_measured_points():
     face = create_rough_map(32)
-    missing = np.zeros(face.heights.shape, bool)
-    missing[:17] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
-    options = {"path": "40 um", "steps": 1, "mu0": "0.5..0.7", "level": "mean"} | FULL_FIT
+    is_missing = np.zeros(face.heights.shape, bool)
+    is_missing[:17] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    options = {"path": "40 um", "steps": 1, "mu0": "0.5..0.7", "level": "mean"} | LOAD_AND_MODULUS
     with pytest.raises(
         ValueError,
         match="strips must be 0, or a number of strips of which at least 2 have enough measured points, got 2",
@@ -482,14 +483,14 @@ def test_shear_test_with_exact_inputs_has_no_interval():
 )
 def test_shear_test_rejects_impossible_arguments(options, message):
     face = create_rough_map()
-    arguments = {"path": "100 um", "mu0": 0.5, "hardness": "1 GPa"} | FULL_FIT | options
+    arguments = {"path": "100 um", "mu0": 0.5, "hardness": "1 GPa"} | LOAD_AND_MODULUS | options
     with pytest.raises(ValueError, match=message):
         shear_test(create_mate(face), face, **arguments)
 
 
 def test_shear_test_rejects_a_profile_on_a_map_and_a_flipped_face():
     face = create_rough_map()
-    options = {"path": "100 um", "mu0": 0.5} | FULL_FIT
+    options = {"path": "100 um", "mu0": 0.5} | LOAD_AND_MODULUS
     with pytest.raises(ValueError, match="upper and lower must both be profiles or both surfaces"):
         shear_test(face.row(0), face, **options)
     with pytest.raises(ValueError, match="the face upper must be as it was scanned"):
@@ -498,10 +499,10 @@ def test_shear_test_rejects_a_profile_on_a_map_and_a_flipped_face():
 
 def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
     face = create_rough_map()
-    missing = np.zeros(face.heights.shape, bool)
-    missing[:8, :8] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=missing)
-    result = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **FULL_FIT)
+    is_missing = np.zeros(face.heights.shape, bool)
+    is_missing[:8, :8] = True
+    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    result = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **LOAD_AND_MODULUS)
     assert (result.status == "ok").all()
     assert result.contact_area_fraction[0] == pytest.approx(1, abs=1e-3)
     assert result.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
@@ -516,7 +517,7 @@ def test_shear_test_of_registered_faces_starts_at_their_best_fit():
         Surface(large.heights[row : row + 80, column : column + 80], spacing=large.spacing)
         for row, column in ((3, 9), (8, 2))
     )
-    options = {"path": "50 um", "steps": 2, "mu0": 0.6, "hardness": "200 MPa"} | FULL_FIT
+    options = {"path": "50 um", "steps": 2, "mu0": 0.6, "hardness": "200 MPa"} | LOAD_AND_MODULUS
     unregistered, registered = (
         shear_test(create_mate(upper), lower, register=is_registered, **options) for is_registered in (False, True)
     )
@@ -557,7 +558,7 @@ def test_closure_at_the_start_follows_from_the_gap_and_is_zero_for_a_perfect_fit
     face = create_rough_map()
     noise = np.random.default_rng(1).normal(0, 0.5, face.heights.shape)
     rough = create_mate(face).changed(create_mate(face).heights + noise, "noise")
-    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "none"} | FULL_FIT
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "none"} | LOAD_AND_MODULUS
     attributes = shear_test(rough, face, **options).attrs
     gap = flipped(rough).changed(flipped(rough).heights - face.heights, "gap")
     flat = gap.changed(np.zeros_like(gap.heights), "flat")

@@ -28,19 +28,19 @@ def resultant_offset(curve, index, missing=None):
 @pytest.mark.parametrize("has_holes", [False, True])
 def test_free_tilt_centres_the_force_and_preserves_stiffness_as_the_derivative_of_the_load(hardness, has_holes):
     upper, lower = create_rough_surfaces(3)
-    missing = np.zeros(lower.heights.shape, bool)
+    is_missing = np.zeros(lower.heights.shape, bool)
     if has_holes:
-        missing[:, 50:] = True
-        lower = Surface(lower.heights, spacing=lower.spacing, missing=missing)
+        is_missing[:, 50:] = True
+        lower = Surface(lower.heights, spacing=lower.spacing, missing=is_missing)
     loads = [0.1, 0.98, 1.0, 1.02, 5.0]
     fixed_curve, free_curve = (
         half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free")
     )
-    assert np.abs([resultant_offset(fixed_curve, index, missing) for index in range(5)]).max() > 0.05
-    assert np.abs([resultant_offset(free_curve, index, missing) for index in range(5)]).max() < MAX_FORCE_OFFSET
+    assert np.abs([resultant_offset(fixed_curve, index, is_missing) for index in range(5)]).max() > 0.05
+    assert np.abs([resultant_offset(free_curve, index, is_missing) for index in range(5)]).max() < MAX_FORCE_OFFSET
     assert not fixed_curve.tilt.any()
     assert free_curve.tilt.shape == (5, 2)
-    area = (~missing).sum() * 0.01
+    area = (~is_missing).sum() * 0.01
     for curve in (fixed_curve, free_curve):
         expected_stiffness = 0.04 / (curve.approach[3] - curve.approach[1])
         assert curve.stiffness[2] == pytest.approx(expected_stiffness, rel=STIFFNESS_TOLERANCE)

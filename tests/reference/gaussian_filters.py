@@ -35,9 +35,9 @@ def mean_surface(heights, spacing, cutoff, terms, weights=None):
         for i in range(columns):
             v, u = (y - y[j]) / cutoff, (x - x[i]) / cutoff
             weight_roots = np.sqrt(weights * np.exp(-math.pi * (u**2 + v**2) / GAUSSIAN_FILTER_ALPHA**2)).ravel()
-            design = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
+            design_matrix = np.stack([(v**a * u**b).ravel() for a, b in terms], axis=1)
             smoothed[j, i] = np.linalg.lstsq(
-                design * weight_roots[:, np.newaxis], heights.ravel() * weight_roots, rcond=None
+                design_matrix * weight_roots[:, np.newaxis], heights.ravel() * weight_roots, rcond=None
             )[0][0]
     return smoothed
 

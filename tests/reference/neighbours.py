@@ -42,12 +42,12 @@ def estimate_true_mean(distribution, positions, correlation, random, num_trials=
     return means.mean(), 2 * 1.96 * means.std()
 
 
-def coverage_and_width(interval, values, truth, best_width):
+def coverage_and_width(interval, values, true_mean, best_width):
     """Return the coverage of intervals, their median width divided by `best_width`, and the fraction with an interval.
 
     `values` has the shape (trials, positions).
     """
     ends = np.array([interval(value)[1:] for value in values])
     ends = ends[np.isfinite(ends).all(axis=1)]
-    is_covered = (ends[:, 0] <= truth) & (truth <= ends[:, 1])
+    is_covered = (ends[:, 0] <= true_mean) & (true_mean <= ends[:, 1])
     return is_covered.mean(), np.median(ends[:, 1] - ends[:, 0]) / best_width, len(ends) / len(values)

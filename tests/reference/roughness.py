@@ -123,8 +123,8 @@ def wolf_pruned_peaks(heights, threshold):
 
     def climb_to_peak(point):
         if point not in peak_of:
-            highest = max(neighbour_points(point, heights.shape), key=lambda neighbour: heights[neighbour])
-            peak_of[point] = climb_to_peak(highest) if heights[highest] > heights[point] else point
+            highest_neighbour = max(neighbour_points(point, heights.shape), key=lambda neighbour: heights[neighbour])
+            peak_of[point] = climb_to_peak(highest_neighbour) if heights[highest_neighbour] > heights[point] else point
         return peak_of[point]
 
     saddles = {}
@@ -137,16 +137,16 @@ def wolf_pruned_peaks(heights, threshold):
                 saddles[a][b] = max(saddles[a].get(b, -math.inf), level)
     peaks = {climb_to_peak(point) for point in points}
     while len(peaks) > 1:
-        lowest = min(peaks, key=lambda peak: heights[peak] - max(saddles[peak].values()))
-        neighbour_peak = max(saddles[lowest], key=lambda neighbour: saddles[lowest][neighbour])
-        if heights[lowest] - saddles[lowest][neighbour_peak] >= threshold:
+        lowest_peak = min(peaks, key=lambda peak: heights[peak] - max(saddles[peak].values()))
+        neighbour_peak = max(saddles[lowest_peak], key=lambda neighbour: saddles[lowest_peak][neighbour])
+        if heights[lowest_peak] - saddles[lowest_peak][neighbour_peak] >= threshold:
             break
-        for neighbour, level in saddles.pop(lowest).items():
-            del saddles[neighbour][lowest]
+        for neighbour, level in saddles.pop(lowest_peak).items():
+            del saddles[neighbour][lowest_peak]
             if neighbour != neighbour_peak:
                 level = max(level, saddles[neighbour_peak].get(neighbour, -math.inf))
                 saddles[neighbour_peak][neighbour] = saddles[neighbour][neighbour_peak] = level
-        peaks.remove(lowest)
+        peaks.remove(lowest_peak)
     return peaks
 
 

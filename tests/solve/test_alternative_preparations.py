@@ -71,12 +71,12 @@ def add_spikes(surface, seed=2):
     return Surface(heights, spacing=SPACING)
 
 
-def contains(interval, value):
+def contains_value(interval, value):
     return interval[0] <= value <= interval[1]
 
 
-def covers(interval, covered_interval):
-    return contains(interval, covered_interval[0]) and contains(interval, covered_interval[1])
+def contains_interval(interval, covered_interval):
+    return contains_value(interval, covered_interval[0]) and contains_value(interval, covered_interval[1])
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +112,9 @@ def spiked_result(spiked_scans, tmp_path_factory):
 def test_interval_of_an_elastic_pair_includes_the_result_for_tip_corrected_scans(blunt_result, true_value):
     result_without_estimate = open_without_alternatives(blunt_result)
     assert blunt_result.value == result_without_estimate.value > true_value
-    assert contains(blunt_result.interval, true_value)
-    assert not contains(result_without_estimate.interval, true_value)
-    assert covers(blunt_result.prediction_interval, result_without_estimate.prediction_interval)
+    assert contains_value(blunt_result.interval, true_value)
+    assert not contains_value(result_without_estimate.interval, true_value)
+    assert contains_interval(blunt_result.prediction_interval, result_without_estimate.prediction_interval)
     (tip_caveat,) = (caveat for caveat in blunt_result.caveats if "tip does not resolve" in caveat.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "fault"
@@ -131,9 +131,9 @@ def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(
     alternative = spiked_result.alternatives["spikes"]
     # Both results have the same load (mN), because the nominal area does not include masked points.
     assert alternative.value == pytest.approx(masked_result.value, rel=1e-2)
-    assert covers(spiked_result.interval, alternative.interval)
+    assert contains_interval(spiked_result.interval, alternative.interval)
     result_without_estimate = open_without_alternatives(spiked_result)
-    assert covers(spiked_result.interval, result_without_estimate.interval)
+    assert contains_interval(spiked_result.interval, result_without_estimate.interval)
     assert spiked_result.interval != result_without_estimate.interval
     (spike_caveat,) = (caveat for caveat in spiked_result.caveats if "rms heights" in caveat.text)
     assert "the interval includes the result for masked outliers" in spike_caveat.text
@@ -146,8 +146,8 @@ def test_interval_widened_for_an_alternative_preparation_is_the_same_in_all_outp
     for opened_result in (result, open_result(result.path)):
         point = opened_result.summary().first
         assert result.interval == (point.lower, point.upper)
-        combined = opened_result.at()["friction_combined"].sel(sliding="all").squeeze()
-        assert combined.values.tolist() == [point.value, *result.interval]
+        combined_interval = opened_result.at()["friction_combined"].sel(sliding="all").squeeze()
+        assert combined_interval.values.tolist() == [point.value, *result.interval]
         record = json.loads(summary_json("pair", opened_result.summary()))
         coefficient = record["points"][0]["rules"][0]["coefficient"]
         assert (coefficient["lower"], coefficient["upper"]) == result.interval
@@ -170,8 +170,8 @@ def test_interval_of_the_true_area_includes_the_result_of_an_alternative_prepara
     for quantity in ("contact_area", "contact_area_fraction", "mean_pressure"):
         estimate = result.summary().first.quantities[quantity]
         assert estimate.value == point_without_alternative.quantities[quantity].value
-        assert covers(estimate.interval, point_without_alternative.quantities[quantity].interval)
-        assert contains(estimate.interval, alternative.summary().first.quantities[quantity].value)
+        assert contains_interval(estimate.interval, point_without_alternative.quantities[quantity].interval)
+        assert contains_value(estimate.interval, alternative.summary().first.quantities[quantity].value)
 
 
 def test_legend_of_the_friction_figure_states_that_intervals_include_errors_of_the_scans(blunt_result):
@@ -193,19 +193,19 @@ def test_budget_lists_the_interval_without_the_alternative_preparation(blunt_res
 
 def test_combined_interval_includes_alternative_preparations_at_every_load_and_mu0_and_tau0(blunt_result):
     loads, strengths = [0.1, 0.2], {"mu0": [0.1, 0.3], "tau0": [0.0, 0.05]}
-    combined, alternative_intervals = (
+    combined_intervals, alternative_intervals = (
         compared_result.at(loads, **strengths, budget=True)["friction_combined"].values
         for compared_result in (blunt_result, blunt_result.alternatives["tip"])
     )
     intervals_without_alternative = add_uncertainty(
         at_load(blunt_result, loads, **strengths), open_without_alternatives(blunt_result), budget=False
     )["friction_combined"].values
-    np.testing.assert_array_equal(combined[..., 0], intervals_without_alternative[..., 0])
+    np.testing.assert_array_equal(combined_intervals[..., 0], intervals_without_alternative[..., 0])
     np.testing.assert_array_equal(
-        combined[..., 1], np.minimum(intervals_without_alternative[..., 1], alternative_intervals[..., 1])
+        combined_intervals[..., 1], np.minimum(intervals_without_alternative[..., 1], alternative_intervals[..., 1])
     )
     np.testing.assert_array_equal(
-        combined[..., 2], np.maximum(intervals_without_alternative[..., 2], alternative_intervals[..., 2])
+        combined_intervals[..., 2], np.maximum(intervals_without_alternative[..., 2], alternative_intervals[..., 2])
     )
 
 
@@ -254,8 +254,8 @@ def test_area_interval_of_a_yielding_pair_includes_the_result_for_tip_corrected_
         for compared_result in (result, open_without_alternatives(result), true_result)
     )
     assert estimate.value == own_estimate.value
-    assert contains(estimate.interval, true_estimate.value)
-    assert not contains(own_estimate.interval, true_estimate.value)
+    assert contains_value(estimate.interval, true_estimate.value)
+    assert not contains_value(own_estimate.interval, true_estimate.value)
     (tip_caveat,) = (caveat for caveat in result.caveats if "tip does not resolve" in caveat.text)
     assert "the interval includes an estimate of this" in tip_caveat.text
     assert tip_caveat.severity == "caution"
@@ -297,10 +297,10 @@ def test_second_call_of_the_pair_function_adds_a_missing_alternative_preparation
 def test_pair_function_returns_its_result_with_a_caveat_if_an_alternative_preparation_fails(
     blunt_tip_scans, blunt_result, monkeypatch
 ):
-    def fail(*_):
+    def raise_memory_error(*_):
         raise ValueError("no memory")
 
-    monkeypatch.setattr(alternative_preparations, "build_alternative_study", fail)
+    monkeypatch.setattr(alternative_preparations, "build_alternative_study", raise_memory_error)
     result = pair(*blunt_tip_scans, tip=TIP_RADIUS, **PAIR_OPTIONS)
     assert result.interval == open_without_alternatives(blunt_result).interval
     assert any("the interval does not include this" in caveat.text for caveat in result.caveats)
@@ -333,7 +333,7 @@ def test_interval_of_profiles_with_spikes_includes_the_result_without_spikes(mec
         effective_modulus="80 GPa", mechanics=mechanics, cutoff="none", offsets=16, onset=0,
     )  # fmt: skip
     assert np.isfinite(result.interval).all()
-    assert covers(result.interval, result.alternatives["spikes"].interval)
+    assert contains_interval(result.interval, result.alternatives["spikes"].interval)
 
 
 @pytest.mark.parametrize("seed", [4, 6])
@@ -363,12 +363,12 @@ def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstru
 
 def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves():
     x = np.arange(81) * SPACING
-    missing = np.zeros(x.size, bool)
-    missing[7] = True
+    is_missing = np.zeros(x.size, bool)
+    is_missing[7] = True
     # A profile with peaks whose radius is 41 µm.
-    smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=missing)
+    smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=is_missing)
     sharp_profile = sharpened(smooth_profile, 1.0, 3.0)
-    np.testing.assert_array_equal(sharp_profile.missing, missing)
+    np.testing.assert_array_equal(sharp_profile.missing, is_missing)
     assert np.abs(sharp_profile.heights - smooth_profile.heights).max() < 0.05 * 0.01
 
 
@@ -385,13 +385,13 @@ def test_interval_at_each_dwell_time_includes_the_alternative_preparation(spiked
     result = pair(*spiked_scans, cutoff="none", **options)
     alternative = result.alternatives["spikes"]
     result_without_alternative = open_without_alternatives(result)
-    assert covers(result.interval, alternative.interval)
+    assert contains_interval(result.interval, alternative.interval)
     assert result.interval == (
         min(result_without_alternative.interval[0], alternative.interval[0]),
         max(result_without_alternative.interval[1], alternative.interval[1]),
     )
     (aged,), (other_aged,) = result.summary().first.after_dwell, alternative.summary().first.after_dwell
-    assert covers(aged.interval, other_aged.interval)
+    assert contains_interval(aged.interval, other_aged.interval)
     rows, own_rows = result.budget.set_index("input"), result_without_alternative.budget.set_index("input")
     assert set(rows.index) == {*own_rows.index, ALTERNATIVE_LABELS["spikes"]}
     shared = own_rows.index

@@ -20,59 +20,65 @@ PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "sh
 
 
 @pytest.fixture(scope="module")
-def studies():
+def study_and_scaled_study():
     """Return a study of two maps, and a copy of it with doubled heights."""
     study = pair(*rough_maps(7, points=48, rms=0.02, shortest_wavelength=0.6), **PAIR_OPTIONS).study
     return study, scale_study_heights(study, 2.0, "both")
 
 
 @pytest.fixture
-def pool():
+def thread_pool():
     with executor_or_thread_pool(None) as executor:
         yield executor
 
 
-def test_companion_study_prints_the_estimated_time_of_its_missing_pairs_only(studies, pool, tmp_path):
-    study, _ = studies
+def test_companion_study_prints_the_estimated_time_of_its_missing_pairs_only(
+    study_and_scaled_study, thread_pool, tmp_path
+):
+    study, _ = study_and_scaled_study
     announced_times = []
-    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
-    CompanionStudy(study, tmp_path).complete(pool, announce_time=announced_times.append)
+    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=thread_pool)
+    CompanionStudy(study, tmp_path).complete(thread_pool, announce_time=announced_times.append)
     assert announced_times == [2 * estimate_member_time(study)]
-    CompanionStudy(study, tmp_path).complete(pool, announce_time=announced_times.append)
+    CompanionStudy(study, tmp_path).complete(thread_pool, announce_time=announced_times.append)
     assert len(announced_times) == 1
 
 
-def test_changed_companion_study_replaces_the_stored_pairs_of_the_former_study(studies, pool, tmp_path):
-    study, study_of_doubled_heights = studies
+def test_changed_companion_study_replaces_the_stored_pairs_of_the_former_study(
+    study_and_scaled_study, thread_pool, tmp_path
+):
+    study, study_of_doubled_heights = study_and_scaled_study
     announced_times = []
-    CompanionStudy(study, tmp_path).complete(pool)
-    result = CompanionStudy(study_of_doubled_heights, tmp_path).complete(pool, announce_time=announced_times.append)
+    CompanionStudy(study, tmp_path).complete(thread_pool)
+    result = CompanionStudy(study_of_doubled_heights, tmp_path).complete(
+        thread_pool, announce_time=announced_times.append
+    )
     assert announced_times == [3 * estimate_member_time(study_of_doubled_heights)]
     assert result.members.tolist() == [0, 1, 2]
     assert result.study.surfaces.upper.height_factor == 2.0
 
 
-def test_companion_study_is_opened_only_if_all_its_pairs_are_stored(studies, pool, tmp_path):
-    study, study_of_doubled_heights = studies
+def test_companion_study_is_opened_only_if_all_its_pairs_are_stored(study_and_scaled_study, thread_pool, tmp_path):
+    study, study_of_doubled_heights = study_and_scaled_study
     companion_study = CompanionStudy(study, tmp_path)
     assert companion_study.open() is None
-    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=pool)
+    compute_missing_blocks(study, tmp_path, part=(1, 3), executor=thread_pool)
     assert companion_study.open() is None
     assert companion_study.open(allow_unfinished=True).members.size == 1
-    companion_study.complete(pool)
+    companion_study.complete(thread_pool)
     assert companion_study.open().members.size == 3
     assert CompanionStudy(study_of_doubled_heights, tmp_path).open() is None
 
 
-def test_companion_study_has_mu0_and_tau0_of_its_main_study(studies, pool, tmp_path):
-    study, _ = studies
-    CompanionStudy(study, tmp_path).complete(pool)
+def test_companion_study_has_mu0_and_tau0_of_its_main_study(study_and_scaled_study, thread_pool, tmp_path):
+    study, _ = study_and_scaled_study
+    CompanionStudy(study, tmp_path).complete(thread_pool)
     other_friction = study.with_changes({"friction.mu0": [0.7]})
     assert CompanionStudy(other_friction, tmp_path).open().study.friction.mu0 == (0.7,)
 
 
-def test_damaged_companion_study_is_not_opened(studies, pool, tmp_path):
-    study, _ = studies
-    CompanionStudy(study, tmp_path).complete(pool)
+def test_damaged_companion_study_is_not_opened(study_and_scaled_study, thread_pool, tmp_path):
+    study, _ = study_and_scaled_study
+    CompanionStudy(study, tmp_path).complete(thread_pool)
     (tmp_path / "study.toml").write_text("no study", encoding="utf-8")
     assert CompanionStudy(study, tmp_path).open() is None

@@ -178,12 +178,12 @@ def test_figures_drawn_by_two_processes_equal_those_drawn_by_one_process(stored_
     *names, used_copy = run_script(script)
     assert used_copy == "True"
 
-    def fail(*_):
+    def fail_if_started(*_):
         raise AssertionError("a process was started")
 
     (tmp_path / "one").mkdir()
     monkeypatch.setattr(executors, "num_usable_cores", lambda: 1)
-    monkeypatch.setattr(executors, "_start_without_interrupts", fail)
+    monkeypatch.setattr(executors, "_start_without_interrupts", fail_if_started)
     paths = draw_figures(stored_result, tmp_path / "one", formats=["svg"])
     assert [path.name for path in paths] == names
     assert len(names) == 2

@@ -65,7 +65,8 @@ def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
     tracemalloc.stop()
     assert stored_bytes < 0.5 * upper.heights.nbytes
     gap_slopes = [
-        above - below for above, below in zip(*(compute_slopes(body) for body in (upper, lower)), strict=True)
+        upper_slope - lower_slope
+        for upper_slope, lower_slope in zip(*(compute_slopes(body) for body in (upper, lower)), strict=True)
     ]
     rms_gradient, rms_slopes = slopes.compute_gap_slopes(np.array([0.0, 90.0]))
     np.testing.assert_allclose(

@@ -51,13 +51,13 @@ class InterruptedMethod:
         self.num_calls, self.max_calls = 0, None
         original = getattr(owner, name)
 
-        def method(owner_instance, *arguments, **options):
+        def count_or_interrupt(owner_instance, *arguments, **options):
             if self.max_calls is not None and self.num_calls >= self.max_calls:
                 raise KeyboardInterrupt
             self.num_calls += 1
             return original(owner_instance, *arguments, **options)
 
-        monkeypatch.setattr(owner, name, method)
+        monkeypatch.setattr(owner, name, count_or_interrupt)
 
 
 @pytest.mark.parametrize(
@@ -76,13 +76,13 @@ class InterruptedMethod:
 def test_interrupted_solution_of_a_pair_continues_with_bit_identical_results(
     study, owner, name, calls_per_attempt, tmp_path, monkeypatch
 ):
-    calls = InterruptedMethod(monkeypatch, owner, name)
+    interrupted_method = InterruptedMethod(monkeypatch, owner, name)
     expected = compute_member_arrays(study, 0)
-    num_calls, calls.num_calls = calls.num_calls, 0
+    num_calls, interrupted_method.num_calls = interrupted_method.num_calls, 0
     num_attempts, counts = 0, []
     while True:
         num_attempts += 1
-        calls.max_calls = calls.num_calls + calls_per_attempt
+        interrupted_method.max_calls = interrupted_method.num_calls + calls_per_attempt
         record = MembersInProgress(study, tmp_path, estimate_iterations).add(0)
         try:
             arrays = compute_member_arrays(study, 0, record)
@@ -104,34 +104,42 @@ def test_interrupted_solution_of_a_pair_continues_with_bit_identical_results(
 @pytest.mark.parametrize("study", [(ADHESION, True)], indirect=True)
 def test_interrupted_run_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
     expected = run(study).dataset
-    calls = InterruptedMethod(monkeypatch, AdhesionSolver, "attraction_at_gap")
+    interrupted_method = InterruptedMethod(monkeypatch, AdhesionSolver, "attraction_at_gap")
     run(study)
-    num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
+    num_calls, interrupted_method.num_calls, interrupted_method.max_calls = (
+        interrupted_method.num_calls,
+        0,
+        interrupted_method.num_calls // 2,
+    )
     directory = tmp_path / "result"
     with pytest.raises(KeyboardInterrupt):
         run(study, store=directory)
     assert find_members_in_progress(directory) == {0}
     assert list((directory / BLOCKS_DIRECTORY).iterdir()) == []
-    calls.max_calls = None
+    interrupted_method.max_calls = None
     assert_same_bits(run(study, store=directory).dataset, expected)
-    assert calls.num_calls < 1.2 * num_calls
+    assert interrupted_method.num_calls < 1.2 * num_calls
     assert not (directory / IN_PROGRESS_DIRECTORY).exists()
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_interrupted_companion_study_resumes_inside_a_partly_solved_pair(study, tmp_path, monkeypatch):
-    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
+    interrupted_method = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     scaled_study = scale_study_heights(study, 2.0, "both").with_checksums()
     companion_study = CompanionStudy(scaled_study, tmp_path / "pair/height_scale/both-2")
     expected = run(scaled_study).dataset
-    num_calls, calls.num_calls, calls.max_calls = calls.num_calls, 0, calls.num_calls // 2
+    num_calls, interrupted_method.num_calls, interrupted_method.max_calls = (
+        interrupted_method.num_calls,
+        0,
+        interrupted_method.num_calls // 2,
+    )
     with executors.executor_or_thread_pool(None) as executor:
         with pytest.raises(KeyboardInterrupt):
             companion_study.complete(executor)
         assert find_members_in_progress(companion_study.directory) == {0}
-        calls.max_calls = None
+        interrupted_method.max_calls = None
         assert_same_bits(companion_study.complete(executor).dataset, expected)
-    assert calls.num_calls == num_calls
+    assert interrupted_method.num_calls == num_calls
     assert not (companion_study.directory / IN_PROGRESS_DIRECTORY).exists()
 
 
@@ -149,7 +157,7 @@ def test_run_removes_stored_load_steps_of_a_pair_whose_block_is_complete(study, 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_study(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
-    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
+    interrupted_method = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
     (member_directory,) = (tmp_path / IN_PROGRESS_DIRECTORY).iterdir()
     paths = sorted(member_directory.iterdir())
@@ -161,25 +169,25 @@ def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_
         (lambda: paths[1].write_bytes(b""), 3),
     ):
         damage()
-        calls.num_calls = 0
+        interrupted_method.num_calls = 0
         arrays = compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
-        assert calls.num_calls == expected_calls
+        assert interrupted_method.num_calls == expected_calls
         assert all(arrays[name].tobytes() == values.tobytes() for name, values in expected.items())
     other_study = study.with_changes({"contact.effective_modulus": "90 GPa"})
-    calls.num_calls = 0
+    interrupted_method.num_calls = 0
     compute_member_arrays(other_study, 0, MembersInProgress(other_study, tmp_path, estimate_iterations).add(0))
-    assert calls.num_calls == 4
+    assert interrupted_method.num_calls == 4
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_small_maps_solved_for_groups_of_loads_have_the_results_of_single_solutions(study, tmp_path, monkeypatch):
     expected = compute_member_arrays(study, 0)
-    calls = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
+    interrupted_method = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     for loads_per_step, num_steps in ((3, 2), (4, 1)):
         monkeypatch.setattr(half_space, "MAX_POINTS_PER_STEP", loads_per_step * count_grid_points(study))
-        calls.num_calls = 0
+        interrupted_method.num_calls = 0
         arrays = compute_member_arrays(study, 0)
-        assert calls.num_calls == num_steps
+        assert interrupted_method.num_calls == num_steps
         assert all(arrays[name].tobytes() == values.tobytes() for name, values in expected.items())
 
 

@@ -146,9 +146,9 @@ REJECTED_STUDY_CHANGE_CASES = [
 
 @pytest.mark.parametrize(("changes", "pattern"), REJECTED_STUDY_CHANGE_CASES)
 def test_study_rejects_invalid_onset_settings(changes, pattern):
-    with pytest.raises(StudyError, match=pattern) as caught:
+    with pytest.raises(StudyError, match=pattern) as error_info:
         Study().with_changes(changes)
-    assert not re.search(r"Traceback|\n.*\n.*\n", str(caught.value))
+    assert not re.search(r"Traceback|\n.*\n.*\n", str(error_info.value))
 
 
 def test_onset_figure_requires_a_study_with_onset_settings():

@@ -169,7 +169,7 @@ def test_run_function_rejects_a_study_whose_result_would_exceed_the_memory(tmp_p
 
 
 def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
-    computed_repetitions, sums, interrupted = (
+    computed_repetitions, sums, interrupt_event = (
         [],
         runner.compute_member_arrays(with_repetitions(1), 0),
         threading.Event(),
@@ -178,7 +178,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
     def record_repetition_and_wait_for_interrupt(study, number):
         computed_repetitions.append(number)
         if number >= 200:
-            interrupted.wait(60)
+            interrupt_event.wait(60)
         return sums
 
     def raise_interrupt(*_):
@@ -193,7 +193,7 @@ def test_interrupt_cancels_tasks_that_are_not_yet_started(monkeypatch):
             run(with_repetitions(800), executor=pool)
         except KeyboardInterrupt as error:
             interrupt_error = error  # The stored error keeps the frames of the run alive.
-            interrupted.set()
+            interrupt_event.set()
     assert interrupt_error is not None
     assert len(computed_repetitions) < 800
 
@@ -249,16 +249,16 @@ def test_computation_of_missing_pairs_prints_the_estimated_time_only_once(tmp_pa
 
 
 def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block():
-    missing = SimpleNamespace(count=16)
-    text = runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 8.5)
+    missing_pairs = SimpleNamespace(count=16)
+    text = runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
     assert (
-        runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 480.0, 2, 300.0) == ""
+        runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 300.0) == ""
     )  # the estimate after the first block is close to the first estimate
     # Not printed, because little time remains.
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 1, 8.0, 2, 1.0) == ""
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 8.0, 2, 1.0) == ""
     # Not printed, because no repetitions remain.
-    assert runner._format_revised_time_estimate(TINY_STUDY, missing, 4, 480.0, 4, 8.5) == ""
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 4, 480.0, 4, 8.5) == ""
 
 
 def test_run_computes_with_fewer_threads_if_not_all_can_start(monkeypatch):

@@ -258,10 +258,11 @@ def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
     tmp_path, uninterrupted_dataset, computed_repetitions
 ):
     states_before = {}
-    for total in (6, 7, 22):
-        result = run(with_repetitions(total), store=tmp_path).dataset
+    for num_repetitions in (6, 7, 22):
+        result = run(with_repetitions(num_repetitions), store=tmp_path).dataset
         assert_same_bits(
-            result.assign_attrs(uninterrupted_dataset.attrs), uninterrupted_dataset.isel(repetition=slice(total))
+            result.assign_attrs(uninterrupted_dataset.attrs),
+            uninterrupted_dataset.isel(repetition=slice(num_repetitions)),
         )
         assert states_before.items() <= block_states(tmp_path).items()
         states_before = block_states(tmp_path)
@@ -389,9 +390,9 @@ def test_flipped_bit_in_a_block_is_reported_with_its_file_name(
     content = file.read_bytes()
     bit_indices = random.Random(4).sample(range(8 * len(content)), 60)
     for bit_index in [0, 8 * len(content) - 1, *bit_indices]:
-        damaged = bytearray(content)
-        damaged[bit_index // 8] ^= 1 << bit_index % 8
-        file.write_bytes(damaged)
+        damaged_content = bytearray(content)
+        damaged_content[bit_index // 8] ^= 1 << bit_index % 8
+        file.write_bytes(damaged_content)
         with pytest.raises(StoreError, match=f"{file.name}: does not match its checksum; remove that file"):
             store.read(directory_copy)
     file.unlink()
@@ -423,9 +424,9 @@ def replace_by_directory(file):
 @pytest.mark.parametrize("damage", [truncate_file, replace_by_directory])
 def test_invalid_block_is_reported_with_a_one_line_error(directory_copy, damage):
     damage(find_block_file(directory_copy, 4))
-    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute members 4 to 7") as caught:
+    with pytest.raises(StoreError, match=r"0000004-0000007-.*recompute members 4 to 7") as error_info:
         store.read(directory_copy)
-    assert len(str(caught.value).splitlines()) == 1
+    assert len(str(error_info.value).splitlines()) == 1
 
 
 def test_run_leaves_files_of_other_programs_in_its_directory_unchanged(directory_copy, uninterrupted_dataset):
@@ -446,9 +447,9 @@ def test_directory_without_result_is_reported_with_a_one_line_error(tmp_path, ki
         path.mkdir()
     elif kind == "loop":
         path.symlink_to(path)
-    with pytest.raises(StoreError) as caught:
+    with pytest.raises(StoreError) as error_info:
         store.read(path)
-    assert str(caught.value).startswith(str(path))
+    assert str(error_info.value).startswith(str(path))
     if kind in ("file", "loop"):
         with pytest.raises(StoreError, match=str(path)):
             run(TINY_STUDY, store=path)
@@ -516,9 +517,9 @@ def test_block_file_that_contradicts_its_study_is_reported_with_a_one_line_error
     content = file.read_bytes()
     copy = directory_copy / "result.nc"
     copy.write_bytes(content)
-    with pytest.raises(StoreError, match=r"result\.nc: ") as caught:
+    with pytest.raises(StoreError, match=r"result\.nc: ") as error_info:
         store.read(copy)
-    assert len(str(caught.value).splitlines()) <= 2
+    assert len(str(error_info.value).splitlines()) <= 2
     replace_block_content(file, content)
     with pytest.raises(StoreError, match="recompute members 4 to 7"):
         store.read(directory_copy)
@@ -552,11 +553,11 @@ def test_run_on_full_disk_preserves_finished_blocks(tmp_path, uninterrupted_data
 
     monkeypatch.setattr(_files.Path, "write_bytes", write_until_full)
     for num_writes, num_finished in ((0, 0), (1, 0), (2, 8), (1, 12)):  # noqa: B007 (read by write_until_full)
-        with pytest.raises(StoreError, match="cannot be written: No space left on device") as caught:
+        with pytest.raises(StoreError, match="cannot be written: No space left on device") as error_info:
             run(TINY_STUDY, store=tmp_path, executor=InlineExecutor())
         if num_finished:
             assert store.open_stored_result(tmp_path).finished_members.size == num_finished
-            assert f"{num_finished} of 22 repetitions are finished and kept" in str(caught.value)
+            assert f"{num_finished} of 22 repetitions are finished and kept" in str(error_info.value)
         assert_no_partial_files(tmp_path)
     monkeypatch.undo()
     assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
@@ -731,7 +732,7 @@ def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninter
 
 # ---- Several runs in one directory -----------------------------------------------------------------------------------
 
-OTHER_STUDIES = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, {"friction.mu0": [0.3]}]
+CHANGES_TO_ANOTHER_STUDY = [{"ensemble.seed": 1}, {"contact.effective_modulus": "11 GPa"}, {"friction.mu0": [0.3]}]
 
 
 class WaitingExecutor(InlineExecutor):
@@ -747,7 +748,7 @@ class WaitingExecutor(InlineExecutor):
         return super().submit(function, *args, **kwargs)
 
 
-@pytest.mark.parametrize("change", OTHER_STUDIES, ids=str)
+@pytest.mark.parametrize("change", CHANGES_TO_ANOTHER_STUDY, ids=str)
 def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_path, uninterrupted_dataset, change):
     executor, other_study = WaitingExecutor(), TINY_STUDY.with_changes(change)
     with ThreadPoolExecutor(1) as threads:

@@ -83,8 +83,8 @@ def test_range_of_a_rockwell_hardness_includes_the_uncertainty_of_its_conversion
     assert (result.low, result.high) == pytest.approx((plain_number.low, plain_number.high), rel=0.01)
     assert result.high - result.low >= plain_number.high - plain_number.low - 1e-3
     ranged_input = parse_uncertain_input("hardness", "55..65 HRC", "hardness")
-    ends = [parse_uncertain_input("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
-    assert ranged_input.low < ends[0] < ends[1] < ranged_input.high
+    limits = [parse_uncertain_input("hardness", f"{end} HRC", "hardness").value for end in (55, 65)]
+    assert ranged_input.low < limits[0] < limits[1] < ranged_input.high
 
 
 @pytest.mark.parametrize("text", ["150HV", "150 HV10", "150 HV 10", "150 HV0.5", "150 HV 0.5"])

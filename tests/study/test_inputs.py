@@ -81,10 +81,10 @@ def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(s
      "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with p"),
 ])  # fmt: skip
 def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, study_key, reason):
-    with pytest.raises(StudyError, match=reason) as caught:
+    with pytest.raises(StudyError, match=reason) as error_info:
         STUDY.with_changes(changes)
-    assert len(str(caught.value).splitlines()) == 1
-    assert caught.value.faults[0][0].partition("[")[0] == study_key
+    assert len(str(error_info.value).splitlines()) == 1
+    assert error_info.value.faults[0][0].partition("[")[0] == study_key
 
 
 def test_study_of_generated_surfaces_rejects_an_uncertain_input():
@@ -147,10 +147,14 @@ def test_effective_modulus_relative_to_its_central_value_is_computed_from_sample
 def test_number_that_replaces_an_input_has_no_uncertainty_unless_it_equals_the_study_value():
     inputs = Inputs.from_study(STUDY.with_changes({"friction.mu0": "0.2 ± 0.02", "friction.tau0": "50 MPa ± 20 %"}))
     assert inputs.replaced(mu0=0.2, hardness=0.625).uncertain == inputs.uncertain
-    changed = inputs.replaced(mu0=0.3, hardness=0.5)
-    assert set(inputs.uncertain) - set(changed.uncertain) == {"mu0", "hardness"}
-    assert (changed.central("mu0"), changed.central("hardness"), changed.central("tau0")) == (0.3, 0.5, 0.05)
-    assert changed.quantile("hardness", [0.1, 0.9]).tolist() == [0.5, 0.5]
+    changed_inputs = inputs.replaced(mu0=0.3, hardness=0.5)
+    assert set(inputs.uncertain) - set(changed_inputs.uncertain) == {"mu0", "hardness"}
+    assert (changed_inputs.central("mu0"), changed_inputs.central("hardness"), changed_inputs.central("tau0")) == (
+        0.3,
+        0.5,
+        0.05,
+    )
+    assert changed_inputs.quantile("hardness", [0.1, 0.9]).tolist() == [0.5, 0.5]
 
 
 @pytest.mark.usefixtures("all_input_samples")

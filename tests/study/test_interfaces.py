@@ -165,11 +165,11 @@ def test_sliding_rule_of_an_interface_is_still_listed_first_after_its_file_was_r
     opposing_film_file, tmp_path
 ) -> None:
     copy = shutil.copy(opposing_film_file, tmp_path)
-    stored = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
+    stored_result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
     Path(copy).unlink()
-    reopened = open_result(stored.path)
+    reopened = open_result(stored_result.path)
     assert find_interface(reopened.study) is None
-    assert (reopened.summary().first.rules[0].rule, reopened.value) == ("opposing", stored.value)
+    assert (reopened.summary().first.rules[0].rule, reopened.value) == ("opposing", stored_result.value)
 
 
 def test_interface_entry_without_a_sliding_rule_has_the_rule_of_its_file(opposing_result) -> None:
@@ -189,9 +189,9 @@ def test_interface_is_ignored_if_mu0_of_the_study_is_changed(result) -> None:
 
 def test_interval_at_another_mu0_equals_the_interval_of_a_study_with_this_mu0(result) -> None:
     study = result.study.with_changes({"friction.mu0": [0.3]})
-    changed = MemberSums.of(result).with_study(study)
+    changed_sums = MemberSums.of(result).with_study(study)
     table = result.at(mu0=[0.3], budget=True)
-    expected = add_uncertainty(at_load(changed, table["load"].values), changed)
+    expected = add_uncertainty(at_load(changed_sums, table["load"].values), changed_sums)
     assert table["input_label"].values.tolist() == ["τ0", "positions", "unresolved roughness"]
     for name in ("friction_combined", "remaining_interval"):
         np.testing.assert_array_equal(table[name].values, expected[name].values)
@@ -205,8 +205,8 @@ def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(fil
     joint_interval, path = result.interval, result.path
     Path(copy).unlink()
     completed = check_stiction("at", path, "--load", "20 MPa", "--json", cwd=tmp_path)
-    (answer,) = json.loads(completed.stdout)["points"]
-    coefficient = answer["rules"][0]["coefficient"]
+    (json_point,) = json.loads(completed.stdout)["points"]
+    coefficient = json_point["rules"][0]["coefficient"]
     assert np.ptp([coefficient["lower"], coefficient["upper"]]) > 1.2 * np.ptp(joint_interval)
     assert "which is missing" in completed.stdout
 

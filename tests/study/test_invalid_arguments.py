@@ -35,7 +35,7 @@ def result():
 
 
 @pytest.fixture(scope="module")
-def film():
+def calibrated_film():
     loads = (5.0, 20.0, 100.0, 500.0)
     return calibrate(
         [
@@ -78,9 +78,9 @@ INVALID_CALLS = {
 
 
 def assert_one_sentence(name, call):
-    with pytest.raises(ValueError) as caught:  # noqa: PT011
+    with pytest.raises(ValueError) as error_info:  # noqa: PT011
         call()
-    message = str(caught.value)
+    message = str(error_info.value)
     assert "\n" not in message
     assert "pydantic" not in message
     assert name in message.partition(" got ")[0]
@@ -93,15 +93,15 @@ def test_functions_reject_arguments_of_wrong_types_with_one_sentence(case):
 
 
 @pytest.mark.parametrize("value", [ONE_LOAD, 1.5, "nothing", None, b"1", np.zeros(2), RAGGED_LIST, lambda: 1])
-def test_methods_reject_arguments_of_wrong_types_with_one_sentence(result, film, value):
+def test_methods_reject_arguments_of_wrong_types_with_one_sentence(result, calibrated_film, value):
     assert_one_sentence("names", lambda: result.means(value))
     assert_one_sentence("names", lambda: list(result.pieces([value])))
     assert_one_sentence("quantities", lambda: result.at(0.1, quantities=[value]))
     assert_one_sentence("name", lambda: result.figure(value))
     assert_one_sentence("at", lambda: result.summarize_dataset(value))
-    assert_one_sentence("area_per_load", lambda: film.at(value if isinstance(value, str) else [value]))
+    assert_one_sentence("area_per_load", lambda: calibrated_film.at(value if isinstance(value, str) else [value]))
     if not callable(value):
-        assert_one_sentence("coefficient", lambda: film.interval_of(value))
+        assert_one_sentence("coefficient", lambda: calibrated_film.interval_of(value))
         assert_one_sentence("read", lambda: result.load_companion(value))
     if not isinstance(value, str):
         for method in (result.export, result.to_netcdf, result.save_report):

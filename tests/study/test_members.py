@@ -81,8 +81,8 @@ def test_measured_bodies_are_filtered_only_once_for_all_threads(tmp_path):
 
     with ThreadPoolExecutor(num_threads) as pool:
         for cutoff in (1.0, 2.0, 3.0):
-            first_members, *others = pool.map(find_members, [cutoff] * num_threads)
-            assert all(members is first_members for members in others)
+            first_members, *other_members = pool.map(find_members, [cutoff] * num_threads)
+            assert all(members is first_members for members in other_members)
 
 
 def test_measured_pair_prepares_its_bodies_only_once_for_nominal_area_and_result(tmp_path, monkeypatch):

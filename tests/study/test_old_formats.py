@@ -10,14 +10,16 @@ from stiction.study.inputs import Inputs, find_interface
 from stiction.study.study import parse_study
 from stiction.study.values import StudyError
 
-OLD_TEXTS = {path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "old_studies").glob("*.toml")}
-OLD_TEXT = OLD_TEXTS["materials"]
-FILM = "MoS2 on bearing steel, dry air"
+OLD_STUDY_TEXTS = {
+    path.stem: path.read_text("utf-8") for path in (Path(__file__).parent / "old_studies").glob("*.toml")
+}
+OLD_STUDY_OF_MATERIALS = OLD_STUDY_TEXTS["materials"]
+FILM_NAME = "MoS2 on bearing steel, dry air"
 
 
-def parse_old(known="", contact="", friction="mu0 = [0.2]"):
+def parse_old_study(known="", contact="", friction="mu0 = [0.2]"):
     """Parse a study in the old format after replacing lines in `[known]`, `[contact]` and `[friction]`."""
-    text = f"""{OLD_TEXT[: OLD_TEXT.index("[contact]")]}
+    text = f"""{OLD_STUDY_OF_MATERIALS[: OLD_STUDY_OF_MATERIALS.index("[contact]")]}
 [contact]
 mechanics = "half-space"
 {contact}
@@ -32,9 +34,9 @@ load = ["0.0324 mN"]
     return parse_study(text, "old")
 
 
-@pytest.mark.parametrize("name", OLD_TEXTS)
+@pytest.mark.parametrize("name", OLD_STUDY_TEXTS)
 def test_inputs_in_a_study_file_of_the_old_format_have_their_original_central_values(name):
-    study, tables = parse_study(OLD_TEXTS[name], "old"), tomllib.loads(OLD_TEXTS[name])
+    study, tables = parse_study(OLD_STUDY_TEXTS[name], "old"), tomllib.loads(OLD_STUDY_TEXTS[name])
     contact = tables["contact"]
     assert study.contact.effective_modulus == float(quantity(contact["effective_modulus"], "pressure"))
     assert study.contact.compliance_share == contact["compliance_share"]
@@ -46,7 +48,7 @@ def test_inputs_in_a_study_file_of_the_old_format_have_their_original_central_va
 
 
 def test_study_file_of_the_old_format_with_material_names_has_their_ranges():
-    study = parse_study(OLD_TEXT, "old")
+    study = parse_study(OLD_STUDY_OF_MATERIALS, "old")
     inputs = Inputs.from_study(study)
     brass = material("brass")
     for name, value in (("hardness", brass.hardness), ("young_lower", brass.young_modulus)):
@@ -64,11 +66,13 @@ def test_study_file_of_the_old_format_with_material_names_has_their_ranges():
     ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # an entry that the user has specified
 ])  # fmt: skip
 def test_hardness_in_a_study_file_of_the_old_format_has_its_original_range(contact, known, text):
-    assert parse_old(known, contact).contact.hardness.text == text
+    assert parse_old_study(known, contact).contact.hardness.text == text
 
 
 def test_effective_modulus_of_an_old_study_keeps_its_range():
-    study = parse_old('effective_modulus = "80 GPa ± 5 %"', 'effective_modulus = "80 GPa"\ncompliance_share = 0.3')
+    study = parse_old_study(
+        'effective_modulus = "80 GPa ± 5 %"', 'effective_modulus = "80 GPa"\ncompliance_share = 0.3'
+    )
     assert (study.contact.effective_modulus.text, study.contact.compliance_share) == ("80 GPa ± 5 %", 0.3)
 
 
@@ -77,7 +81,7 @@ def test_young_moduli_of_an_old_study_replace_its_effective_modulus():
     share = modulus * (1 - 0.25**2) / 70
     known = 'young = ["200 GPa ± 5 %", "70 GPa"]\npoisson = ["0.3", "0.25"]'
     contact = f'effective_modulus = "{modulus!r} GPa"\ncompliance_share = {share!r}\npoisson_ratio = [0.3, 0.25]'
-    study = parse_old(known, contact)
+    study = parse_old_study(known, contact)
     assert study.contact.effective_modulus == pytest.approx(modulus, rel=1e-15)
     assert study.contact.compliance_share == pytest.approx(share, rel=1e-15)
     assert [value.text for value in study.contact.young] == ["200 GPa ± 5 %", "70 GPa"]
@@ -85,7 +89,7 @@ def test_young_moduli_of_an_old_study_replace_its_effective_modulus():
 
 
 def test_old_effective_modulus_that_contradicts_the_materials_keeps_the_relative_range_of_the_materials():
-    study = parse_old("", 'effective_modulus = "40 GPa"\nmaterials = ["steel", "brass"]')
+    study = parse_old_study("", 'effective_modulus = "40 GPa"\nmaterials = ["steel", "brass"]')
     estimate = Inputs.from_study(study).uncertain["effective_modulus"].estimate
     assert study.contact.effective_modulus == 40
     assert (estimate.low / 40, estimate.high / 40) == pytest.approx((0.969, 1.032), abs=0.003)
@@ -94,9 +98,9 @@ def test_old_effective_modulus_that_contradicts_the_materials_keeps_the_relative
 @pytest.mark.usefixtures("all_input_samples")
 def test_interface_of_an_old_study_defines_mu0_and_tau0():
     friction = 'mu0 = [0.001]\ntau0 = ["0.02479 GPa"]'
-    known = f'mu0 = "5.005e-05..0.00195"\ntau0 = "24.3..25.3 MPa"\ninterface = "{FILM}"'
-    study = parse_old(known, friction=friction)
-    assert f'interface = "{FILM}"' in study.to_toml()
+    known = f'mu0 = "5.005e-05..0.00195"\ntau0 = "24.3..25.3 MPa"\ninterface = "{FILM_NAME}"'
+    study = parse_old_study(known, friction=friction)
+    assert f'interface = "{FILM_NAME}"' in study.to_toml()
     assert "mu0" not in study.to_toml()
     assert (study.friction.mu0[0], float(study.friction.tau0[0])) == (0.001, 0.02479)
     assert find_interface(study) is not None
@@ -104,7 +108,7 @@ def test_interface_of_an_old_study_defines_mu0_and_tau0():
 
 def test_missing_interface_file_of_an_old_study_does_not_change_the_ranges_of_mu0_and_tau0():
     known = 'mu0 = "0.1..0.3"\ntau0 = "24.3..25.3 MPa"\ninterface = "/nowhere/film.csv"'
-    study = parse_old(known, friction='mu0 = [0.21]\ntau0 = ["0.02479 GPa"]')
+    study = parse_old_study(known, friction='mu0 = [0.21]\ntau0 = ["0.02479 GPa"]')
     inputs = Inputs.from_study(study)
     assert find_interface(study) is None
     assert (inputs.central("mu0"), inputs.quantile("mu0", 0.025)) == (0.21, pytest.approx(0.1, rel=1e-3))
@@ -124,14 +128,14 @@ def test_missing_interface_file_of_an_old_study_does_not_change_the_ranges_of_mu
      "old: friction.mu0: must have one value, because known.mu0 is '0.2 ± 0.02', got [0.2, 0.3]"),
 ])  # fmt: skip
 def test_old_study_with_contradictory_inputs_is_rejected_with_one_sentence(known, contact, friction, message):
-    with pytest.raises(StudyError) as caught:
-        parse_old(known, contact, friction)
-    assert str(caught.value) == message
+    with pytest.raises(StudyError) as error_info:
+        parse_old_study(known, contact, friction)
+    assert str(error_info.value) == message
 
 
 def test_old_study_with_an_invalid_range_is_rejected_with_the_name_of_the_new_entry():
     with pytest.raises(StudyError, match=r"^old: friction.tau0: .*unit of pressure"):
-        parse_old('tau0 = "20..80"', friction='mu0 = [0.2]\ntau0 = ["40 MPa"]')
+        parse_old_study('tau0 = "20..80"', friction='mu0 = [0.2]\ntau0 = ["40 MPa"]')
 
 
 def test_uncertain_inputs_in_an_old_study_of_generated_surfaces_are_ignored():

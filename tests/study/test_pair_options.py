@@ -101,9 +101,9 @@ def test_uncertain_input_has_a_pair_option_of_the_same_name(name):
     ],
 )
 def test_error_about_an_invalid_value_names_the_command_line_option(values, message):
-    with pytest.raises(ArgumentError) as caught:
+    with pytest.raises(ArgumentError) as error_info:
         validate_option_values({"load": "1 mN", **values})
-    assert caught.value.translated_message(format_command_line_name).startswith(message)
+    assert error_info.value.translated_message(format_command_line_name).startswith(message)
 
 
 def test_pair_options_with_value_none_or_false_are_treated_as_not_given():

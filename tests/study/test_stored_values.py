@@ -50,7 +50,7 @@ def fill(value):
     return lambda values: np.full_like(values, value)
 
 
-def convert(dtype):
+def cast(dtype):
     return lambda values: values.astype(dtype)
 
 
@@ -62,12 +62,12 @@ IMPOSSIBLE_VALUES = [
     ("maps", "contact_area", fill(1e308)), ("maps", "contact_area", fill(-1.0)), ("maps", "contact_area", fill(0.0)),
     ("maps", "contact_area", fill(1e-320)), ("maps", "contact_area", fill(np.nan)),
     ("maps", "contact_area", replace_by_text), ("maps", "contact_count", fill(-3)),
-    ("maps", "contact_count", convert(float)), ("maps", "tangential_elastic", fill(-np.inf)),
+    ("maps", "contact_count", cast(float)), ("maps", "tangential_elastic", fill(-np.inf)),
     ("maps", "tangential_elastic", fill(np.nan)), ("maps", "status", fill(99)), ("maps", "status", fill(1)),
     ("maps", "share_on_largest", fill(2.0)), ("maps", "rms_gradient", fill(np.nan)), ("maps", "rms_slope", fill(-1.0)),
-    ("maps", "pressure", convert(complex)), ("maps", "nominal_area", fill(0.0)), ("maps", "nominal_area", fill(np.nan)),
+    ("maps", "pressure", cast(complex)), ("maps", "nominal_area", fill(0.0)), ("maps", "nominal_area", fill(np.nan)),
     ("maps", "x", replace_by_text), ("maps", "line", fill(-1)), ("maps", "repetition", fill(-1)),
-    ("maps", "repetition", convert(float)), ("maps", "@spacing_um", np.zeros(2)), ("maps", "@spacing_um", "text"),
+    ("maps", "repetition", cast(float)), ("maps", "@spacing_um", np.zeros(2)), ("maps", "@spacing_um", "text"),
     ("maps", "@spacing_um", h5py.Empty("f8")), ("maps", "@spacing_um", np.ones(5)), ("maps", "@shape", np.ones(2)),
     ("maps", "@upper", 1.0), ("maps", "@upper_spacing_um", np.array([np.nan, 1.0])),
     ("maps", "@lower_extent_um", np.array([1e308, 1.0])), ("maps", "@lower_filled", np.ones(1)),
@@ -83,9 +83,9 @@ def test_stored_block_with_impossible_values_is_rejected_with_the_name_of_the_va
 ):
     content = read_first_block(result_directories[kind])
     decode_members(content)
-    with pytest.raises(DamagedFileError, match=name.removeprefix("@")) as caught:
+    with pytest.raises(DamagedFileError, match=name.removeprefix("@")) as error_info:
         decode_members(change_file(content, name, change))
-    assert len(str(caught.value).splitlines()) == 1
+    assert len(str(error_info.value).splitlines()) == 1
 
 
 MISSING_ATTRIBUTES = ["upper", "shape", "spacing_um", "upper_spacing_um", "lower_extent_um"]

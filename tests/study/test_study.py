@@ -44,15 +44,15 @@ class TestQuantityConversion:
         ],
     )
     def test_invalid_quantity_string_is_rejected_with_a_short_message(self, text, kind):
-        with pytest.raises(ValueError, match=kind) as caught:
+        with pytest.raises(ValueError, match=kind) as error_info:
             quantity(text, kind)
-        assert len(str(caught.value)) < 200
+        assert len(str(error_info.value)) < 200
 
     @pytest.mark.parametrize("text", ["nan nm", "inf nm", "1e999 nm", "1e300 um", "1" * 10_000 + " nm"])
     def test_out_of_range_quantity_is_rejected_with_a_short_message(self, text):
-        with pytest.raises(ValueError, match=r"must be from 1e-06 to 1e\+06 um, got '") as caught:
+        with pytest.raises(ValueError, match=r"must be from 1e-06 to 1e\+06 um, got '") as error_info:
             quantity(text, "length")
-        assert len(str(caught.value)) < 200
+        assert len(str(error_info.value)) < 200
 
     @given(st.floats(1e-12, 1e12))
     def test_exact_text_of_a_quantity_is_parsed_to_the_same_number(self, value):
@@ -182,10 +182,10 @@ class TestStudyFiles:
     def test_file_without_a_valid_study_is_rejected_with_a_short_message(self, tmp_path, content, message):
         file = tmp_path / "bad.toml"
         file.write_bytes(content)
-        with pytest.raises(StudyError, match=message) as caught:
+        with pytest.raises(StudyError, match=message) as error_info:
             Study.from_toml(file)
-        assert "bad.toml" in str(caught.value)
-        assert len(str(caught.value)) < 500
+        assert "bad.toml" in str(error_info.value)
+        assert len(str(error_info.value)) < 500
 
     def test_missing_study_file_is_reported(self, tmp_path):
         for path in (tmp_path / "none.toml", tmp_path):
@@ -195,9 +195,9 @@ class TestStudyFiles:
     def test_many_errors_in_a_study_file_are_reported_in_a_few_lines(self, tmp_path):
         file = tmp_path / "bad.toml"
         file.write_text("\n".join(f"key{i} = 1" for i in range(100)))
-        with pytest.raises(StudyError) as caught:
+        with pytest.raises(StudyError) as error_info:
             Study.from_toml(file)
-        assert len(str(caught.value).splitlines()) == 6
+        assert len(str(error_info.value).splitlines()) == 6
 
 
 MEASURED_STUDY_TEXT = """
@@ -299,10 +299,10 @@ class TestStudyKinds:
         ],
     )
     def test_error_about_changing_the_kind_of_a_study_names_the_changed_key(self, study, study_key, value):
-        with pytest.raises(StudyError) as caught:
+        with pytest.raises(StudyError) as error_info:
             study.with_changes({study_key: value})
-        assert f"changes: {study_key}" in str(caught.value)
-        assert len(str(caught.value)) < 400
+        assert f"changes: {study_key}" in str(error_info.value)
+        assert len(str(error_info.value)) < 400
 
     def test_error_for_a_key_of_the_wrong_surface_kind_names_both_kinds(self):
         with pytest.raises(StudyError, match=r"belongs to fractal profiles, not to Weierstrass-Mandelbrot surfaces"):

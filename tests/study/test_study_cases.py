@@ -26,9 +26,9 @@ def test_study_of_each_kind_is_unchanged_by_writing_and_reading(case_name):
 
 def test_stored_study_with_a_key_of_another_contact_model_is_rejected():
     text = STORED_STUDIES["half-space_of_measured_areas"].replace("[friction]", 'law = "hertz-sphere"\n\n[friction]')
-    with pytest.raises(StudyError) as caught:
+    with pytest.raises(StudyError) as error_info:
         parse_study(text, STUDY_FILE)
-    assert caught.value.faults == (
+    assert error_info.value.faults == (
         (
             "contact.law",
             'belongs to asperities, not to the half-space of measured areas; it requires mechanics = "asperities"',
@@ -65,10 +65,10 @@ def test_contact_models_have_separate_classes_of_contact_settings():
     ],
 )
 def test_error_about_a_key_of_another_kind_of_study_names_that_kind(changes, study_key, message):
-    with pytest.raises(StudyError) as caught:
+    with pytest.raises(StudyError) as error_info:
         Study().with_changes(changes)
-    assert caught.value.faults[0][0] == study_key
-    assert caught.value.faults[0][1].startswith(message)
+    assert error_info.value.faults[0][0] == study_key
+    assert error_info.value.faults[0][1].startswith(message)
 
 
 @pytest.mark.parametrize(

@@ -86,10 +86,10 @@ def test_figures_and_reports_of_stored_results_do_not_load_the_sums_of_all_pairs
     run(SMALL_STUDY.with_changes({"ensemble.repetitions": 3}), store=tmp_path)
     result = open_result(tmp_path)
 
-    def fail(_):
+    def fail_on_access(_):
         raise AssertionError("the sums of all members are in memory")
 
-    monkeypatch.setattr(Result, "dataset", property(fail))
+    monkeypatch.setattr(Result, "dataset", property(fail_on_access))
     assert result.head.sizes["repetition"] == 1
     assert [draw().get_figheight() > 0 for _, draw in select_figures(result)] == [True] * 4
     assert collect_report_data(result).num_solved == 3

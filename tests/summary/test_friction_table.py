@@ -119,9 +119,9 @@ def test_assessments_in_a_friction_table_are_those_of_summaries_and_depend_on_th
     result = Result.of(dataset)
     result_at_loads = result.at(100 * table["pressure"].values, load_definition="elastic")
     for point in result.summarize_dataset(result_at_loads).points:
-        place = {"hurst_exponent": 2 - point.at["fractal_dimension"], "rms": point.at["amplitude"]}
-        place |= {"pressure": point.at["load"] / 100} | {name: point.at[name] for name in ("mu0", "tau0")}
-        assert table["assessment"].sel(sliding="opposing").sel(place, method="nearest").item() == point.assessment
+        conditions = {"hurst_exponent": 2 - point.at["fractal_dimension"], "rms": point.at["amplitude"]}
+        conditions |= {"pressure": point.at["load"] / 100} | {name: point.at[name] for name in ("mu0", "tau0")}
+        assert table["assessment"].sel(sliding="opposing").sel(conditions, method="nearest").item() == point.assessment
     # If tau0 is 0, friction at all contacts equals the given mu0, so it has a caveat and must not be quoted.
     without_tau0 = table["assessment"].sel(tau0=0.0)
     assert "Quote it" not in without_tau0.sel(sliding="all").values
@@ -245,8 +245,10 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
     assert frame["contacts with friction"].iloc[0] == rule
     for command in ("info", "at"):
         arguments = [command, "table", *(["--load", "10 MPa"] if command == "at" else [])]
-        printed = " ".join(check_stiction(*arguments, cwd=tmp_path).stdout.split())
-        assert (printed.index("all contacts") < printed.index("opposing contacts")) == (rule == "all"), command
+        printed_text = " ".join(check_stiction(*arguments, cwd=tmp_path).stdout.split())
+        assert (printed_text.index("all contacts") < printed_text.index("opposing contacts")) == (rule == "all"), (
+            command
+        )
 
 
 def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, monkeypatch):

@@ -32,11 +32,11 @@ def test_tau0_slider_has_three_to_six_round_steps_up_to_a_fraction_of_the_modulu
     changes = {"contact.effective_modulus": modulus, "friction.tau0": ["0 MPa"]}
     _, tau0 = build_parameter_axes(study.with_changes(changes))
     steps = np.diff(tau0.values)
-    largest = MAX_TAU0_OVER_MODULUS * float(study.with_changes(changes).contact.effective_modulus)
+    largest_tau0 = MAX_TAU0_OVER_MODULUS * float(study.with_changes(changes).contact.effective_modulus)
     assert tau0.values[0] == 0
     assert steps == pytest.approx(steps[0])
     assert 3 <= steps.size <= 6
-    assert largest - steps[0] < tau0.values[-1] <= largest
+    assert largest_tau0 - steps[0] < tau0.values[-1] <= largest_tau0
     mantissa = float(f"{steps[0]:.6e}".split("e")[0])
     assert mantissa in (1, 2, 5)
 

@@ -9,7 +9,7 @@ from stiction.summary.report_values import ORDERED_STATUSES, evaluate_measured_r
 from support.synthetic_results import measured_result, measured_study
 
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MOTIONS = [[0, 1, 2, 3], [0], [1], [2], [3]]
+MOTION_DIRECTIONS = [[0, 1, 2, 3], [0], [1], [2], [3]]
 
 
 def evaluate_report(*tables):
@@ -19,7 +19,7 @@ def evaluate_report(*tables):
         for table in tables
     ]
     grid = SimpleNamespace(
-        study=study, motions=MOTIONS, axes=(), loads=np.array([10.0]), member_kinds=[None] * len(tables),
+        study=study, motions=MOTION_DIRECTIONS, axes=(), loads=np.array([10.0]), member_kinds=[None] * len(tables),
         evaluate=lambda: tables, evaluate_study_inputs=lambda: [table.isel(mu0=0, tau0=0) for table in tables],
     )  # fmt: skip
     return evaluate_measured_report(grid)

@@ -43,11 +43,11 @@ def call_counts(surface_directory):
         def patch_to_count_calls(module, name):
             function = getattr(module, name)
 
-            def call_and_count(*args, **kwargs):
+            def count_and_evaluate(*args, **kwargs):
                 counts[name] += kwargs.get("budget", True)
                 return function(*args, **kwargs)
 
-            monkeypatch.setattr(module, name, call_and_count)
+            monkeypatch.setattr(module, name, count_and_evaluate)
 
         patch_to_count_calls(evaluation, "summarize")
         patch_to_count_calls(evaluation, "add_uncertainty")
@@ -193,8 +193,8 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
 def test_summary_at_another_mu0_has_the_combined_interval_and_caveats_of_the_inputs(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     point = result.summary("20 MPa", mu0=0.3).first
-    combined = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
-    np.testing.assert_allclose([point.value, point.lower, point.upper], combined.values, rtol=1e-12)
+    combined_interval = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()
+    np.testing.assert_allclose([point.value, point.lower, point.upper], combined_interval.values, rtol=1e-12)
     expected_caveats = [caveat.text for caveat in result.input_caveats if point.at["cut_off"] < caveat.cut_off]
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
@@ -231,6 +231,6 @@ def test_at_command_advises_against_quoting_a_result_from_few_contacts(tmp_path,
     capsys.readouterr()
     arguments = ("--load", "0.002 mN", "--d", "1.3", "--mu0", "0.4", "--tau0", "20 MPa", "--json")
     run_command(monkeypatch, "at", tmp_path / "study", *arguments)
-    (answer,) = json.loads(capsys.readouterr().out)["points"]
-    assert answer["assessment"] == "Do not quote"
-    assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in answer["caveats"]]
+    (json_point,) = json.loads(capsys.readouterr().out)["points"]
+    assert json_point["assessment"] == "Do not quote"
+    assert "too few contacts, 1.9 on average" in [caveat["text"] for caveat in json_point["caveats"]]

@@ -241,10 +241,10 @@ def _damage_zip_archive(random, original):
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(original)) as original_archive, zipfile.ZipFile(stream, "w") as damaged_archive:
         names = original_archive.namelist()
-        damaged = names[int(random.integers(len(names)))]
+        damaged_name = names[int(random.integers(len(names)))]
         for name in names:
             content = bytearray(original_archive.read(name))
-            if name == damaged:
+            if name == damaged_name:
                 scramble_bytes(random, content)
             damaged_archive.writestr(name, bytes(content))
     return stream.getvalue()

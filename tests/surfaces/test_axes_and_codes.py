@@ -11,7 +11,7 @@ MAP = np.round(np.cumsum(np.cumsum(RNG.normal(size=(24, 60)), axis=0), axis=1)[:
 
 
 def write_columns(path, names, step=0.5, first_position=0):
-    rows = "".join(f"{first_position + at * step:g};{z}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{first_position + index * step:g};{z}\n" for index, z in enumerate(PROFILE))
     path.write_text(f"{names}\n{rows}", encoding="utf-8")
     return path
 
@@ -22,9 +22,9 @@ def write_map(path, heights):
 
 
 def error_message(path, **options):
-    with pytest.raises(FormatError) as caught:
+    with pytest.raises(FormatError) as error_info:
         read_measurement(path, **options)
-    return str(caught.value)
+    return str(error_info.value)
 
 
 def caveats_of(path, **options):
@@ -132,8 +132,8 @@ def test_height_column_whose_name_has_an_abbreviation_or_a_vertical_bar_has_no_c
 )
 def test_codes_for_missing_points_are_reported_with_their_number_of_occurrences(tmp_path, codes):
     heights = MAP.copy()
-    for place, code in enumerate(codes):
-        heights[3 + place :: 7, 2 + 3 * place] = code
+    for code_index, code in enumerate(codes):
+        heights[3 + code_index :: 7, 2 + 3 * code_index] = code
     texts = [
         str(caveat)
         for caveat in read_with_interpretation(
@@ -207,7 +207,7 @@ def test_repeated_sequence_of_heights_is_reported(tmp_path, kind, copies):
 
 
 def test_sinusoidal_profile_is_not_reported_as_a_repeated_sequence(tmp_path):
-    (tmp_path / "a.csv").write_text("".join(f"{np.sin(np.pi * at / 25):.4f}\n" for at in range(200)))
+    (tmp_path / "a.csv").write_text("".join(f"{np.sin(np.pi * index / 25):.4f}\n" for index in range(200)))
     assert not caveats_of(tmp_path / "a.csv", unit="um", spacing="1 um")
 
 
@@ -274,10 +274,10 @@ def test_rounded_heights_have_no_caveat_about_repeated_values(tmp_path, digit):
 @pytest.mark.parametrize("word", [".", "-", "...", "+", "-9,99E+99"])
 def test_missing_value_option_accepts_words_that_resemble_numbers(tmp_path, word):
     path = tmp_path / "a.csv"
-    rows = "".join(f"{at / 2};{word if at % 17 == 3 else z}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{index / 2};{word if index % 17 == 3 else z}\n" for index, z in enumerate(PROFILE))
     path.write_text(f"x (um);z (um)\n{rows}")
     profile = read_measurement(path, missing="mask", missing_value=(word,))
-    assert profile.missing.tolist() == [at % 17 == 3 for at in range(PROFILE.size)]
+    assert profile.missing.tolist() == [index % 17 == 3 for index in range(PROFILE.size)]
 
 
 # ---- Formats that declare their size --------------------------------------------------------------------------------
@@ -289,7 +289,7 @@ def test_surfer_grid_is_read_with_the_spacings_of_its_header(tmp_path, suffix, p
     heights = MAP.copy()
     heights[2, 3] = np.nan
     numbers = ["1.70141e+38" if np.isnan(z) else f"{z:.4f}" for z in heights.ravel()]
-    lines = [" ".join(numbers[at : at + per_line]) for at in range(0, len(numbers), per_line)]
+    lines = [" ".join(numbers[index : index + per_line]) for index in range(0, len(numbers), per_line)]
     path = tmp_path / f"a{suffix}"
     path.write_text("\n".join(["DSAA", "30 24", "0 14.5", "0 5.75", "-3 3", *lines, ""]))
     surface = read_surface(path, unit="um", missing="mask")

@@ -24,9 +24,9 @@ def write_arrays(path, **arrays):
 
 
 def error_message(path, **options):
-    with pytest.raises(FormatError) as caught:
+    with pytest.raises(FormatError) as error_info:
         read_measurement(path, unit="um", **options)
-    return str(caught.value)
+    return str(error_info.value)
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
@@ -114,7 +114,7 @@ def write_workbook(path, **sheets):
 
 def test_workbook_column_of_unevaluated_formulas_is_rejected(tmp_path):
     rows = [["x (um)", "raw", "z (um)"]]
-    rows += [[at / 2, z, f"=B{at + 2}*2"] for at, z in enumerate(HEIGHTS.ravel().tolist())]
+    rows += [[index / 2, z, f"=B{index + 2}*2"] for index, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=rows)
     assert "has words in column 2 (z (um)): 'unevaluated formula' (54)" in error_message(path)
     only_formulas = write_workbook(tmp_path / "b.xlsx", one=[["z (um)"], *([row[2]] for row in rows[1:])])
@@ -124,7 +124,10 @@ def test_workbook_column_of_unevaluated_formulas_is_rejected(tmp_path):
 @pytest.mark.parametrize("cutoff_sheet", ["Certificate", "DATA"])
 def test_material_ratio_curves_of_a_mitutoyo_workbook_are_not_read_as_heights(tmp_path, cutoff_sheet):
     z = HEIGHTS.ravel().tolist()
-    rows = [[None, None, at / 100, 99 - at, at / 2000, height, at / 90, 99 - at] for at, height in enumerate(z)]
+    rows = [
+        [None, None, index / 100, 99 - index, index / 2000, height, index / 90, 99 - index]
+        for index, height in enumerate(z)
+    ]
     rows[0][:2] = "Ra     0.641  µm      ", "CUT 2.5mm" if cutoff_sheet == "DATA" else "N 4"
     certificate = [["Cut-off", "2.5mm"]] if cutoff_sheet == "Certificate" else [["number", "7"]]
     profile = read_measurement(write_workbook(tmp_path / "a.xlsx", Certificate=certificate, DATA=rows))
@@ -133,6 +136,6 @@ def test_material_ratio_curves_of_a_mitutoyo_workbook_are_not_read_as_heights(tm
 
 
 def test_channel_is_selected_by_its_complete_name_including_a_remark_in_brackets(tmp_path):
-    rows = [[at / 2, z, -z, 2 * z] for at, z in enumerate(HEIGHTS.ravel().tolist())]
+    rows = [[index / 2, z, -z, 2 * z] for index, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=[["x (um)", "z (trace)", "z (retrace)", "phase"], *rows])
     assert "has no column named 'z (backward)'" in error_message(path, columns="z (backward)")

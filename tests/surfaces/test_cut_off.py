@@ -25,9 +25,9 @@ def weighted_line_by_definition(heights, spacing, wavelength):
     smoothed_heights = []
     for centre in x:
         weight = np.exp(-np.pi * ((x - centre) / (alpha * wavelength)) ** 2)
-        design = np.stack([np.ones(x.size), x - centre], axis=1)
-        normal_matrix = design.T @ (weight[:, np.newaxis] * design)
-        smoothed_heights.append(np.linalg.solve(normal_matrix, design.T @ (weight * heights))[0])
+        design_matrix = np.stack([np.ones(x.size), x - centre], axis=1)
+        normal_matrix = design_matrix.T @ (weight[:, np.newaxis] * design_matrix)
+        smoothed_heights.append(np.linalg.solve(normal_matrix, design_matrix.T @ (weight * heights))[0])
     return np.array(smoothed_heights)
 
 

@@ -59,29 +59,29 @@ class TestGaussianFilter:
 
 class TestMissingPoints:
     def test_filtered_profile_equals_reference_with_zero_weights_at_missing_points(self):
-        profile, missing = rough_profile(points=200), np.zeros(200, bool)
-        missing[[0, 1, 50, 51, 52, 53, 120]] = True
-        expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~missing).astype(float))
+        profile, is_missing = rough_profile(points=200), np.zeros(200, bool)
+        is_missing[[0, 1, 50, 51, 52, 53, 120]] = True
+        expected = mean_line(profile.heights, profile.spacing, 0.3, weights=(~is_missing).astype(float))
         results = [
-            filtered(Profile(heights, spacing=profile.spacing, missing=missing), cutoff=0.3).heights
-            for heights in (profile.heights, np.where(missing, 1e3, profile.heights))
+            filtered(Profile(heights, spacing=profile.spacing, missing=is_missing), cutoff=0.3).heights
+            for heights in (profile.heights, np.where(is_missing, 1e3, profile.heights))
         ]
         for result in results:
-            assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(profile)
+            assert np.abs(result - expected)[~is_missing].max() < SAMPLING_TOLERANCE * total_height(profile)
 
     def test_filtered_surface_equals_reference_with_zero_weights_at_missing_points(self):
-        surface, missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
-        missing[3:9, 10:14], missing[20:, :4] = True, True
+        surface, is_missing = self_affine_map(1, 0.7, (24, 30), spacing=(0.5, 0.25)), np.zeros((24, 30), bool)
+        is_missing[3:9, 10:14], is_missing[20:, :4] = True, True
         expected = mean_surface(
-            surface.heights, surface.spacing, 6.0, [(0, 0), (0, 1), (1, 0), (1, 1)], (~missing).astype(float)
+            surface.heights, surface.spacing, 6.0, [(0, 0), (0, 1), (1, 0), (1, 1)], (~is_missing).astype(float)
         )
-        result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=missing), cutoff=6.0).heights
-        assert np.abs(result - expected)[~missing].max() < SAMPLING_TOLERANCE * total_height(surface)
+        result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=is_missing), cutoff=6.0).heights
+        assert np.abs(result - expected)[~is_missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
     def test_filter_leaves_heights_of_missing_points_far_from_measured_points_unchanged(self):
-        missing = np.zeros(400, bool)
-        missing[100:300] = True
-        profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=missing)
+        is_missing = np.zeros(400, bool)
+        is_missing[100:300] = True
+        profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=is_missing)
         result = filtered(profile, cutoff=9.0).heights
         assert result[200] == pytest.approx(profile.heights[200], rel=1e-9)
         periodically_filtered = filtered(profile, cutoff=9.0, periodic=True).heights
@@ -143,11 +143,11 @@ def test_filter_accepts_a_cutoff_as_long_as_the_profile():
 @pytest.mark.parametrize("has_missing", [False, True])
 def test_filter_with_a_short_cutoff_does_not_amplify_noise_at_edges_and_missing_points(points, has_missing):
     heights = np.random.default_rng(1).normal(size=(48, 40))
-    missing = np.zeros(heights.shape, dtype=bool)
-    missing[20:26, 10:13] = missing[:3, 5] = has_missing
-    surface = Surface(np.where(missing, 0.0, heights), spacing=0.1, missing=missing if has_missing else None)
+    is_missing = np.zeros(heights.shape, dtype=bool)
+    is_missing[20:26, 10:13] = is_missing[:3, 5] = has_missing
+    surface = Surface(np.where(is_missing, 0.0, heights), spacing=0.1, missing=is_missing if has_missing else None)
     smoothed_heights = filtered(surface, cutoff=0.1 * points).heights
-    assert np.abs(smoothed_heights[~missing]).max() < 1.05 * np.abs(heights).max()
-    assert np.square(smoothed_heights[~missing]).mean() < np.square(heights).mean()
+    assert np.abs(smoothed_heights[~is_missing]).max() < 1.05 * np.abs(heights).max()
+    assert np.square(smoothed_heights[~is_missing]).mean() < np.square(heights).mean()
     tilted_plane = Surface(np.add.outer(0.3 * np.arange(48), np.arange(40)), spacing=0.1)
     np.testing.assert_allclose(filtered(tilted_plane, cutoff=0.1 * points).heights, tilted_plane.heights, atol=1e-9)

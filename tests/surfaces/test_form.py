@@ -37,8 +37,8 @@ def test_levelling_subtracts_the_polynomial_of_a_direct_least_squares_fit(trend)
     degree = {"cubic": 3, "sextic": 6}[trend]
     heights = np.random.default_rng(2).normal(size=(20, 25))
     y, x = np.meshgrid(np.linspace(-1, 1, 20), np.linspace(-1, 1, 25), indexing="ij")
-    design = np.stack([(y**j * x**i).ravel() for j in range(degree + 1) for i in range(degree + 1 - j)], axis=1)
-    fit = design @ np.linalg.lstsq(design, heights.ravel(), rcond=None)[0]
+    design_matrix = np.stack([(y**j * x**i).ravel() for j in range(degree + 1) for i in range(degree + 1 - j)], axis=1)
+    fit = design_matrix @ np.linalg.lstsq(design_matrix, heights.ravel(), rcond=None)[0]
     result = levelled(Surface(heights, spacing=0.5), trend).heights
     assert np.abs(result - (heights.ravel() - fit).reshape(heights.shape)).max() < 1e-11
 
@@ -75,12 +75,12 @@ def test_levelling_removes_a_circle_and_leaves_the_noise():
 
 def test_form_removal_ignores_missing_points():
     x = np.arange(400.0)
-    heights, missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
-    missing[50:80] = True
-    filled_heights = np.where(missing, heights + 5, heights)
+    heights, is_missing = np.sqrt(2000.0**2 - (x - 150) ** 2), np.zeros(400, bool)
+    is_missing[50:80] = True
+    filled_heights = np.where(is_missing, heights + 5, heights)
     for trend in ("circle", "sextic"):
-        residuals = levelled(Profile(filled_heights, spacing=1.0, missing=missing), trend).heights
-        assert np.abs(residuals[~missing]).max() < 1e-5
+        residuals = levelled(Profile(filled_heights, spacing=1.0, missing=is_missing), trend).heights
+        assert np.abs(residuals[~is_missing]).max() < 1e-5
 
 
 def test_form_removal_changes_the_heights_of_pure_noise_only_slightly():

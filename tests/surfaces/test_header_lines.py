@@ -25,9 +25,9 @@ def read_text(tmp_path):
 
 
 def error_message(read_text, text, **options):
-    with pytest.raises(FormatError) as caught:
+    with pytest.raises(FormatError) as error_info:
         read_text(text, **options)
-    return str(caught.value)
+    return str(error_info.value)
 
 
 def caveat_names(reading):
@@ -289,7 +289,7 @@ def test_header_unit_of_y_is_not_used_for_the_heights_of_a_map(read_text):
 
 @pytest.mark.parametrize("names", ["x (um);z (raw)", "x um;Height raw", "x;z\num;raw"])
 def test_column_of_raw_heights_without_a_unit_has_a_caveat(read_text, names):
-    rows = "".join(f"{at / 2:.1f};{z}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{index / 2:.1f};{z}\n" for index, z in enumerate(PROFILE))
     assert caveat_names(read_text(f"{names}\n{rows}", unit="um")) == ["scale"]
 
 
@@ -299,14 +299,14 @@ def test_last_word_of_a_column_name_that_is_no_unit_is_ignored(read_text, name):
 
 
 def test_unit_with_a_power_of_ten_after_the_column_names_is_read(read_text):
-    rows = "".join(f"{500 * at};{1000 * z:.1f}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{500 * index};{1000 * z:.1f}\n" for index, z in enumerate(PROFILE))
     reading = read_text(f"x in 1e-9 m;z in 1e-9 m\n{rows}")
     assert reading.body.spacing == pytest.approx(0.5)
     assert reading.body.heights == pytest.approx(PROFILE)
 
 
 def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_text):
-    rows = "".join(f"{at / 2000:.4f}\t{z}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{index / 2000:.4f}\t{z}\n" for index, z in enumerate(PROFILE))
     names = "x (mm)\tslope error (urad)\tx (mm)\tHGT error (nm)\tHGT (um)"
     assert "has heights in 'urad'" in error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
     assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
@@ -317,7 +317,7 @@ def test_single_letter_after_a_column_name_is_a_unit_if_another_column_has_a_uni
 
 
 def test_html_entity_in_a_unit_is_decoded(read_text):
-    rows = "".join(f"{at / 2:.1f}\t{z}\n" for at, z in enumerate(PROFILE))
+    rows = "".join(f"{index / 2:.1f}\t{z}\n" for index, z in enumerate(PROFILE))
     assert read_text(f"x (&micro;m)\tz (&micro;m)\n{rows}").body.spacing == pytest.approx(0.5)
 
 
@@ -478,7 +478,7 @@ def test_third_header_line_after_names_and_units_is_ignored(read_text, third_lin
 
 @pytest.mark.parametrize("row", ["{x};mm;{z};um\n", "{x};mm;{z};µm\n"])
 def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
-    text = "".join(row.format(x=at / 2000, z=z) for at, z in enumerate(PROFILE))
+    text = "".join(row.format(x=index / 2000, z=z) for index, z in enumerate(PROFILE))
     body = read_text(text).body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
@@ -487,6 +487,6 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
 
 @pytest.mark.parametrize("columns", [None, (0,)])
 def test_heights_with_different_units_beside_the_numbers_are_rejected(read_text, columns):
-    text = "".join(f"{z};um\n" if at % 9 else f"{1000 * z:.1f};nm\n" for at, z in enumerate(PROFILE))
+    text = "".join(f"{z};um\n" if index % 9 else f"{1000 * z:.1f};nm\n" for index, z in enumerate(PROFILE))
     message = error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
     assert "has numbers in several units in column 1: 'um' (106) and 'nm' (14)" in message

@@ -52,9 +52,9 @@ def test_map_is_sampled_along_any_direction_without_missing_points():
         assert roughness.z2 == pytest.approx(abs(slope))
         assert (roughness.falling_slope if slope < 0 else roughness.rising_slope) == pytest.approx(abs(slope))
         assert roughness.sampling_interval == pytest.approx(1270, rel=0.05)
-    missing = np.zeros((80, 80), bool)
-    missing[:, 40:] = True
-    bent = Surface(np.where(missing, 1e5, plane.heights), spacing=127.0, missing=missing)
+    is_missing = np.zeros((80, 80), bool)
+    is_missing[:, 40:] = True
+    bent = Surface(np.where(is_missing, 1e5, plane.heights), spacing=127.0, missing=is_missing)
     assert measure_joint_roughness(bent, 0).z2 == pytest.approx(0.2)
 
 

@@ -135,8 +135,8 @@ def wyko_text(real=1, intensity=True, missing="Bad", aspect=False, comma=False):
     header_lines += ["Aspect\t7\t4\t1"] * aspect
     scale = 1000 if real else 1000 / 250
     body = format_rows(HEIGHTS_WITH_HOLES.T * scale, missing=missing, form=".6f", comma=comma)
-    more = ["Intensity\t6\t320", *format_rows(np.abs(HEIGHTS.T))] if intensity else []
-    return "\n".join([*header_lines, "RAW_DATA\t3\t320", *body, *more]) + "\n"
+    intensity_lines = ["Intensity\t6\t320", *format_rows(np.abs(HEIGHTS.T))] if intensity else []
+    return "\n".join([*header_lines, "RAW_DATA\t3\t320", *body, *intensity_lines]) + "\n"
 
 
 def esri_text(case=str, code="-9999", separator=" ", size="cellsize 0.5", comma=False):
@@ -416,8 +416,8 @@ def test_counts_and_sizes_in_headers_are_not_read_as_heights(tmp_path):
         )
     path.write_text(f"{NUM_COLUMNS} {NUM_ROWS}\n" + "\n".join(format_rows(HEIGHTS, " ")))
     assert np.array_equal(read_scan_or_none(path, **options).heights, HEIGHTS)
-    flat = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
-    for text in (f"0.5\n60\n{column_text}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{flat}"):
+    one_column_text = "".join(f"{z:.4f}\n" for z in HEIGHTS.ravel())
+    for text in (f"0.5\n60\n{column_text}", f"{NUM_COLUMNS}\n{NUM_ROWS}\n{one_column_text}"):
         path.write_text(text)
         assert read_scan_or_none(path, **options) is None
 
@@ -804,9 +804,9 @@ def test_counts_of_missing_points_are_not_read_as_codes_for_missing_points(tmp_p
         (f"No data value: {number}", True), (f"Missing value = {number}", True), (f"Bad pixel code: {number}", True),
     ):  # fmt: skip
         path.write_text("\n".join([line, *format_rows(integer_heights, form=".0f")]))
-        missing = read_scan_or_none(path, **options).missing
-        assert (missing is not None) == is_code, line
-        assert not is_code or np.array_equal(missing, integer_heights == number)
+        is_missing = read_scan_or_none(path, **options).missing
+        assert (is_missing is not None) == is_code, line
+        assert not is_code or np.array_equal(is_missing, integer_heights == number)
     heights_with_missing_code = np.where(np.isnan(HEIGHTS_WITH_HOLES), 32767, HEIGHTS_WITH_HOLES)
     path.write_text("\n".join(["No data: 32767", *format_rows(heights_with_missing_code)]))
     assert np.array_equal(read_scan_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
@@ -997,7 +997,7 @@ def test_status_column_of_an_olympus_map_is_not_read_as_heights(tmp_path):
 
 
 IMPOSSIBLE_NUMBERS = ("0", "-1", "-1e-7", "nan", "inf", "1e400", "1e-400", "1e308", "1e-308", "0x10", "")
-HEADER_NUMBERS = [
+LINES_WITH_HEADER_NUMBERS = [
     ("sdf", {}, "Xscale = 5.0E-7", "Xscale = "), ("sdf", {}, "Yscale = 5.0E-7", "Yscale = "),
     ("sdf", {}, "Zscale = 1.0E-6", "Zscale = "), ("spip", {}, "# x-length = 4500", "# x-length = "),
     ("spip", {"unit": "# bit2nm = 1000"}, "# bit2nm = 1000", "# bit2nm = "),
@@ -1011,7 +1011,9 @@ HEADER_NUMBERS = [
 
 
 @pytest.mark.parametrize("number", IMPOSSIBLE_NUMBERS)
-@pytest.mark.parametrize(("name", "variant", "line", "start"), HEADER_NUMBERS, ids=lambda item: str(item)[:12])
+@pytest.mark.parametrize(
+    ("name", "variant", "line", "start"), LINES_WITH_HEADER_NUMBERS, ids=lambda item: str(item)[:12]
+)
 def test_impossible_numbers_in_headers_of_instrument_files_are_rejected(tmp_path, name, variant, line, start, number):
     write, options, _ = EXPORT_FORMATS[name]
     text, quote, unit = write(**variant), '"' * (name == "keyence"), " µm" * (name == "gwyddion")
@@ -1114,8 +1116,8 @@ def test_written_scans_are_read_back_exactly_whatever_their_history_contains(tmp
 @pytest.mark.parametrize(("word", "quoted_word"), [("#DIV/0!", "'#DIV/0!'"), ("(bad)", "'(bad)'"), ("1\t2", r"'1\t2'")])
 def test_recommended_missing_value_can_be_pasted_into_a_shell(tmp_path, word, quoted_word):
     rows = format_rows(HEIGHTS, ";")
-    first_cell, _, *others = rows[3].split(";")
-    rows[3] = ";".join([first_cell, word, *others])
+    first_cell, _, *other_cells = rows[3].split(";")
+    rows[3] = ";".join([first_cell, word, *other_cells])
     (tmp_path / "a.csv").write_text("\n".join(rows))
     with pytest.raises(FormatError, match=rf"--missing-value {re.escape(quoted_word)} treats it"):
         read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")
@@ -1133,9 +1135,9 @@ def test_number_in_another_notation_is_not_recommended_as_a_code_for_missing_poi
     rows = format_rows(HEIGHTS, ";")
     rows[3] = ";".join([word, *rows[3].split(";")[1:]])
     (tmp_path / "a.csv").write_text("\n".join(rows))
-    with pytest.raises(FormatError, match=advice) as caught:
+    with pytest.raises(FormatError, match=advice) as error_info:
         read_measurement(tmp_path / "a.csv", unit="um", spacing="0.5 um")
-    assert "--missing-value" not in str(caught.value)
+    assert "--missing-value" not in str(error_info.value)
 
 
 def test_wyko_file_with_two_blocks_of_heights_is_rejected(tmp_path):

@@ -75,13 +75,13 @@ def test_hurst_exponents_of_all_lines_are_fitted_in_a_common_band():
     result = line_roughness(surface_of_stacked_rows(hurst, lines=MAX_FITTED_LINES + 9, longest_wavelength=4.0), "x")
     assert result.fitted == MAX_FITTED_LINES == result.hurst_exponents.size
     assert result.with_band > 0.9 * result.fitted
-    shortest, longest = result.band
-    assert shortest < 0.1
-    assert 1.5 < longest < 6
-    mean, spread = result.hurst_exponents.mean(), result.hurst_exponents.std()
+    shortest_wavelength, longest_wavelength = result.band
+    assert shortest_wavelength < 0.1
+    assert 1.5 < longest_wavelength < 6
+    mean, standard_deviation = result.hurst_exponents.mean(), result.hurst_exponents.std()
     # The tolerance is three standard errors of independent lines, plus 0.02, because the roll-off bends the spectrum.
-    assert mean == pytest.approx(hurst, abs=3 * spread / np.sqrt(result.fitted) + 0.02)
-    assert spread < 0.1
+    assert mean == pytest.approx(hurst, abs=3 * standard_deviation / np.sqrt(result.fitted) + 0.02)
+    assert standard_deviation < 0.1
 
 
 def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():

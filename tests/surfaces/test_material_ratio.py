@@ -13,32 +13,35 @@ from support.rough_surfaces import rough_profile, self_affine_map
 
 
 @pytest.fixture(scope="module")
-def heights():
+def map_heights():
     surface = self_affine_map(2, 0.6, (30, 40))
     return surface.heights - surface.heights.mean()
 
 
-def test_material_ratios_and_heights_equal_their_definitions(heights):
-    z = heights.ravel().tolist()
+def test_material_ratios_and_heights_equal_their_definitions(map_heights):
+    z = map_heights.ravel().tolist()
     for ratio in (0.0, 0.025, 0.1, 0.5, 0.8, 1.0):
-        assert heights_at_material_ratios(heights, ratio) == pytest.approx(
+        assert heights_at_material_ratios(map_heights, ratio) == pytest.approx(
             reference_roughness.height_at_material_ratio(z, ratio), rel=1e-12
         )
     levels = [-10.0, -0.5, 0.0, 0.7, 10.0]
     expected = [reference_roughness.material_ratio_at_height(z, level) for level in levels]
-    assert material_ratio(Surface(heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
+    assert material_ratio(Surface(map_heights, spacing=1.0), levels) == pytest.approx(expected, abs=1e-12)
     assert material_ratio(rough_profile(), [100.0]) == 0
 
 
-def test_core_roughness_parameters_equal_their_definition(heights):
-    result, expected = core_parameters(heights), reference_roughness.stratified_parameters(heights.ravel().tolist())
+def test_core_roughness_parameters_equal_their_definition(map_heights):
+    result, expected = (
+        core_parameters(map_heights),
+        reference_roughness.stratified_parameters(map_heights.ravel().tolist()),
+    )
     assert result == pytest.approx([expected[name] for name in ("k", "pk", "vk", "mrk1", "mrk2")], rel=1e-9)
 
 
-def test_material_and_void_volumes_equal_integrals_of_the_bearing_curve(heights):
+def test_material_and_void_volumes_equal_integrals_of_the_bearing_curve(map_heights):
     result, expected = (
-        material_volumes(heights),
-        reference_roughness.material_and_void_volumes(heights.ravel().tolist()),
+        material_volumes(map_heights),
+        reference_roughness.material_and_void_volumes(map_heights.ravel().tolist()),
     )
     assert result == pytest.approx([expected[name] for name in ("Vmp", "Vmc", "Vvc", "Vvv")], rel=1e-3)
 
@@ -72,10 +75,10 @@ def test_parameters_of_normally_distributed_heights_equal_closed_forms():
     assert result.Vvc == pytest.approx(material_volume(0.9) - material_volume(0.2), rel=2e-3)
 
 
-def test_core_material_and_void_volumes_add_up_to_the_core_height(heights):
+def test_core_material_and_void_volumes_add_up_to_the_core_height(map_heights):
     # The material volume and the void volume add up to the volume of the slab between the two heights.
-    result = material_volumes(heights)
-    upper, lower = heights_at_material_ratios(heights, [0.1, 0.8])
+    result = material_volumes(map_heights)
+    upper, lower = heights_at_material_ratios(map_heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)
 
 

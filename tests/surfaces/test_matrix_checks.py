@@ -5,7 +5,7 @@ import pytest
 from stiction import FormatError, FormatWarning, read_measurement, read_surface
 from stiction.surfaces.measured.reading import read_with_interpretation
 
-OPTIONS = {"unit": "um", "spacing": "0.5 um"}
+READ_OPTIONS = {"unit": "um", "spacing": "0.5 um"}
 
 
 def create_map(rows, columns, seed=3):
@@ -19,14 +19,16 @@ def create_map(rows, columns, seed=3):
 
 HEIGHTS = create_map(15, 20)
 X, Y = (item.ravel() * 0.5 for item in np.meshgrid(np.arange(20), np.arange(15)))
-NUMBERS = np.arange(HEIGHTS.size)
-NORMALS = np.column_stack([0.6 * np.sin(X), 0.6 * np.cos(X), 0.8 + 0 * X])
+POINT_NUMBERS = np.arange(HEIGHTS.size)
+SURFACE_NORMALS = np.column_stack([0.6 * np.sin(X), 0.6 * np.cos(X), 0.8 + 0 * X])
 COLUMNS_BESIDE_XYZ = {
-    "colours": np.column_stack([NUMBERS % 256, 0 * NUMBERS + 90, 0 * NUMBERS]),
-    "one whole intensity": (NUMBERS % 100)[:, None],
-    "intensity below one": (np.sqrt(NUMBERS % 97) / 10)[:, None],
-    "normals": NORMALS,
-    "colours and normals": np.column_stack([NUMBERS % 256, NUMBERS % 7, NUMBERS % 9, NORMALS]),
+    "colours": np.column_stack([POINT_NUMBERS % 256, 0 * POINT_NUMBERS + 90, 0 * POINT_NUMBERS]),
+    "one whole intensity": (POINT_NUMBERS % 100)[:, None],
+    "intensity below one": (np.sqrt(POINT_NUMBERS % 97) / 10)[:, None],
+    "normals": SURFACE_NORMALS,
+    "colours and normals": np.column_stack(
+        [POINT_NUMBERS % 256, POINT_NUMBERS % 7, POINT_NUMBERS % 9, SURFACE_NORMALS]
+    ),
 }
 
 
@@ -35,9 +37,9 @@ def to_text(columns, separator=" "):
 
 
 def error_message(path, **options):
-    with pytest.raises(FormatError) as caught:
+    with pytest.raises(FormatError) as error_info:
         read_measurement(path, **options)
-    return str(caught.value)
+    return str(error_info.value)
 
 
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
@@ -46,29 +48,29 @@ def test_point_list_with_extra_columns_is_rejected_unless_x_y_and_z_are_chosen(t
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([X, Y, HEIGHTS.ravel(), COLUMNS_BESIDE_XYZ[kind]]), separator))
     assert "columns 0 and 1 are the coordinates of a grid; choose x, y and z (--columns 0,1,2)" in error_message(
-        path, **OPTIONS
+        path, **READ_OPTIONS
     )
     surface = read_surface_of_columns(path, (0, 1, 2))
     assert np.allclose(surface.heights, HEIGHTS, atol=1e-5)
 
 
 def read_surface_of_columns(path, columns):
-    surface = read_measurement(path, **OPTIONS, columns=columns)
+    surface = read_measurement(path, **READ_OPTIONS, columns=columns)
     assert surface.spacings == pytest.approx((0.5, 0.5))
     return surface
 
 
 def test_error_about_a_point_list_with_row_numbers_lists_the_columns_to_choose(tmp_path):
     path = tmp_path / "a.txt"
-    path.write_text(to_text(np.column_stack([NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
-    assert "(--columns 1,2,3)" in error_message(path, **OPTIONS)
+    path.write_text(to_text(np.column_stack([POINT_NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
+    assert "(--columns 1,2,3)" in error_message(path, **READ_OPTIONS)
     assert np.allclose(read_surface_of_columns(path, (1, 2, 3)).heights, HEIGHTS, atol=1e-5)
 
 
 def test_array_of_points_on_a_grid_is_not_read_as_a_map_of_three_columns(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.column_stack([X, Y, HEIGHTS.ravel()]))
-    assert "choose x, y and z (--columns 0,1,2)" in error_message(path, **OPTIONS)
+    assert "choose x, y and z (--columns 0,1,2)" in error_message(path, **READ_OPTIONS)
     assert np.array_equal(read_surface_of_columns(path, (0, 1, 2)).heights, HEIGHTS)
 
 
@@ -78,12 +80,12 @@ def test_array_of_points_on_a_grid_is_not_read_as_a_map_of_three_columns(tmp_pat
 )
 def test_scattered_points_with_extra_columns_are_not_read_as_a_map(tmp_path, kind, message):
     rng, path = np.random.default_rng(1), tmp_path / "a.txt"
-    scattered = rng.uniform(0, 9, (NUMBERS.size, 2))
-    normals = NORMALS + 0
-    normals[:, 2] = np.sqrt(1 - (normals[:, :2] ** 2).sum(axis=1)) * np.where(NUMBERS % 5, 1, -1)
-    others = normals if kind == "normals" else COLUMNS_BESIDE_XYZ[kind]
-    path.write_text(to_text(np.column_stack([scattered, HEIGHTS.ravel(), others])))
-    assert message in error_message(path, **OPTIONS)
+    positions = rng.uniform(0, 9, (POINT_NUMBERS.size, 2))
+    normals = SURFACE_NORMALS + 0
+    normals[:, 2] = np.sqrt(1 - (normals[:, :2] ** 2).sum(axis=1)) * np.where(POINT_NUMBERS % 5, 1, -1)
+    other_columns = normals if kind == "normals" else COLUMNS_BESIDE_XYZ[kind]
+    path.write_text(to_text(np.column_stack([positions, HEIGHTS.ravel(), other_columns])))
+    assert message in error_message(path, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("decimals", [0, 1, 4])
@@ -92,7 +94,7 @@ def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
     path, heights = tmp_path / "a.csv", np.round(20 * create_map(*shape) / 5, decimals)
     path.write_text(to_text(heights, ","))
     with np.errstate(all="ignore"):
-        assert np.array_equal(read_surface(path, **OPTIONS, accept=("whole-numbers", "tall")).heights, heights)
+        assert np.array_equal(read_surface(path, **READ_OPTIONS, accept=("whole-numbers", "tall")).heights, heights)
 
 
 # ---- Blocks and statistics ------------------------------------------------------------------------------------------
@@ -102,7 +104,7 @@ def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
 def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_path, rows_below):
     path = tmp_path / "a.txt"
     path.write_text(to_text(HEIGHTS) + "\n" + to_text(2 * create_map(rows_below, 20, seed=8)))
-    message = error_message(path, **OPTIONS)
+    message = error_message(path, **READ_OPTIONS)
     assert f"has 2 blocks of rows with empty lines between them (15 from line 1, {rows_below} from line 17)" in message
 
 
@@ -110,22 +112,22 @@ def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_
 def test_numbers_below_an_empty_line_are_not_appended_to_a_profile(tmp_path, numbers_below):
     path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:150, None]
     path.write_text(to_text(line) + "\n" + to_text(line[:numbers_below] / 2))
-    assert f"150 from line 1, {numbers_below} from line 152" in error_message(path, **OPTIONS)
+    assert f"150 from line 1, {numbers_below} from line 152" in error_message(path, **READ_OPTIONS)
 
 
 def test_empty_lines_between_all_rows_are_ignored(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(HEIGHTS).replace("\n", "\n\n"))
-    assert np.allclose(read_surface(path, **OPTIONS).heights, HEIGHTS)
+    assert np.allclose(read_surface(path, **READ_OPTIONS).heights, HEIGHTS)
 
 
 def test_point_count_above_an_empty_line_is_not_read_as_a_height(tmp_path):
     path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:, None]
     path.write_text(f"{line.size}\n\n{to_text(line)}")
-    assert np.allclose(read_measurement(path, **OPTIONS).heights, line[:, 0])
+    assert np.allclose(read_measurement(path, **READ_OPTIONS).heights, line[:, 0])
 
 
-STATISTICS = {
+FUNCTIONS_BY_STATISTIC = {
     "means": lambda z, axis: z.mean(axis),
     "standard deviations": lambda z, axis: z.std(axis),
     "maxima": lambda z, axis: z.max(axis),
@@ -135,26 +137,28 @@ STATISTICS = {
 
 
 @pytest.mark.parametrize("side", ["last row", "first row", "last column", "first column"])
-@pytest.mark.parametrize("kind", STATISTICS)
+@pytest.mark.parametrize("kind", FUNCTIONS_BY_STATISTIC)
 def test_row_or_column_of_statistics_beside_a_matrix_is_not_read_as_heights(tmp_path, kind, side):
     axis = 0 if side.endswith("row") else 1
-    lines = [HEIGHTS, np.expand_dims(STATISTICS[kind](HEIGHTS, axis), axis)]
+    lines = [HEIGHTS, np.expand_dims(FUNCTIONS_BY_STATISTIC[kind](HEIGHTS, axis), axis)]
     path = tmp_path / "a.csv"
     path.write_text(to_text(np.round(np.concatenate(lines if side[:4] == "last" else lines[::-1], axis=axis), 4), ","))
-    assert f"has {kind} in its {side}; leave only heights" in error_message(path, **OPTIONS)
+    assert f"has {kind} in its {side}; leave only heights" in error_message(path, **READ_OPTIONS)
 
 
 def test_several_rows_of_statistics_are_not_read_as_heights(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text(to_text(np.vstack([HEIGHTS, *(statistic(HEIGHTS, 0) for statistic in STATISTICS.values())]), ","))
-    assert "in its last rows; leave only heights" in error_message(path, **OPTIONS)
+    path.write_text(
+        to_text(np.vstack([HEIGHTS, *(statistic(HEIGHTS, 0) for statistic in FUNCTIONS_BY_STATISTIC.values())]), ",")
+    )
+    assert "in its last rows; leave only heights" in error_message(path, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("heights", [np.tile(HEIGHTS[0], (12, 1)), np.pad(HEIGHTS, 2), np.eye(12), np.zeros((9, 9))])
 def test_maps_whose_last_rows_or_columns_resemble_statistics_are_read(tmp_path, heights):
     path = tmp_path / "a.csv"
     path.write_text(to_text(heights, ","))
-    assert np.array_equal(read_surface(path, **OPTIONS, accept="repeated-height").heights, heights)
+    assert np.array_equal(read_surface(path, **READ_OPTIONS, accept="repeated-height").heights, heights)
 
 
 # ---- Profiles in lines ----------------------------------------------------------------------------------------------
@@ -164,9 +168,9 @@ def test_maps_whose_last_rows_or_columns_resemble_statistics_are_read(tmp_path, 
 def test_profile_with_several_heights_per_text_line_adds_a_caveat(tmp_path, per_line):
     path, profile = tmp_path / "a.txt", np.cumsum(np.random.default_rng(4).normal(size=240)) / 50
     path.write_text(to_text(profile.reshape(-1, per_line)))
-    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
+    assert [caveat.name for caveat in read_with_interpretation(path, **READ_OPTIONS).caveats][:1] == ["wrapped"]
     with pytest.warns(FormatWarning, match=f"like a profile in lines of {per_line}"):
-        read_measurement(path, **OPTIONS)
+        read_measurement(path, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("shape", [(15, 20), (60, 5), (30, 30), (10, 8)])
@@ -185,14 +189,16 @@ def test_profile_with_another_number_of_points_than_its_header_declares_has_a_ca
 
 @pytest.mark.parametrize("order", [(3, 0, 1, 2), (3, 4, 5, 0, 1, 2), (0, 2, 1, 3), (2, 0, 1, 3)])
 def test_grid_coordinates_are_found_among_columns_of_other_quantities(tmp_path, order):
-    columns = np.column_stack([X, Y, HEIGHTS.ravel(), np.sqrt(NUMBERS % 97) / 10, np.cos(X * Y), np.sin(NUMBERS**2)])
+    columns = np.column_stack(
+        [X, Y, HEIGHTS.ravel(), np.sqrt(POINT_NUMBERS % 97) / 10, np.cos(X * Y), np.sin(POINT_NUMBERS**2)]
+    )
     path = tmp_path / "a.txt"
     path.write_text(to_text(columns[:, order]))
-    shuffled = np.random.default_rng(4).permutation(NUMBERS)
+    shuffled = np.random.default_rng(4).permutation(POINT_NUMBERS)
     (tmp_path / "b.txt").write_text(to_text(columns[shuffled][:, order]))
-    assert "are the coordinates of a grid" in error_message(tmp_path / "b.txt", **OPTIONS)
+    assert "are the coordinates of a grid" in error_message(tmp_path / "b.txt", **READ_OPTIONS)
     x, y, z = (order.index(place) for place in (0, 1, 2))
-    message = error_message(path, **OPTIONS)
+    message = error_message(path, **READ_OPTIONS)
     assert f"columns {min(x, y)} and {max(x, y)} are the coordinates of a grid" in message
     assert np.array_equal(read_measurement(path, unit="um", columns=(x, y, z)).heights, HEIGHTS)
 
@@ -204,7 +210,7 @@ def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected
     numbers = np.arange(heights.shape[axis])
     path.write_text(to_text(np.insert(heights, heights.shape[1 - axis], numbers, axis=1 - axis)))
     name, number_name = ("column", "row") if axis == 0 else ("row", "column")
-    message = error_message(path, **OPTIONS)
+    message = error_message(path, **READ_OPTIONS)
     assert f"of which the last {name} has equal steps, like positions or {number_name} numbers; remove that" in message
 
 
@@ -213,11 +219,11 @@ def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, 
     path = tmp_path / "a.csv"
     rows = [
         ["", *range(first_number, first_number + 20)],
-        *([first_number + at, *row] for at, row in enumerate(HEIGHTS.tolist())),
+        *([first_number + index, *row] for index, row in enumerate(HEIGHTS.tolist())),
     ]
     path.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
     assert "contains no spacing" in error_message(path, unit="um")
-    assert np.array_equal(read_surface(path, **OPTIONS).heights, HEIGHTS)
+    assert np.array_equal(read_surface(path, **READ_OPTIONS).heights, HEIGHTS)
 
 
 def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
@@ -227,7 +233,7 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
         f"Columns 1 through 8\n\n{to_text(heights[:, :8])}\nColumns 9 through 19\n\n{to_text(heights[:, 8:])}"
     )
     assert "15 more lines of numbers do not belong to the same table as lines 22 to 37" in error_message(
-        path, **OPTIONS
+        path, **READ_OPTIONS
     )
 
 
@@ -271,7 +277,7 @@ def test_smooth_profile_wrapped_into_few_lines_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     heights = create_map(1, 125)[0]
     path.write_text(to_text(heights.reshape(5, 25)))
-    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats] == ["wrapped"]
+    assert [caveat.name for caveat in read_with_interpretation(path, **READ_OPTIONS).caveats] == ["wrapped"]
 
 
 @pytest.mark.parametrize("shape", [(3, 32), (4, 25), (8, 12), (17, 16)])
@@ -280,7 +286,7 @@ def test_rough_profile_wrapped_into_many_lines_has_a_caveat(tmp_path, shape, see
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
     profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
     path.write_text(to_text(profile.reshape(shape)))
-    assert [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats][:1] == ["wrapped"]
+    assert [caveat.name for caveat in read_with_interpretation(path, **READ_OPTIONS).caveats][:1] == ["wrapped"]
 
 
 @pytest.mark.parametrize("shape", [(4, 25), (7, 25)])
@@ -290,7 +296,7 @@ def test_rough_profile_wrapped_into_few_lines_has_a_caveat(tmp_path, shape):
         rng = np.random.default_rng(seed)
         profile = np.convolve(rng.normal(size=shape[0] * shape[1] + 20), np.hanning(9), "same")[10:-10]
         path.write_text(to_text((profile + 0.25 * rng.normal(size=profile.size)).reshape(shape)))
-        assert "wrapped" in [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats], seed
+        assert "wrapped" in [caveat.name for caveat in read_with_interpretation(path, **READ_OPTIONS).caveats], seed
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -298,7 +304,7 @@ def test_map_with_lay_along_its_rows_has_no_caveat_about_a_wrapped_profile(tmp_p
     path, rng = tmp_path / "a.txt", np.random.default_rng(seed)
     grooves = np.convolve(rng.normal(size=46), np.hanning(5), "same")[3:-3, np.newaxis]
     path.write_text(to_text(grooves + np.cumsum(rng.normal(size=(40, 24)), axis=1) / 20))
-    assert "wrapped" not in [caveat.name for caveat in read_with_interpretation(path, **OPTIONS).caveats]
+    assert "wrapped" not in [caveat.name for caveat in read_with_interpretation(path, **READ_OPTIONS).caveats]
 
 
 # ---- Coordinates that are not in columns ----------------------------------------------------------------------------
@@ -307,7 +313,9 @@ def test_map_with_lay_along_its_rows_has_no_caveat_about_a_wrapped_profile(tmp_p
 def test_rows_of_coordinates_above_a_row_of_heights_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.stack([X, Y, HEIGHTS.ravel()])))
-    assert "has 3 rows, of which rows 0 and 1, counted from 0, are the coordinates" in error_message(path, **OPTIONS)
+    assert "has 3 rows, of which rows 0 and 1, counted from 0, are the coordinates" in error_message(
+        path, **READ_OPTIONS
+    )
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
@@ -315,16 +323,16 @@ def test_column_of_coordinates_and_then_heights_is_rejected(tmp_path, order):
     path = tmp_path / "a.txt"
     columns = [column.reshape(HEIGHTS.shape).ravel(order) for column in (X, Y, HEIGHTS)]
     path.write_text(to_text(np.concatenate(columns)[:, np.newaxis]))
-    assert "lists all x, then all y and all z" in error_message(path, **OPTIONS)
+    assert "lists all x, then all y and all z" in error_message(path, **READ_OPTIONS)
 
 
 def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 2, HEIGHTS.ravel()[:120]])[:, np.newaxis]))
-    assert "lists all x and then all z" in error_message(path, **OPTIONS)
+    assert "lists all x and then all z" in error_message(path, **READ_OPTIONS)
 
 
 def test_profile_that_starts_with_a_ramp_is_read_completely(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 100, HEIGHTS.ravel()[:151]])[:, np.newaxis]))
-    assert read_measurement(path, **OPTIONS).heights.size == 271
+    assert read_measurement(path, **READ_OPTIONS).heights.size == 271

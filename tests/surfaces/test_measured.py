@@ -49,9 +49,9 @@ def write_file(tmp_path):
 
 def error_message(path, read=read_profile, **options):
     """Return the error message about a file, which must be one sentence that begins with the name of the file."""
-    with pytest.raises(FormatError) as caught:
+    with pytest.raises(FormatError) as error_info:
         read(path, **options)
-    message = str(caught.value)
+    message = str(error_info.value)
     assert message.startswith(f"{path}: ")
     assert "\n" not in message
     return message
@@ -247,8 +247,8 @@ def test_text_files_without_a_profile_are_rejected(write_file, text, message):
 def test_map_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     lines = ["nan,NaN,nan,nan" if row in rows else "1,2,3.5,4" for row in range(4)]
     (tmp_path / "map.csv").write_text("\n".join(lines))
-    missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
-    assert np.flatnonzero(missing.all(axis=1)).tolist() == list(rows)
+    is_missing = read_surface(tmp_path / "map.csv", unit="um", spacing="1 um", missing="mask").missing
+    assert np.flatnonzero(is_missing.all(axis=1)).tolist() == list(rows)
 
 
 def test_positions_are_accepted_if_only_rounding_or_truncation_makes_their_spacing_uneven(write_file):
@@ -501,7 +501,7 @@ def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
     area = read_surface(write_file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     # The tolerance is that of 16 digits, which openpyxl writes.
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)
-    gaps = [row if at != 6 else [None, row[1], None] for at, row in enumerate(SHEET_ROWS)]
+    gaps = [row if index != 6 else [None, row[1], None] for index, row in enumerate(SHEET_ROWS)]
     assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in error_message(
         write_file(workbook_bytes(("one", gaps)), "d.xlsx")
     )
@@ -519,7 +519,7 @@ WORD_TABLES = {
 @pytest.mark.parametrize("table", WORD_TABLES)
 def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, table):
     names, cells = WORD_TABLES[table]
-    rows = [names, *([at / 4, *cells(z)] for at, z in enumerate(HEIGHTS_OF_LONG_PROFILE))]
+    rows = [names, *([index / 4, *cells(z)] for index, z in enumerate(HEIGHTS_OF_LONG_PROFILE))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
     workbook, text = write_file(workbook_bytes(("one", rows)), "a.xlsx"), write_file(text, "a.csv")
     messages = [re.sub(r"\('.*'\) ", "", error_message(path)).split(": ", 1)[1] for path in (workbook, text)]
@@ -533,7 +533,8 @@ def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, 
 def test_workbook_columns_are_numbered_as_in_the_sheet(write_file):
     names, cells = WORD_TABLES["words"]
     rows = [
-        [None, None, *row] for row in (names, *([at / 4, *cells(z)] for at, z in enumerate(HEIGHTS_OF_LONG_PROFILE)))
+        [None, None, *row]
+        for row in (names, *([index / 4, *cells(z)] for index, z in enumerate(HEIGHTS_OF_LONG_PROFILE)))
     ]
     path = write_file(workbook_bytes(("one", rows)), "a.xlsx")
     message = error_message(path)
@@ -777,9 +778,9 @@ def test_text_file_with_more_lines_or_cells_than_the_limit_is_rejected(write_fil
 )
 def test_readers_reject_invalid_arguments(write_file, options, message):
     for read in (read_profile, read_measurement, *([] if "columns" in options else [read_surface])):
-        with pytest.raises(ValueError, match=message) as caught:
+        with pytest.raises(ValueError, match=message) as error_info:
             read(write_file(TEXTS_BY_FORMAT["comma"]), **options)
-        assert not isinstance(caught.value, FormatError)
+        assert not isinstance(error_info.value, FormatError)
 
 
 def test_missing_instrument_package_is_reported_with_its_install_command(write_file, monkeypatch):

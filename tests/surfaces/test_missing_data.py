@@ -49,15 +49,15 @@ def scan_path(complete_surface, tmp_path):
 
 def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(complete_surface, scan_path, tmp_path):
     scan = read_surface(scan_path, missing="mask", **READ_OPTIONS)
-    missing = np.isnan(np.load(scan_path))
-    assert np.array_equal(scan.missing, missing)
-    assert np.array_equal(scan.heights[~missing], complete_surface.heights[~missing])
+    is_missing = np.isnan(np.load(scan_path))
+    assert np.array_equal(scan.missing, is_missing)
+    assert np.array_equal(scan.heights[~is_missing], complete_surface.heights[~is_missing])
     assert scan.history[-1] == (
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
     # a surface in which the height 1 marks missing points
-    marked_surface = Surface(np.where(missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
+    marked_surface = Surface(np.where(is_missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
     for transform in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(transform(scan).missing, np.abs(transform(marked_surface).heights) == 1)
     for processed_scan in (
@@ -66,12 +66,14 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
         scan.with_amplitude(1.0),
         Surface.from_(scan),
     ):
-        assert np.array_equal(processed_scan.missing, missing)
-    assert np.array_equal(scan.row(25).missing, missing[25])
-    assert np.array_equal(scan.column(31).missing, missing[:, 31])
+        assert np.array_equal(processed_scan.missing, is_missing)
+    assert np.array_equal(scan.row(25).missing, is_missing[25])
+    assert np.array_equal(scan.column(31).missing, is_missing[:, 31])
     assert scan.row(0).missing is None
-    tilted_scan = Surface(scan.heights + np.arange(64) * 0.01 + missing * 7.0, spacing=0.1, missing=missing)
-    height_differences = np.where(missing, 0, levelled(tilted_scan, "plane").heights - levelled(scan, "plane").heights)
+    tilted_scan = Surface(scan.heights + np.arange(64) * 0.01 + is_missing * 7.0, spacing=0.1, missing=is_missing)
+    height_differences = np.where(
+        is_missing, 0, levelled(tilted_scan, "plane").heights - levelled(scan, "plane").heights
+    )
     assert np.abs(height_differences).max() < 1e-12  # missing points have no weight in the fitted plane
     fine_surface = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled = on_common_grid(scan, fine_surface)[0].missing
@@ -80,7 +82,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
     )  # A point is missing if a neighbour along an axis is missing.
     assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     rotated_missing = rotated(scan, 30.0).missing
-    assert rotated_missing.sum() == pytest.approx(missing.sum(), rel=0.25)
+    assert rotated_missing.sum() == pytest.approx(is_missing.sum(), rel=0.25)
     for body, write_body, read_body in (
         (scan, write_surface, read_surface),
         (scan.row(25), write_profile, read_profile),
@@ -139,8 +141,10 @@ def test_outlier_detection_finds_spikes_but_not_steps_or_scratches(hurst, tmp_pa
         result = find_outliers(heights)
         assert np.array_equal(np.flatnonzero(result), spike_indices)
         np.save(tmp_path / f"{heights.ndim}.npy", heights)
-        for missing, mask in (("error", True), ("mask", True), ("interpolate", False)):
-            scan = read_measurement(tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing, **READ_OPTIONS)
+        for missing_option, mask in (("error", True), ("mask", True), ("interpolate", False)):
+            scan = read_measurement(
+                tmp_path / f"{heights.ndim}.npy", outliers="mask", missing=missing_option, **READ_OPTIONS
+            )
             assert np.abs(scan.heights - body.heights)[result].max() < 10 * mean_difference
             assert (scan.missing is not None) == mask
             assert any(f"{spike_indices.size} outliers" in step for step in scan.history)
@@ -199,13 +203,13 @@ def test_outliers_of_a_map_are_the_same_in_its_transpose():
 
 def test_interpolation_of_points_uses_only_measured_heights_of_other_points():
     plane = np.add.outer(np.arange(20.0), 2 * np.arange(30.0))
-    points, missing, heights = np.zeros(plane.shape, bool), np.zeros(plane.shape, bool), plane.copy()
-    points[4, 5:8], missing[4, 8:11], heights[4, 5:11] = True, True, 1e3
-    surface = Surface(heights, spacing=0.5, missing=missing)
+    points, is_missing, heights = np.zeros(plane.shape, bool), np.zeros(plane.shape, bool), plane.copy()
+    points[4, 5:8], is_missing[4, 8:11], heights[4, 5:11] = True, True, 1e3
+    surface = Surface(heights, spacing=0.5, missing=is_missing)
     assert with_interpolated_points(surface, np.zeros(plane.shape, bool)) is surface
-    interpolated = with_interpolated_points(surface, points)
-    assert np.abs(interpolated.heights - plane).max() < 1e-12
-    assert np.array_equal(interpolated.missing, missing)
+    interpolated_surface = with_interpolated_points(surface, points)
+    assert np.abs(interpolated_surface.heights - plane).max() < 1e-12
+    assert np.array_equal(interpolated_surface.missing, is_missing)
     profile = Profile([5.0, 1.0, 2.0, 3.0, 9.0], spacing=1.0)
     at_ends = np.array([True, False, False, False, True])
     assert with_interpolated_points(profile, at_ends).heights.tolist() == [1, 1, 2, 3, 3]

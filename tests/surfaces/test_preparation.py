@@ -124,9 +124,9 @@ def test_common_grid_preserves_the_finer_profile_and_interpolates_the_coarser_pr
 
 def test_common_grid_leaves_heights_of_profiles_with_equal_spacings_unchanged():
     a, b = rough_profile(30), rough_profile(20)
-    common = on_common_grid(a, b)
-    assert np.array_equal(common[0].heights, a.heights[:20])
-    assert common[1] is b
+    profiles_on_common_grid = on_common_grid(a, b)
+    assert np.array_equal(profiles_on_common_grid[0].heights, a.heights[:20])
+    assert profiles_on_common_grid[1] is b
 
 
 def test_error_of_spline_interpolation_decreases_with_the_fourth_power_of_the_spacing():

@@ -8,8 +8,8 @@ from scipy.interpolate import RectBivariateSpline
 from stiction import Profile, Surface, levelled, self_affine_surface
 from stiction.surfaces.registration import MAX_ROTATION, measure_fit, register_faces
 
-ROUGH = {"hurst_exponent": 0.8, "rms": 100.0, "spacing": 50.0, "shortest_wavelength": 250.0}
-LARGE = self_affine_surface(5, shape=(200, 200), **ROUGH)
+ROUGHNESS_OPTIONS = {"hurst_exponent": 0.8, "rms": 100.0, "spacing": 50.0, "shortest_wavelength": 250.0}
+LARGE_MAP = self_affine_surface(5, shape=(200, 200), **ROUGHNESS_OPTIONS)
 
 
 def cut_piece(surface, row, column, points=128):
@@ -17,7 +17,7 @@ def cut_piece(surface, row, column, points=128):
 
 
 def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
-    upper, lower, registration = register_faces(cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40))
+    upper, lower, registration = register_faces(cut_piece(LARGE_MAP, 37, 28), cut_piece(LARGE_MAP, 30, 40))
     assert registration.shift == (350.0, -600.0)
     assert registration.rotation == 0
     assert upper.heights.shape == lower.heights.shape == (121, 116)
@@ -29,7 +29,7 @@ def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
 @functools.cache
 def interpolate_fine_map():
     """Return a spline through a map of twice the resolution, with another order than that of the registration."""
-    fine = self_affine_surface(7, shape=(300, 300), **(ROUGH | {"spacing": 25.0}))
+    fine = self_affine_surface(7, shape=(300, 300), **(ROUGHNESS_OPTIONS | {"spacing": 25.0}))
     return RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
 
 
@@ -68,9 +68,10 @@ def test_registration_of_a_large_map_finds_its_exact_shift():
 
 
 def test_registration_of_unmated_faces_keeps_the_rotation_within_its_limit():
-    unrelated_face = self_affine_surface(9, shape=(64, 64), **ROUGH)
+    unrelated_face = self_affine_surface(9, shape=(64, 64), **ROUGHNESS_OPTIONS)
     rotations = [
-        register_faces(cut_piece(LARGE, row, row, points=64), unrelated_face)[2].rotation for row in (0, 40, 80, 120)
+        register_faces(cut_piece(LARGE_MAP, row, row, points=64), unrelated_face)[2].rotation
+        for row in (0, 40, 80, 120)
     ]
     assert np.abs(rotations).max() <= MAX_ROTATION + 1e-9
 
@@ -85,7 +86,7 @@ def test_registration_finds_rotation_and_shift_despite_tilt_and_unequal_shapes()
 
 
 def test_profiles_are_registered_by_a_shift():
-    line = LARGE.row(0)
+    line = LARGE_MAP.row(0)
     upper, lower = (Profile(line.heights[start : start + 128], spacing=50.0) for start in (20, 9))
     _, _, registration = register_faces(upper, lower)
     assert registration.shift == (550.0,)
@@ -93,25 +94,25 @@ def test_profiles_are_registered_by_a_shift():
 
 
 def test_registration_of_profiles_finds_shifts_between_grid_points():
-    fine = self_affine_surface(7, shape=(4, 600), **(ROUGH | {"spacing": 25.0})).row(0)
+    fine = self_affine_surface(7, shape=(4, 600), **(ROUGHNESS_OPTIONS | {"spacing": 25.0})).row(0)
     upper, lower = (Profile(fine.heights[start : start + 256 : 2], spacing=50.0) for start in (23, 16))
     _, _, registration = register_faces(upper, lower)
     assert registration.shift[0] == pytest.approx(175, abs=0.5)
 
 
 def test_registration_ignores_missing_points():
-    upper, lower = cut_piece(LARGE, 37, 28), cut_piece(LARGE, 30, 40)
-    missing = np.zeros(lower.heights.shape, bool)
-    missing[40:60, 50:90] = True
-    holed = Surface(np.where(missing, 0.0, lower.heights), spacing=50.0, missing=missing)
+    upper, lower = cut_piece(LARGE_MAP, 37, 28), cut_piece(LARGE_MAP, 30, 40)
+    is_missing = np.zeros(lower.heights.shape, bool)
+    is_missing[40:60, 50:90] = True
+    holed = Surface(np.where(is_missing, 0.0, lower.heights), spacing=50.0, missing=is_missing)
     assert register_faces(upper, holed)[2].shift == (350.0, -600.0)
 
 
 def test_measure_of_fit_is_high_only_for_mated_faces():
-    unrelated_face = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGH), 0, 0)
-    piece = cut_piece(LARGE, 30, 40)
+    unrelated_face = cut_piece(self_affine_surface(6, shape=(200, 200), **ROUGHNESS_OPTIONS), 0, 0)
+    piece = cut_piece(LARGE_MAP, 30, 40)
     assert measure_fit(piece, piece) == pytest.approx(1)
-    assert measure_fit(cut_piece(LARGE, 37, 28), levelled(piece, "plane")) > 0.9
+    assert measure_fit(cut_piece(LARGE_MAP, 37, 28), levelled(piece, "plane")) > 0.9
     assert measure_fit(unrelated_face, piece) < 0.4
     assert measure_fit(unrelated_face.row(3), piece.row(3)) < 0.9
 
@@ -120,4 +121,4 @@ def test_measure_of_fit_is_zero_for_periodic_textures_and_few_points():
     x = np.arange(256)
     grooves = Surface(np.tile(np.cos(2 * np.pi * x / 16), (64, 1)), spacing=1.0)
     assert measure_fit(grooves, grooves) == 0
-    assert measure_fit(cut_piece(LARGE, 0, 0, points=12), cut_piece(LARGE, 0, 0, points=12)) == 0
+    assert measure_fit(cut_piece(LARGE_MAP, 0, 0, points=12), cut_piece(LARGE_MAP, 0, 0, points=12)) == 0

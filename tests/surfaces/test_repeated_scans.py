@@ -83,16 +83,16 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
 
 def test_comparison_of_repeated_scans_reports_noise_that_a_cutoff_of_two_points_removes():
     options = {"longest_wavelength": 60.0, "shortest_wavelength": 2.0, "hurst_exponent": 0.8, "rms": 0.25}
-    clean = self_affine(97, points=8000, spacing=0.25, **options)
+    clean_profile = self_affine(97, points=8000, spacing=0.25, **options)
     rng = np.random.default_rng(1)
-    scans = [Profile(clean.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
+    scans = [Profile(clean_profile.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
     result = compare_repeated_scans(*scans)
     assert result.slope_fraction == pytest.approx(instrument_limit(result.scan).slope_fraction, rel=0.1)
     assert result.slope_fraction > 0.15
     assert "17 % of the mean square slope" in describe_mean_scan_noise(result)
     assert "--cutoff '500 nm'" in describe_mean_scan_noise(result)
     less_noisy = compare_repeated_scans(
-        *(Profile((3 * clean.heights + scan.heights) / 4, spacing=0.25) for scan in scans)
+        *(Profile((3 * clean_profile.heights + scan.heights) / 4, spacing=0.25) for scan in scans)
     )
     assert less_noisy.slope_fraction < 0.1
     assert less_noisy.limit == 0.5
@@ -135,22 +135,25 @@ def test_comparison_of_repeated_scans_excludes_outliers_from_noise_but_not_from_
     for mask, percent in ((masks[0], 40), (masks[0], 60), (masks[1], 55)):
         mask[(percent * points // 100,) * dimensions] = True
     spiky_scans = [scan + 20 * scan.std() * mask for scan, mask in zip(scans, masks, strict=True)]
-    clean, spiky, unmasked = (
+    clean_comparison, masked_comparison, unmasked_comparison = (
         compare_repeated_scans(*(body_class(scan, spacing=spacing) for scan in compared_scans), outliers=outliers)
         for compared_scans, outliers in ((scans, None), (spiky_scans, masks), (spiky_scans, None))
     )
-    assert unmasked.noise_rms > 3 * clean.noise_rms
-    assert spiky.noise_rms == pytest.approx(clean.noise_rms, rel=NOISE_TOLERANCE)
-    assert spiky.limit == pytest.approx(clean.limit, rel=NOISE_TOLERANCE)
-    np.testing.assert_allclose(spiky.shift, clean.shift, atol=0.05 * spacing)
-    np.testing.assert_allclose(spiky.noise[:3], clean.noise[:3], rtol=NOISE_TOLERANCE)
-    assert np.ptp(spiky.scan.heights) > 8 * scans[0].std()
+    assert unmasked_comparison.noise_rms > 3 * clean_comparison.noise_rms
+    assert masked_comparison.noise_rms == pytest.approx(clean_comparison.noise_rms, rel=NOISE_TOLERANCE)
+    assert masked_comparison.limit == pytest.approx(clean_comparison.limit, rel=NOISE_TOLERANCE)
+    np.testing.assert_allclose(masked_comparison.shift, clean_comparison.shift, atol=0.05 * spacing)
+    np.testing.assert_allclose(masked_comparison.noise[:3], clean_comparison.noise[:3], rtol=NOISE_TOLERANCE)
+    assert np.ptp(masked_comparison.scan.heights) > 8 * scans[0].std()
     no_outliers = [np.zeros(scan.shape, bool) for scan in scans]
     comparison_without_outliers = compare_repeated_scans(
         *(body_class(scan, spacing=spacing) for scan in scans), outliers=no_outliers
     )
-    np.testing.assert_array_equal(comparison_without_outliers.scan.heights, clean.scan.heights)
-    assert (comparison_without_outliers.shift, comparison_without_outliers.limit) == (clean.shift, clean.limit)
+    np.testing.assert_array_equal(comparison_without_outliers.scan.heights, clean_comparison.scan.heights)
+    assert (comparison_without_outliers.shift, comparison_without_outliers.limit) == (
+        clean_comparison.shift,
+        clean_comparison.limit,
+    )
 
 
 def test_comparison_of_repeated_scans_rejects_invalid_outliers():

@@ -125,28 +125,30 @@ def find_cutoff(defects):
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 @pytest.mark.parametrize("noise", [0.0, 0.05])
 def test_cutoff_of_a_scan_with_spikes_equals_its_cutoff_without_spikes(num_spikes, shape, noise):
-    rng, kind = np.random.default_rng(3), Profile if len(shape) == 1 else Surface
+    rng, body_class = np.random.default_rng(3), Profile if len(shape) == 1 else Surface
     heights = 0.1 * scale_to_unit_rms(filtered_noise(rng, shape, 0.8)) + 0.1 * noise * rng.normal(size=shape)
     scans = (heights, add_spikes(heights, num_spikes))
-    clean, spiky = (ScanDefects(kind(scan_heights, spacing=0.5), None, textured=False) for scan_heights in scans)
-    assert clean.body_without_outliers is clean.body
-    assert (find_cutoff(clean) > 0) == (noise > 0)
-    assert find_cutoff(spiky) == pytest.approx(find_cutoff(clean), rel=CUTOFF_TOLERANCE)
-    assert spiky.instrument_limit.reason == clean.instrument_limit.reason
-    assert spiky.num_spikes > 0.5 * num_spikes
-    assert np.ptp(spiky.body.heights) > 1.5 * np.ptp(clean.body.heights)
+    clean_defects, spiky_defects = (
+        ScanDefects(body_class(scan_heights, spacing=0.5), None, textured=False) for scan_heights in scans
+    )
+    assert clean_defects.body_without_outliers is clean_defects.body
+    assert (find_cutoff(clean_defects) > 0) == (noise > 0)
+    assert find_cutoff(spiky_defects) == pytest.approx(find_cutoff(clean_defects), rel=CUTOFF_TOLERANCE)
+    assert spiky_defects.instrument_limit.reason == clean_defects.instrument_limit.reason
+    assert spiky_defects.num_spikes > 0.5 * num_spikes
+    assert np.ptp(spiky_defects.body.heights) > 1.5 * np.ptp(clean_defects.body.heights)
 
 
 @pytest.mark.parametrize("machining", MACHINED_SURFACES)
 @pytest.mark.parametrize("dimensions", [1, 2])
 def test_outliers_of_machined_surfaces_do_not_change_the_cutoff(machining, dimensions):
-    kind = Profile if dimensions == 1 else Surface
+    body_class = Profile if dimensions == 1 else Surface
     for seed in range(2):
         heights = 0.05 * scale_to_unit_rms(MACHINED_SURFACES[machining](np.random.default_rng(seed), dimensions))
-        body = kind(heights, spacing=0.5)
-        defects, unmasked = (ScanDefects(body, None, textured=False) for _ in range(2))
-        vars(unmasked)["outliers"] = np.zeros(heights.shape, bool)
-        assert find_cutoff(defects) == find_cutoff(unmasked)
+        body = body_class(heights, spacing=0.5)
+        defects, unmasked_defects = (ScanDefects(body, None, textured=False) for _ in range(2))
+        vars(unmasked_defects)["outliers"] = np.zeros(heights.shape, bool)
+        assert find_cutoff(defects) == find_cutoff(unmasked_defects)
 
 
 @pytest.mark.parametrize("slope", [0.0, 2.0**-7])
@@ -165,25 +167,25 @@ def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_spikes_are_found_in_a_partly_flat_scan_before_and_after_levelling(flat_fraction, shape):
     heights = filtered_noise(np.random.default_rng(3), shape, 0.8, longest=60)
-    kind, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
+    body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
     heights = 0.1 * np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
     spiky_heights = heights.copy()
     spiky_heights.flat[[300, 700, 1100, 1500]] += 1.0
-    body = kind(spiky_heights, spacing=0.5)
+    body = body_class(spiky_heights, spacing=0.5)
     assert [ScanDefects(scan, None, textured=False).num_spikes for scan in (body, levelled(body, form))] == [4, 4]
-    assert ScanDefects(kind(heights, spacing=0.5), None, textured=False).num_spikes == 0
+    assert ScanDefects(body_class(heights, spacing=0.5), None, textured=False).num_spikes == 0
 
 
 @pytest.mark.parametrize("num_levels", [8, 64])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_spikes_are_found_in_a_scan_with_rounded_heights(num_levels, shape):
     heights = filtered_noise(np.random.default_rng(3), shape, 0.8, shortest=16)
-    step, kind = np.ptp(heights) / (num_levels - 1), Profile if len(shape) == 1 else Surface
+    step, body_class = np.ptp(heights) / (num_levels - 1), Profile if len(shape) == 1 else Surface
     spiky_heights = add_spikes(heights, 5)
     for form in ("none", "line" if len(shape) == 1 else "plane"):
         num_spikes = []
         for scan_heights in (heights, spiky_heights):
-            body = kind(0.1 * step * np.round(scan_heights / step), spacing=0.5)
+            body = body_class(0.1 * step * np.round(scan_heights / step), spacing=0.5)
             body = body if form == "none" else levelled(body, form)
             num_spikes.append(ScanDefects(body, None, textured=False).num_spikes)
         assert num_spikes == [0, 5]
@@ -211,8 +213,8 @@ def test_spikes_but_not_scratches_are_found_in_scratched_and_honed_profiles(buil
     for seed in range(30):
         rng = np.random.default_rng(seed)
         heights = build_heights(rng)
-        clean = ScanDefects(Profile(heights, spacing=0.5), None, textured=False)
-        assert clean.num_spikes == 0
+        clean_defects = ScanDefects(Profile(heights, spacing=0.5), None, textured=False)
+        assert clean_defects.num_spikes == 0
         for sign in num_found:
             spiky_heights = heights.copy()
             spiky_heights[rng.integers(3, heights.size - 3)] += sign * 5 * heights.std()
@@ -259,9 +261,9 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
         bodies = (Surface(add_spikes(surface.heights, num_spikes), spacing=0.1) for surface in rough_maps(points=64))
         study = MeasuredPair(PairOptions(**dict(zip(("upper", "lower"), bodies, strict=True)), **options)).study
         roughnesses.append(find_resolved_roughness(study))
-    clean, spiky = roughnesses
-    assert spiky.gradient == pytest.approx(clean.gradient, rel=0.02)
-    assert spiky.estimate.value == pytest.approx(clean.estimate.value, abs=0.05)
+    clean_roughness, spiky_roughness = roughnesses
+    assert spiky_roughness.gradient == pytest.approx(clean_roughness.gradient, rel=0.02)
+    assert spiky_roughness.estimate.value == pytest.approx(clean_roughness.estimate.value, abs=0.05)
 
 
 def test_roughness_drift_of_a_profile_is_limited_if_its_roughness_jumps():

@@ -194,10 +194,10 @@ class TestSettingClass:
         assert computed_parameters.Rsk == pytest.approx(np.mean(z**3) / np.mean(z**2) ** 1.5, rel=ROUND_OFF)
 
     def test_missing_points_do_not_affect_the_waviness(self):
-        profile, missing = ground_profile(points=3000), np.zeros(3000, bool)
-        missing[1400:1403] = True
-        heights = np.where(missing, 50.0, profile.heights)
-        computed_parameters = section_parameters(Profile(heights, spacing=0.5, missing=missing), lc=250)
+        profile, is_missing = ground_profile(points=3000), np.zeros(3000, bool)
+        is_missing[1400:1403] = True
+        heights = np.where(is_missing, 50.0, profile.heights)
+        computed_parameters = section_parameters(Profile(heights, spacing=0.5, missing=is_missing), lc=250)
         assert computed_parameters.Wt == pytest.approx(section_parameters(profile, lc=250).Wt, rel=0.05)
 
 

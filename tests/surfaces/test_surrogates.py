@@ -92,8 +92,10 @@ class TestSurrogate:
     def test_surrogate_is_reproducible_and_depends_on_the_seed(self):
         profile = rough_profile()
         assert np.array_equal(surrogate(profile, 1).heights, surrogate(profile, 1).heights)
-        others = [surrogate(profile, 1, repetition=r) for r in range(3)] + [surrogate(profile, 1, side="upper")]
-        for first_surrogate, two in pairwise(others):
+        other_surrogates = [surrogate(profile, 1, repetition=r) for r in range(3)] + [
+            surrogate(profile, 1, side="upper")
+        ]
+        for first_surrogate, two in pairwise(other_surrogates):
             assert not np.allclose(first_surrogate.heights, two.heights)
 
     def test_surrogate_rejects_invalid_arguments(self):
@@ -221,10 +223,10 @@ def test_isotropic_surfaces_from_sections_have_contact_area_and_friction_of_the_
 
     values_of_maps = mean_area_and_friction(
         [
-            levelled(type(body)(body.heights[:, at : at + 128], spacing=0.1), "plane")
+            levelled(type(body)(body.heights[:, first_column : first_column + 128], spacing=0.1), "plane")
             for body in bodies
         ]
-        for at in range(0, 1024, 128)
+        for first_column in range(0, 1024, 128)
     )  # fmt: skip
     values_of_created_maps = mean_area_and_friction(
         [

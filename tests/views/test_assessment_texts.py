@@ -351,12 +351,14 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half_width_ratio=0.02, all_contacts=0.25)
     for name in ("mean_friction", "friction_coefficient"):
         dataset[name][{"cut_off": 1}] *= 0.84
-    combined = dataset["mean_friction"].isel(
+    combined_intervals = dataset["mean_friction"].isel(
         cut_off=[0, 1]
     )  # The hardness is the only input in the uncertainty budget.
-    dataset["friction_at_cutoff"] = combined
-    dataset["remaining_interval"] = combined.expand_dims(input=["hardness"])
-    dataset["remaining_width"] = combined.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
+    dataset["friction_at_cutoff"] = combined_intervals
+    dataset["remaining_interval"] = combined_intervals.expand_dims(input=["hardness"])
+    dataset["remaining_width"] = (
+        combined_intervals.sel(statistic="mean", drop=True).expand_dims(input=["hardness"]) * 0.02
+    )
     dataset = dataset.assign_coords(input_label=("input", ["the hardness"]))
     severity = "caution" if is_floor else "fault"
     caveat = Caveat("waves below 400 nm have 40 % of the slope", "--cutoff '400 nm'", severity, 0.4, True)

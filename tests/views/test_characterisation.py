@@ -228,15 +228,15 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
         heights = body.heights.copy()
         heights.flat[np.arange(331, heights.size, heights.size // 20)] += 10 * float(heights.std())
         results = [Characterisation(scan) for scan in (body, type(body)(heights, spacing=body.spacing))]
-        clean, spiky = ({row.label: row for row in CharacterisationTable(result).rows} for result in results)
+        clean_rows, spiky_rows = ({row.label: row for row in CharacterisationTable(result).rows} for result in results)
         assert results[1].power_law_fit.value == pytest.approx(results[0].power_law_fit.value, abs=0.02)
         assert results[1].roughness.gradient[-1] == pytest.approx(results[0].roughness.gradient[-1], rel=0.02)
-        assert spiky["instrument"].texts == clean["instrument"].texts
-        clean_height, spiky_height = (rows[height_name].values[0].value for rows in (clean, spiky))
+        assert spiky_rows["instrument"].texts == clean_rows["instrument"].texts
+        clean_height, spiky_height = (rows[height_name].values[0].value for rows in (clean_rows, spiky_rows))
         assert spiky_height > 1.5 * clean_height
-        assert spiky["outliers"].values[0].value == np.size(np.arange(331, heights.size, heights.size // 20))
+        assert spiky_rows["outliers"].values[0].value == np.size(np.arange(331, heights.size, heights.size // 20))
         if moments_name:
-            moments = [rows[moments_name].values[0].value for rows in (clean, spiky)]
+            moments = [rows[moments_name].values[0].value for rows in (clean_rows, spiky_rows)]
             assert moments[1] == pytest.approx(moments[0], rel=0.02)
         else:
             exponents = [[line.hurst_exponents.mean() for line in result.line_roughnesses] for result in results]

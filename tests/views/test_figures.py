@@ -511,10 +511,10 @@ def test_resolved_wavelengths_do_not_depend_on_whether_the_filtered_result_is_qu
 
 
 def test_listing_the_figures_of_a_result_does_not_compute_resolution_limits(maps_at_two_cutoffs, monkeypatch):
-    def fail(*_):
+    def fail_on_computation(*_):
         pytest.fail("the limits are computed although the figure is not drawn")
 
-    monkeypatch.setattr(resolution, "find_resolution_limits", fail)
+    monkeypatch.setattr(resolution, "find_resolution_limits", fail_on_computation)
     assert "cut_off" in Result.of(maps_at_two_cutoffs).figures()
 
 

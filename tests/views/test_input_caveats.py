@@ -237,10 +237,10 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
 @pytest.mark.parametrize("options", [{"cutoff": "200 nm"}, {}])
 def test_slope_fraction_that_the_tip_does_not_resolve_is_computed_from_filtered_scans(options):
     noise = np.random.default_rng(1).normal(size=(2, 3000))
-    clean = self_affine(
+    clean_profile = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.8, rms=0.005, longest_wavelength=5.0, shortest_wavelength=0.1
     )
-    scans = [Profile(clean.heights + 3e-4 * noise_heights, spacing=0.01) for noise_heights in noise]
+    scans = [Profile(clean_profile.heights + 3e-4 * noise_heights, spacing=0.01) for noise_heights in noise]
     study = pair_study(*scans, tip="2 um", load="10 MPa", mu0=0.2, effective_modulus="80 GPa", **options)
     cutoff = study.surfaces.reported_cut_off()
     own_cutoffs = [
@@ -258,11 +258,11 @@ def test_slope_fraction_that_the_tip_does_not_resolve_is_computed_from_filtered_
 
 
 def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
-    clean = self_affine(
+    clean_profile = self_affine(
         97, points=8000, spacing=0.25, longest_wavelength=60.0, shortest_wavelength=2.0, hurst_exponent=0.8, rms=0.25
     )
     rng = np.random.default_rng(1)
-    scans = [Profile(clean.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
+    scans = [Profile(clean_profile.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
     repeated = compare_repeated_scans(*scans)
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     for scan, cutoff, expected_severity in (
@@ -273,7 +273,7 @@ def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
         study = pair_study(scan, scan, cutoff=cutoff, **options)
         (caveat,) = (caveat for caveat in find_input_caveats(scan, scan, study) if "spectrum is flat" in caveat.text)
         assert caveat.severity == expected_severity
-        noise = Profile(scan.heights - clean.heights[: scan.heights.size], spacing=0.25)
+        noise = Profile(scan.heights - clean_profile.heights[: scan.heights.size], spacing=0.25)
         filter_length = study.surfaces.reported_cut_off()
         if scan is scans[0]:
             gradients = [
@@ -416,10 +416,10 @@ def test_step_of_a_profile_adds_a_caveat_with_its_height():
 
 
 def test_height_step_in_a_map_with_missing_points_adds_a_caveat():
-    missing = np.random.default_rng(1).random((256, 256)) < 0.3
-    missing[:30, :30] = True
+    is_missing = np.random.default_rng(1).random((256, 256)) < 0.3
+    is_missing[:30, :30] = True
     heights = 0.025 * short_wave_map(4) + 2.0 * (np.arange(256) > 100)
-    (text,) = form_texts(Surface(heights, spacing=0.5, missing=missing))
+    (text,) = form_texts(Surface(heights, spacing=0.5, missing=is_missing))
     assert float(text.removeprefix("a step of ").split(" µm")[0]) == pytest.approx(2.0, rel=0.01)
 
 
@@ -466,7 +466,7 @@ def test_faces_that_do_not_match_or_have_given_positions_add_no_caveat_about_mir
     assert mirror_caveats(upper, lower) == []
     matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)
     assert mirror_caveats(matching_face, lower, positions=[["4 um", "0 um"]]) == []
-    missing = np.zeros((96, 96), bool)
-    missing[3:9, 50:] = True
-    (caveat,) = mirror_caveats(Surface(matching_face.heights, spacing=2.0, missing=missing), lower)
+    is_missing = np.zeros((96, 96), bool)
+    is_missing[3:9, 50:] = True
+    (caveat,) = mirror_caveats(Surface(matching_face.heights, spacing=2.0, missing=is_missing), lower)
     assert ", but 0 µm for" in caveat.text

@@ -20,7 +20,7 @@ from support.command import assert_rejected, call_stiction, check_stiction
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 ROOT = Path(__file__).parents[2]
-SCANS = ROOT / "examples/scans"
+SAMPLE_SCANS = ROOT / "examples/scans"
 # Units of length (in µm) and stress (in GPa) of each unit system.
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}
 NUM_POSITIONS = 8
@@ -34,20 +34,20 @@ def evaluate_once():
     For the same reason, the joint table of a result in one system of units is computed only once.
     """
 
-    def call_once(method):
+    def compute_once(method):
         values = {}
 
-        def call_or_copy(result, *arguments, **options):
+        def compute_or_copy(result, *arguments, **options):
             call_key = id(result), pickle.dumps((arguments, options))
             if call_key not in values:
                 values[call_key] = result, method(result, *arguments, **options)
             return copy.deepcopy(values[call_key][1])
 
-        return call_or_copy
+        return compute_or_copy
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("at", "joint_table"):
-            patch.setattr(Evaluation, name, call_once(getattr(Evaluation, name)))
+            patch.setattr(Evaluation, name, compute_once(getattr(Evaluation, name)))
         yield
 
 
@@ -60,8 +60,9 @@ def directory(tmp_path_factory):
 def result(directory):
     """Return the result of the pair in README, with fewer positions."""
     return pair(
-        SCANS / "lapped_upper.csv", SCANS / "lapped_lower.csv", upper="steel", lower="brass", hardness="120 HV ± 10 %",
-        mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=NUM_POSITIONS, onset=0, directory=directory / "pair",
+        SAMPLE_SCANS / "lapped_upper.csv", SAMPLE_SCANS / "lapped_lower.csv", upper="steel", lower="brass",
+        hardness="120 HV ± 10 %", mu0=0.2, tau0="50 MPa", load="50 MPa", offsets=NUM_POSITIONS, onset=0,
+        directory=directory / "pair",
     )  # fmt: skip
 
 
@@ -226,14 +227,16 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
     check_stiction("export", "pair", "computed.csv", "--joint", "--compute", cwd=directory)
     frame = pandas.read_csv(directory / "computed.csv")
     assert frame["computed"].all()
-    computed = open_result(directory / "pair/joint")
+    computed_result = open_result(directory / "pair/joint")
     pressures = frame["nominal pressure (MPa)"].to_numpy()
-    at = computed.at([f"{pressure} MPa" for pressure in pressures]).sel(sliding="all").squeeze()
+    values_at_pressures = computed_result.at([f"{pressure} MPa" for pressure in pressures]).sel(sliding="all").squeeze()
     for name, title in (
         ("closure_stiffness", "stiffness of closure"),
         ("tangential_stiffness_per_area", "tangential stiffness"),
     ):
-        np.testing.assert_allclose(frame[f"{title} (MPa/mm)"], at[name].sel(statistic="mean"), rtol=1e-6)
+        np.testing.assert_allclose(
+            frame[f"{title} (MPa/mm)"], values_at_pressures[name].sel(statistic="mean"), rtol=1e-6
+        )
     study = result.study
     bodies, contact = load_bodies(study), study.contact.solver_arguments()
     pairs = [bodies.member(member, 0.0).pair for member in range(NUM_POSITIONS)]
@@ -242,11 +245,11 @@ def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(
         closures = np.mean([half_space(*pair, loads, **contact).closure for pair in pairs], axis=0)
         expected = 1e3 * np.diff(loads)[0] / result.nominal_area / (1e-3 * np.diff(closures)[0])
         assert frame["stiffness of closure (MPa/mm)"][index] == pytest.approx(expected, rel=0.01)
-    interpolated = pandas.read_csv(io.StringIO(export_text(result, directory / "joint.csv", joint=True)))
-    assert interpolated["nominal pressure (MPa)"].tolist() == pytest.approx(pressures.tolist())
-    assert 0 < interpolated["computed"].sum() < len(frame)
+    interpolated_table = pandas.read_csv(io.StringIO(export_text(result, directory / "joint.csv", joint=True)))
+    assert interpolated_table["nominal pressure (MPa)"].tolist() == pytest.approx(pressures.tolist())
+    assert 0 < interpolated_table["computed"].sum() < len(frame)
     assert any("--compute" in note for note in result.joint_table().notes)
-    assert not any("--compute" in note for note in computed.joint_table().notes)
+    assert not any("--compute" in note for note in computed_result.joint_table().notes)
 
 
 def test_result_evaluated_for_one_quantity_has_the_interval_of_a_complete_evaluation(result):

@@ -15,7 +15,7 @@ from support.synthetic_results import generated_result, generated_study, measure
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
-SUMMARIES = {
+SUMMARIES_BY_NAME = {
     "pair": summarize(measured_result(loads=(1.0, 10.0), tau0=(0.0, 0.05)), measured_study()),
     "readings": summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()),
     "study": summarize(generated_result(dimensions=(1.1, 1.3)), generated_study()),
@@ -28,9 +28,9 @@ def table_cells(table):
     return [line.split(" & ") for line in lines]
 
 
-@pytest.mark.parametrize("summary_name", SUMMARIES)
+@pytest.mark.parametrize("summary_name", SUMMARIES_BY_NAME)
 def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
-    summary = SUMMARIES[summary_name]
+    summary = SUMMARIES_BY_NAME[summary_name]
     table = latex_table(summary)
     header, *rows = table_cells(table)
     assert len(rows) == len(summary.reported_points)
@@ -43,7 +43,7 @@ def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
 
 
 def test_latex_table_states_common_conditions_in_comments():
-    table = latex_table(SUMMARIES["pair"])
+    table = latex_table(SUMMARIES_BY_NAME["pair"])
     assert "% $\\mu_0$ = 0.2" in table
     header, *rows = table_cells(table)
     assert [row[:2] for row in rows] == [["1", "0"], ["1", "50"], ["10", "0"], ["10", "50"]]
@@ -63,8 +63,8 @@ def test_latex_table_contains_the_area_fraction_with_its_interval_or_its_status(
 
 
 def test_latex_table_prints_none_as_the_cutoff_of_unfiltered_scans():
-    assert "% cutoff (um) = none" in latex_table(SUMMARIES["pair"])
-    cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES["readings"]))]
+    assert "% cutoff (um) = none" in latex_table(SUMMARIES_BY_NAME["pair"])
+    cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES_BY_NAME["readings"]))]
     assert cutoff_cells == ["cutoff (um)", "none", "0.5"]
 
 

@@ -280,8 +280,8 @@ def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_termin
             estimate = point.quantities["contact_area"].in_prefixed_unit()
             cell = dataset["fractal_dimension"].values.tolist().index(point.at["fractal_dimension"])
             amplitude = dataset["amplitude"].values.tolist().index(point.at["amplitude"])
-            place = {"cell": cell, "amplitude": amplitude, "load": load_index}
-            shown_point = report_evaluator.evaluate_quantity("area", mu0, tau0, **place)
+            cell_position = {"cell": cell, "amplitude": amplitude, "load": load_index}
+            shown_point = report_evaluator.evaluate_quantity("area", mu0, tau0, **cell_position)
             expected_text = "none" if np.isnan(estimate.value) else f"{estimate.text()} {estimate.unit}"
             assert shown_point["text"] == expected_text
             texts.add(expected_text.split(" ")[-1])
@@ -295,12 +295,12 @@ def test_validity_indicators_in_reports_of_profiles_equal_those_in_tables(genera
     reference = at_load(generated_dataset, [load], mu0=[mu0], tau0=[tau0])
     are_beyond = []
     for point in summarize(reference, study).points:
-        place = {
+        cell_position = {
             "cell": generated_dataset["fractal_dimension"].values.tolist().index(point.at["fractal_dimension"]),
             "amplitude": generated_dataset["amplitude"].values.tolist().index(point.at["amplitude"]),
         }
         for name in ("share_beyond_hertz", "share_below_grid"):
-            text, is_beyond = report_evaluator.format_validity(name, mu0, tau0, **place, load=25)
+            text, is_beyond = report_evaluator.format_validity(name, mu0, tau0, **cell_position, load=25)
             fraction = point.numbers[name]
             assert is_beyond == (fraction > MAX_AFFECTED_FRACTION)
             if np.isfinite(fraction):  # infinite and undefined fractions are not shown

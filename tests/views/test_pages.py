@@ -477,10 +477,10 @@ def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_firs
     driver, pages, opposing_interface_dataset
 ):
     browser.open_page(driver, pages["interface"])
-    shown = read_values_by_rule(driver)
+    displayed_values = read_values_by_rule(driver)
     expected = {rule.rule: rule.value for rule in Result(opposing_interface_dataset).summary().first.rules}
-    assert list(shown) == list(expected) == ["opposing", "all"]
-    assert shown == pytest.approx(expected, rel=1e-4)
+    assert list(displayed_values) == list(expected) == ["opposing", "all"]
+    assert displayed_values == pytest.approx(expected, rel=1e-4)
     assert "belong to friction at opposing contacts only" in find_element(driver, "answer").text
     # The most useful measurement follows the first coefficient, which has no bar of contributions.
     driver.execute_script("for (const point of facts.points) point.most = 'With more positions.'; showReadout()")

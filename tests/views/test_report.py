@@ -182,8 +182,8 @@ def test_report_starts_with_the_sliding_rule_of_the_interface(opposing_interface
     assert report.facts["rules"] == [rule.rule for rule in point.rules] == ["opposing", "all"]
     assert "film.csv belong to friction at opposing contacts only" in report.facts["ruleNote"]
     for index, rule in enumerate(point.rules):
-        shown = report.evaluate_quantity("friction", 0.3, 0.0, rule=index, load=report.facts["start"]["load"])
-        assert [shown[name] for name in ("value", "lower", "upper")] == pytest.approx(
+        displayed_point = report.evaluate_quantity("friction", 0.3, 0.0, rule=index, load=report.facts["start"]["load"])
+        assert [displayed_point[name] for name in ("value", "lower", "upper")] == pytest.approx(
             [rule.value, rule.lower, rule.upper], rel=1e-6
         )
 
@@ -202,8 +202,8 @@ def test_report_shows_the_coefficient_as_a_lower_limit_if_the_softer_body_shears
     study = create_study_from_files(tmp_path, spacing=spacing, members=3, contact=contact)
     report = ReportEvaluator(report_page(run(study)))
     rule = report.facts["rules"].index("all")
-    shown = report.evaluate_quantity("friction", max(report.facts["axes"]["mu0"]["values"]), 0.0, rule=rule)
-    assert shown["status"] == "bulk-shear"
-    assert re.fullmatch(r"≥ 0\.\d+ \[0\.\d+, ∞\)", shown["coefficient"])
+    displayed_point = report.evaluate_quantity("friction", max(report.facts["axes"]["mu0"]["values"]), 0.0, rule=rule)
+    assert displayed_point["status"] == "bulk-shear"
+    assert re.fullmatch(r"≥ 0\.\d+ \[0\.\d+, ∞\)", displayed_point["coefficient"])
     names = [status["name"] for status in report.facts["statuses"] if status["hasValue"]]
     assert names == ["ok", "bulk-shear"]

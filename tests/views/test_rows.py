@@ -159,17 +159,17 @@ def test_json_record_has_null_for_infinite_limits_of_intervals():
         roughness_contribution=-math.inf,
     )  # fmt: skip
     text = summary_json("pair", replace(summary, points=(point,)))
-    (answer,) = json.loads(text, parse_constant=pytest.fail)["points"]
-    assert answer["rules"][0]["coefficient"]["upper"] is None
-    assert answer["rules"][0]["text"].endswith("∞)")
-    (entry,) = answer["budget"]
+    (json_point,) = json.loads(text, parse_constant=pytest.fail)["points"]
+    assert json_point["rules"][0]["coefficient"]["upper"] is None
+    assert json_point["rules"][0]["text"].endswith("∞)")
+    (entry,) = json_point["budget"]
     assert (entry["input"], entry["width"]) == ("the hardness", None)
     assert [entry["coefficient"][name] for name in ("value", "lower", "upper")] == [0.25, 0.2, None]
-    assert (answer["finer_scans"]["to"], answer["contributions"]["adhesion"], answer["roughness_contribution"]) == (
-        None,
-        None,
-        None,
-    )
+    assert (
+        json_point["finer_scans"]["to"],
+        json_point["contributions"]["adhesion"],
+        json_point["roughness_contribution"],
+    ) == (None, None, None)
 
 
 def test_json_record_contains_the_assessment_and_caveats_and_values():
@@ -178,11 +178,11 @@ def test_json_record_contains_the_assessment_and_caveats_and_values():
             "pair", summarize(measured_result(share_at_edge=0.6, half_width_ratio=0.02), measured_study()), positions=3
         )
     )
-    (answer,) = record["points"]
-    assert answer["assessment"] == "Do not quote"
-    assert answer["caveats"][0]["severity"] == "fault"
-    assert {"text", "remedy", "severity"} == set(answer["caveats"][0])
-    assert answer["sentence"].startswith("There is no coefficient to quote")
-    assert [rule["rule"] for rule in answer["rules"]] == ["all", "opposing"]
-    assert answer["rules"][0]["coefficient"]["value"] == 0.21
+    (json_point,) = record["points"]
+    assert json_point["assessment"] == "Do not quote"
+    assert json_point["caveats"][0]["severity"] == "fault"
+    assert {"text", "remedy", "severity"} == set(json_point["caveats"][0])
+    assert json_point["sentence"].startswith("There is no coefficient to quote")
+    assert [rule["rule"] for rule in json_point["rules"]] == ["all", "opposing"]
+    assert json_point["rules"][0]["coefficient"]["value"] == 0.21
     assert (record["kind"], record["positions"], record["nominal_area"]) == ("pair", 3, 10_000.0)

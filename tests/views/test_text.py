@@ -301,12 +301,17 @@ def test_overview_omits_caveats_of_low_severity_beyond_the_maximum_number_of_lin
 
 
 def test_result_text_is_an_overview_table_only_for_generated_surfaces():
-    measured, generated = (summarize(*DATASETS_AND_STUDIES[name]) for name in ("with caveats", "generated"))
+    measured_summary, generated_summary = (
+        summarize(*DATASETS_AND_STUDIES[name]) for name in ("with caveats", "generated")
+    )
     for verbose in (False, True):
-        text = study_result_text(measured, verbose=verbose, max_overview_lines=1, complete_command="--verbose")
-        assert text == result_text(measured, verbose=verbose, complete_command="--verbose")
-    texts = study_result_text(generated, max_overview_lines=1), study_result_text(generated, verbose=True)
-    assert texts == (overview_text(generated, 1), overview_text(generated))
+        text = study_result_text(measured_summary, verbose=verbose, max_overview_lines=1, complete_command="--verbose")
+        assert text == result_text(measured_summary, verbose=verbose, complete_command="--verbose")
+    texts = (
+        study_result_text(generated_summary, max_overview_lines=1),
+        study_result_text(generated_summary, verbose=True),
+    )
+    assert texts == (overview_text(generated_summary, 1), overview_text(generated_summary))
 
 
 def test_result_text_for_many_loads_and_mu0_and_tau0_has_at_most_40_lines():

@@ -12,12 +12,14 @@ from stiction.summary.summary import summarize
 from support.rough_surfaces import rough_maps, self_affine_map
 from support.synthetic_results import measured_result, measured_study
 
-PAGE = Path(__file__).parents[2] / "docs/howto/troubleshooting.md"
+TROUBLESHOOTING_PAGE = Path(__file__).parents[2] / "docs/howto/troubleshooting.md"
 
 
 def list_first_cells(title):
     """Return the first cells of all rows in tables whose first column has the given title."""
-    tables = re.findall(rf"^\| {title} \|.*\n\|[-|]+\|\n((?:\|.*\n)+)", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    tables = re.findall(
+        rf"^\| {title} \|.*\n\|[-|]+\|\n((?:\|.*\n)+)", TROUBLESHOOTING_PAGE.read_text(encoding="utf-8"), re.MULTILINE
+    )
     return [line.split(" | ")[0].removeprefix("| ") for table in tables for line in table.splitlines()]
 
 
