@@ -62,7 +62,7 @@ def test_studies_for_the_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_gives_the_friction_maps_of_the_result_itself(result, resampled_means):
+def test_first_resampled_ensemble_has_the_maps_of_the_original_ensemble(result, resampled_means):
     load = resampled_means.middle_load
     for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -246,7 +246,7 @@ def test_number_computed_for_a_part_of_a_claim_equals_the_number_in_the_syntheti
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_part_of_a_claim_has_data_that_support_it_and_data_that_contradict_it():
+def test_part_of_a_claim_has_both_supporting_and_contradicting_data():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 

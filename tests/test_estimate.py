@@ -98,6 +98,6 @@ def test_estimate_is_immutable():
         Estimate(3.0),
     ],
 )
-def test_estimate_from_its_json_object_has_the_same_interval(estimate):
+def test_estimate_read_from_its_json_object_has_the_same_interval(estimate):
     read = Estimate.from_record(json.loads(to_json(estimate.to_record())))
     assert repr(read) == repr(estimate)  # compare texts, because two NaN limits are not equal

@@ -244,7 +244,7 @@ def dependencies_by_command():
 
 
 @pytest.mark.parametrize("option", ["--help", "--version"])
-def test_options_help_and_version_load_no_numeric_packages(option, dependencies_by_command):
+def test_help_option_and_version_option_load_no_numeric_packages(option, dependencies_by_command):
     assert dependencies_by_command[option,] <= DEPENDENCIES_IMPORTED_BY_HELP
 
 
@@ -353,7 +353,7 @@ def test_public_names_are_imported_from_their_defining_modules():
 
 
 @pytest.mark.parametrize("layer", ["app", "cli"])
-def test_public_names_are_not_defined_in_the_layers_of_command_line_and_app(layer):
+def test_public_names_are_not_defined_in_modules_of_the_command_line_or_the_app(layer):
     tree = ast.parse((PACKAGE_DIRECTORY / "__init__.pyi").read_text("utf-8"))
     assert [node.module for node in tree.body if node.module.startswith(f"stiction.{layer}")] == []
 

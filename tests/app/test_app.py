@@ -333,7 +333,7 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_page_shows_the_values_of_a_job_without_a_report_file(empty_page):
+def test_page_shows_the_assessment_itself_if_a_job_has_no_report(empty_page):
     rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "coefficient": Estimate(0.31, 0.28, 0.34).to_record()}
     record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}

@@ -191,7 +191,7 @@ def finished_pair_job(app, map_scans, tmp_path_factory):
     return finished_job, tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
 
 
-def test_job_uses_the_directions_dwell_times_and_creep_exponent_of_the_form(finished_pair_job):
+def test_job_uses_directions_and_dwell_times_and_creep_exponent_of_the_form(finished_pair_job):
     _, study = finished_pair_job
     assert study["contact"]["direction"] == [0, 90]
     assert study["friction"]["wait"] == ["1 min", "1 h"]

@@ -78,7 +78,7 @@ def two_finishes_directory(tmp_path_factory):
     return directory
 
 
-def test_calibrate_command_recovers_mu0_and_tau0_of_ball_tests_and_stores_them(tmp_path):
+def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_path):
     write_table(tmp_path / "forces.csv", ball_test_rows())
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "-o", "film", cwd=tmp_path)
     first_line, *other_lines = completed.stdout.splitlines()

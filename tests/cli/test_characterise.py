@@ -114,7 +114,7 @@ def test_characterise_command_prints_at_most_40_lines_without_verbose_option(sca
     assert set(short_lines) - {f"{num_omitted}{ending}", "wrote short.html, without a figure"} <= set(all_lines)
 
 
-def test_characterise_command_applies_options_for_units_levelling_band_and_output(scans_directory, profile):
+def test_characterise_command_applies_options_for_units_and_levelling_and_band_and_output(scans_directory, profile):
     profile_in_nm = Profile(profile.heights / 1000, spacing=0.01)
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
@@ -408,7 +408,7 @@ def test_characterise_command_names_the_scan_with_spikes_and_ignores_the_spikes(
     assert f"{caveat['text']}; {caveat['remedy']}" in " ".join(output.split())
 
 
-def test_dry_run_option_prints_layout_unit_and_number_of_points_of_each_file(scans_directory):
+def test_dry_run_option_prints_layout_and_unit_and_number_of_points_of_each_file(scans_directory):
     completed = check_stiction(
         "characterise",
         "scan.csv",

@@ -756,7 +756,7 @@ def map_pair_output(scans_directory):
     return completed
 
 
-def test_pair_command_writes_result_figures_report_and_model_check(
+def test_pair_command_writes_result_and_figures_and_report_and_model_check(
     scans_directory, model_check_output, map_pair_output
 ):
     for directory in ("pair", "pair/half-space", "areas"):

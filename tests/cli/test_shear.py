@@ -326,7 +326,7 @@ def test_gap_between_registered_faces_has_a_caveat_if_it_exceeds_the_noise_of_th
         assert caveat in caveats[0]
 
 
-def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_it_precedes_all_displacement(directory):
+def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_the_peak_precedes_displacement(directory):
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **LOAD_AND_ELASTICITY)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))

@@ -212,7 +212,7 @@ def test_interpolation_between_height_factors_has_at_most_the_documented_error(h
     assert (combined_intervals.sel(statistic="mean") <= combined_intervals.sel(statistic="upper")).all()
 
 
-def test_interval_at_an_interpolated_height_factor_contains_the_direct_solution():
+def test_interval_interpolated_between_height_factors_contains_the_direct_solution():
     bodies = [
         self_affine_surface(
             30, side=side, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, shortest_wavelength=0.4

@@ -53,7 +53,7 @@ def onset(study):
     return compute_study_onset(study, members=3)
 
 
-def test_onset_of_a_result_is_the_mean_over_its_pairs_of_surfaces(study, onset):
+def test_onset_of_sliding_of_a_result_is_the_mean_over_all_pairs_of_surfaces(study, onset):
     curves, exact_displacements = [], []
     for index in range(3):
         curve = half_space(
@@ -100,7 +100,7 @@ def test_onset_displacement_is_finite_for_asperities_and_undefined_for_half_plan
         assert "slips" in onset_text(find_onset_values(result))
 
 
-def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
+def test_onset_of_sliding_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
     roughness = {"hurst_exponent": 0.7, "rms": 0.01, "longest_wavelength": 5.0, "shortest_wavelength": 0.05}
     noise = 1e-3 * np.random.default_rng(1).normal(size=(2, 3000))
     profiles = [
@@ -120,7 +120,7 @@ def test_onset_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cuto
     assert float(abs(result["displacement"] - onset_by_cutoff[other_cutoff]["displacement"]).max()) > 0
 
 
-def test_onset_of_a_result_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
+def test_onset_of_sliding_of_a_result_is_none_if_mu0_and_tau0_are_zero_or_surfaces_are_generated(study):
     assert compute_study_onset(study.with_changes({"friction.mu0": [0.0], "friction.tau0": ["0 MPa"]})) is None
     assert compute_study_onset(Study.named("quick")) is None
 
@@ -212,7 +212,7 @@ def test_onset_table_and_json_record_have_equal_displacements(onset):
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
 
 
-def test_onset_text_states_its_sliding_rule_if_the_interface_has_another_rule(study, onset):
+def test_onset_text_states_the_sliding_rule_of_the_onset_if_the_interface_has_another_rule(study, onset):
     values = find_onset_values(onset)
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "0 MPa", "sliding": "opposing"}
     texts = [

@@ -67,7 +67,7 @@ def adhesive_result():
     return run_pair(**ADHESION_OPTIONS)
 
 
-def test_contact_sums_of_an_adhesive_pair_equal_those_of_its_half_space_curve(adhesive_result):
+def test_contact_sums_of_an_adhesive_pair_equal_sums_of_its_half_space_load_curve(adhesive_result):
     dataset, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
     bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": dataset["direction"].values.tolist(), "sliding": "all"}

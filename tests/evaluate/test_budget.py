@@ -71,7 +71,7 @@ def test_combined_interval_at_a_load_does_not_depend_on_other_requested_loads() 
 
 
 @pytest.mark.parametrize("hardness", [None, "2 GPa ± 10 %"])
-def test_budget_at_a_load_is_independent_of_the_number_of_other_loads(monkeypatch, hardness) -> None:
+def test_uncertainty_budget_at_a_load_is_independent_of_the_number_of_other_loads(monkeypatch, hardness) -> None:
     options = PAIR_OPTIONS | {"hardness": hardness, "mu0": "0.2..0.3", "tau0": "50 MPa"}
     result = pair(*rough_surfaces(), load="2 MPa", effective_modulus="80 GPa", **options)
     study_load = float(result.study.friction.load[0])
@@ -427,7 +427,7 @@ def test_combined_interval_contains_the_interval_of_the_mean_for_random_means_an
             assert rule.lower <= computed_point.bracket[0] <= computed_point.bracket[1] <= rule.upper
 
 
-def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
+def test_equally_uncertain_inputs_have_equal_fractions_in_the_uncertainty_budget() -> None:
     result = pair(
         *rough_surfaces(), load="2 MPa", mu0="0.2±0.025", tau0="20..80 MPa", young="6..16 GPa,6..16 GPa",
         poisson="0.3,0.3", hardness="1 GPa", yield_exponent=1.25, junction_growth=0, **PAIR_OPTIONS,
@@ -438,7 +438,7 @@ def test_equally_uncertain_inputs_have_equal_fractions_in_the_budget() -> None:
     assert budget_fractions.min() >= 0
 
 
-def test_budget_of_a_yielding_pair_has_rows_for_positions_and_unresolved_roughness() -> None:
+def test_uncertainty_budget_of_a_yielding_pair_has_rows_for_positions_and_unresolved_roughness() -> None:
     result = pair(
         *rough_surfaces(), load="20 MPa", mu0=0.2, tau0="50 MPa", effective_modulus="80 GPa", hardness="1 GPa",
         yield_exponent=1.15, junction_growth=0, **PAIR_OPTIONS,

@@ -186,14 +186,14 @@ def test_pair_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_
 
 
 @pytest.mark.parametrize(("tau0", "has_end"), [("60..90 MPa", True), ("70..130 MPa", False)])
-def test_friction_interval_has_no_upper_limit_if_seizure_occurs_in_many_samples(tau0, has_end):
+def test_friction_interval_has_no_upper_limit_if_contacts_seize_in_many_samples(tau0, has_end):
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.2, "tau0": tau0}, junction_growth="20..27")
     assert np.isfinite(result.interval[1]) == has_end
     assert np.isfinite(result.interval[0])
     assert (result.at()["status"] == "ok").all()
 
 
-def test_uncertainty_budget_includes_junction_growth_if_seizure_occurs_in_few_samples():
+def test_uncertainty_budget_includes_junction_growth_if_contacts_seize_in_few_samples():
     result = pair(
         *rough_surfaces(),
         **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},

@@ -162,7 +162,7 @@ def test_stiffness_of_two_circular_arcs_in_contact_equals_hertz_solution(create_
     np.testing.assert_allclose(member["normal_stiffness"], 1.5 * load / overlap, rtol=1e-4)
 
 
-def test_dataset_of_values_at_each_position_has_units_inputs_and_version(result):
+def test_dataset_of_values_at_each_position_has_units_and_inputs_and_version(result):
     members = result.at(per_member=True)
     assert members["contact_area"].attrs["units"] == "um^2"
     assert members["normal_stiffness"].attrs["units"] == "mN/um"

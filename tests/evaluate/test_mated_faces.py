@@ -85,7 +85,7 @@ def test_mated_maps_add_a_caveat_unless_their_mating_position_is_given(mated_fac
     assert text not in list_caveat_texts(unrelated_face, unrelated_face, shifts=2)
 
 
-def test_mated_profiles_add_a_caveat(mated_faces):
+def test_pair_of_mated_profiles_has_a_caveat_about_mated_faces(mated_faces):
     options = {"load": "1 MPa", "effective_modulus": "16 GPa", "mu0": 0.6, "onset": 0, "cutoff": "none"}
     lower = self_affine_surface(5, hurst_exponent=0.8, rms=6.0, shape=(4, 256), spacing=15.625).row(0)
     for faces, more in (((Profile(-lower.heights, spacing=15.625), lower), {}), (mated_faces, {"lines": 2})):

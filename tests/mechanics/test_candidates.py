@@ -42,7 +42,7 @@ def rough_profiles():
 
 class TestContactCandidates:
     @pytest.mark.parametrize("curvature", ["convex", "signed"])
-    def test_pressing_candidates_gives_the_loads_of_pressing_the_surfaces(self, rough_profiles, curvature):
+    def test_pressing_candidates_gives_the_same_loads_as_pressing_the_surfaces(self, rough_profiles, curvature):
         contact_candidates = candidates(*rough_profiles, deepest=0.03, curvature=curvature)
         steps = [0.0, 0.001, 0.02]
         curve_of_candidates = press(contact_candidates, steps, shear="-x")

@@ -98,7 +98,7 @@ def test_material_lookup_rejects_formulas_that_only_resemble_a_known_name(name, 
         material(name)
 
 
-def test_material_lookup_requires_the_case_of_formulas_but_not_of_words():
+def test_material_lookup_is_case_sensitive_for_formulas_but_not_for_words():
     for name in ("Si", "SiC", "Si3N4", "WC", "Al2O3", "ZrO2", "DLC", "a-C:H", "ta-C", "100Cr6", "Ti-6Al-4V"):
         assert material(name)
     assert material("Tin") is material("tin") is material("TIN")

@@ -257,7 +257,7 @@ def test_friction_of_profiles_at_each_cutoff_is_the_mean_over_both_directions():
     assert result.friction_coefficient.sel(sliding="opposing")[0].values == pytest.approx(mu, rel=1e-6)
 
 
-def test_resolution_results_scale_with_size():
+def test_results_of_the_resolution_function_scale_with_size():
     original_result = resolution(
         *create_rough_surfaces(points=64, spacing=0.08), [0.4], boundary="periodic", **STEEL_ARGUMENTS
     )
@@ -283,7 +283,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
         xr.testing.assert_equal(stored_dataset.load(), result)
 
 
-def test_resolution_results_at_an_unsolved_load_are_nan_and_progress_reaches_the_end(monkeypatch):
+def test_results_of_the_resolution_function_at_an_unsolved_load_are_nan_and_progress_completes(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)

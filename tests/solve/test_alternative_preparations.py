@@ -182,7 +182,7 @@ def test_legend_of_the_friction_figure_states_that_intervals_include_errors_of_t
     assert ["errors of the scans" in title for title in legend_titles] == [True, False]
 
 
-def test_budget_lists_the_interval_without_the_alternative_preparation(blunt_result):
+def test_uncertainty_budget_lists_the_interval_without_the_alternative_preparation(blunt_result):
     budget = blunt_result.budget.set_index("input")
     own_interval = open_without_alternatives(blunt_result).interval
     row = budget.loc[ALTERNATIVE_LABELS["tip"]]
@@ -272,7 +272,7 @@ def test_recommended_measurement_is_unchanged_if_the_interval_without_spikes_is_
     assert most_useful_measurement_text(replace(point, caveats=tuple(faults.values()))) == ""
 
 
-def test_budget_at_a_load_of_the_study_does_not_depend_on_another_requested_load(spiked_result):
+def test_uncertainty_budget_at_a_study_load_does_not_depend_on_another_requested_load(spiked_result):
     (load,) = (float(load) for load in spiked_result.study.friction.load)
     points = spiked_result.at([load, 3 * load], budget=True).sel(load=[load])
     expected_points = spiked_result.at(budget=True)

@@ -188,7 +188,7 @@ def test_estimated_solution_time_of_large_maps_is_doubled_by_a_free_boundary(tmp
     assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
 
 
-def test_estimated_iterations_of_soft_adhesive_maps_do_not_depend_on_their_number_of_points(tmp_path, monkeypatch):
+def test_estimated_number_of_iterations_for_soft_adhesive_maps_does_not_depend_on_the_grid_size(tmp_path, monkeypatch):
     soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
     iterations = [
         estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))

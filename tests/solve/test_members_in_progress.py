@@ -200,7 +200,7 @@ def test_solution_of_a_pair_is_computed_even_if_its_load_steps_cannot_be_stored(
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_progress_of_a_solution_rises_with_its_iterations(study):
+def test_progress_of_a_solution_rises_with_the_number_of_iterations(study):
     members = MembersInProgress(study, None, lambda: 100.0)
     assert members.estimate_progress() == 0
     counters = [members.add(index).counter for index in range(2)]

@@ -36,7 +36,7 @@ def result(study):
     return run(study).dataset
 
 
-def test_stored_onset_of_a_pair_equals_the_onset_of_its_load_curve(study, result):
+def test_stored_onset_of_sliding_of_a_pair_equals_the_onset_of_its_load_curve(study, result):
     for index, dimension in ((0, 1.1), (3, 1.4)):
         upper, lower = pair_of(study, index, fractal_dimension=dimension, amplitude=0.1)
         steps = study.contact.loading_steps()
@@ -62,7 +62,7 @@ def test_computing_the_onset_of_sliding_leaves_other_results_of_a_study_unchange
         np.testing.assert_allclose(result[name], dataset_without_onset[name], rtol=1e-11, err_msg=name)
 
 
-def test_onset_of_generated_maps_uses_the_first_direction():
+def test_onset_of_sliding_of_generated_maps_is_computed_in_the_first_direction():
     study = Study.named("presliding").with_changes(SURFACE_STUDY_CHANGES | {"contact.onset": {"mu0": 0.4}})
     dataset = run(study).dataset
     assert dataset["displacement_at_sliding"].dims == ("fractal_dimension", "amplitude", "repetition", "approach")
@@ -73,7 +73,7 @@ def test_onset_of_generated_maps_uses_the_first_direction():
         assert (float(dataset["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
-def test_onset_of_generated_surfaces_at_a_load_is_a_load_weighted_mean_over_pairs(result):
+def test_onset_of_sliding_of_generated_surfaces_at_a_load_is_a_load_weighted_mean_over_pairs(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
     result_at_step = result.isel(approach=3)
     normal_loads = (

@@ -116,7 +116,7 @@ def test_peak_memory_of_a_task_is_within_the_documented_limit(monkeypatch, point
     assert memory.nbytes <= max(2 * batch_bytes + 2 * 8 * points, 32 * points)
 
 
-def test_result_of_a_run_contains_study_version_and_units(result):
+def test_result_of_a_run_contains_study_and_version_and_units(result):
     assert result.attrs["stiction_version"] == stiction.__version__
     assert parse_study_of_dataset(result) == RUNNER_STUDY
     assert all("units" in result[name].attrs and "long_name" in result[name].attrs for name in result.variables)
@@ -278,7 +278,7 @@ def test_run_computes_with_fewer_threads_if_not_all_can_start(monkeypatch):
     assert_same_bits(dataset, run(TINY_STUDY, executor=InlineExecutor()).dataset)
 
 
-def test_run_stops_with_every_error_other_than_a_load_without_solution(tmp_path, monkeypatch):
+def test_run_stops_at_every_error_except_a_load_without_solution(tmp_path, monkeypatch):
     """Check that a member does not store NaN if, for example, a library cannot start a thread."""
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=1)
 

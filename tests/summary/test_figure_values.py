@@ -46,7 +46,7 @@ def test_contact_opposes_motion_in_directions_in_which_its_mean_slope_rises():
     assert masks == expected_masks
 
 
-def test_contact_forces_of_measured_profiles_are_those_of_the_first_pair_in_contact(result_of_profiles):
+def test_contact_forces_of_measured_profiles_are_taken_from_the_first_pair_in_contact(result_of_profiles):
     result, forces = result_of_profiles, result_of_profiles.contact_forces
     load = float(result.study.friction.load[0])
     members = result.dataset.isel(cut_off=0).sel(load=load, method="nearest")
@@ -59,7 +59,7 @@ def test_contact_forces_of_measured_profiles_are_those_of_the_first_pair_in_cont
     assert float(forces["contact_force"].sum()) == pytest.approx(load, rel=0.02)
 
 
-def test_contact_forces_of_generated_profiles_are_those_of_the_first_pair_at_median_approach(small_result):
+def test_contact_forces_of_generated_profiles_are_taken_from_the_first_pair_at_median_approach(small_result):
     forces, study = Result.of(small_result).contact_forces, Result.of(small_result).study
     has_contact = (small_result["contact_count"] > 0).any(["repetition", "fractal_dimension", "amplitude"])
     approaches = small_result["approach"].values[has_contact.values]

@@ -115,7 +115,7 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_assessments_in_a_friction_table_are_those_of_summaries_and_depend_on_the_sliding_rule(dataset, table):
+def test_assessments_in_a_friction_table_equal_those_in_summaries_and_depend_on_the_sliding_rule(dataset, table):
     result = Result.of(dataset)
     result_at_loads = result.at(100 * table["pressure"].values, load_definition="elastic")
     for point in result.summarize_dataset(result_at_loads).points:
@@ -218,7 +218,7 @@ def test_at_command_accepts_pressures_for_a_table_and_prints_assessments(tmp_pat
     assert "Interpolated" not in check_stiction("at", "table", "--load", "10 MPa", cwd=tmp_path).stdout
 
 
-def test_table_command_accepts_materials_hardness_and_interface(tmp_path):
+def test_table_command_accepts_materials_and_hardness_and_interface(tmp_path):
     materials = ["--upper", "steel", "--lower", "brass"]
     check_stiction("table", *materials, *COMMAND_OPTIONS[2:], "--output", "soft", cwd=tmp_path)
     interface = ["--hardness", "5 GPa", "--interface", "rock on rock, below 200 MPa", "--output", "hard"]

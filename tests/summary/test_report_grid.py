@@ -206,7 +206,7 @@ def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(n
     assert ("share_of_pull_off_bounds" in unloaded_caveat_names) == (name == "lower bounds")
 
 
-def test_summary_pressure_and_caveats_refer_to_the_quoted_sliding_rule():
+def test_pressure_and_caveats_of_a_summary_refer_to_the_quoted_sliding_rule():
     result = run(HALF_PLANE_STUDY)
     (_, point) = result.summary([0.1], mu0=[1.0], tau0=[0.2]).points
     area = point.values["contact_area"].sel(statistic="mean")

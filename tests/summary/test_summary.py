@@ -65,11 +65,11 @@ def call_counts(surface_directory):
     return counts
 
 
-def test_pair_function_computes_summary_uncertainty_and_input_caveats_only_once(call_counts):
+def test_pair_function_computes_summary_and_uncertainty_and_input_caveats_only_once(call_counts):
     assert call_counts == {"summarize": 1, "add_uncertainty": 1, "find_study_caveats": 1}
 
 
-def test_result_computes_its_summary_onset_and_resolution_only_once(surface_directory, call_counts):
+def test_result_computes_summary_and_onset_and_resolution_only_once(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     first_summary, second_summary = result.summary(), result.summary()
     assert first_summary.points is second_summary.points

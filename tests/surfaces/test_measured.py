@@ -960,7 +960,7 @@ def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(writ
         (("<p:ISO", '<!DOCTYPE a [<!ENTITY b "c">]><p:ISO'), "document type declaration in main"),
     ],
 )
-def test_x3p_file_with_contradictions_is_rejected(write_file, change, message):
+def test_x3p_file_with_contradictory_metadata_is_rejected(write_file, change, message):
     path = write_file(x3p_bytes(HEIGHTS_IN_METRES, replacements=[change]), "a.x3p")
     if message is None:
         read_surface(path)

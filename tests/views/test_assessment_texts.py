@@ -381,7 +381,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     assert summary_of_all.reported_points == list(summary_of_all.points)
 
 
-def test_summary_without_an_interval_has_no_budget_entry_of_possible_noise():
+def test_summary_without_an_interval_has_no_row_for_possible_noise_in_the_uncertainty_budget():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     assert [entry.label for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
@@ -546,7 +546,7 @@ def test_effect_of_finer_scans_is_stated_unless_it_is_small_compared_with_the_in
     assert point.bracket is not None
 
 
-def test_few_contacts_and_zero_tau0_of_generated_surfaces_add_caveats():
+def test_results_of_generated_surfaces_have_caveats_about_few_contacts_and_zero_tau0():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
     assert "few contacts, 7 on average" in caveat_texts(point)
     assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].assessment == "Do not quote"

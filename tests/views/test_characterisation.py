@@ -386,7 +386,7 @@ class TestSectionParameters:
                 Characterisation(Profile(self.TURNED_PROFILE.heights[:100], spacing=0.5), lc=60.0)
             ).rows
 
-    def test_surface_parameters_are_those_of_the_filtered_surface(self):
+    def test_surface_parameters_are_computed_from_the_filtered_surface(self):
         surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(64, 80), spacing=0.1)
         characterisation = Characterisation(surface, lc=3.0, ls=0.3)
         filtered_surface = filtered(filtered(surface, cutoff=0.3), cutoff=3.0, kind="L")

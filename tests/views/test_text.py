@@ -153,7 +153,7 @@ def test_assessment_lists_a_remedy_only_if_it_would_change_the_printed_interval(
         assert ("the interval would be" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
-def test_verbose_text_contains_contact_count_load_on_the_largest_contact_and_solution_error():
+def test_verbose_text_contains_number_of_contacts_and_load_on_the_largest_and_solution_error():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
@@ -207,7 +207,7 @@ def test_verbose_text_contains_direction_dependent_quantities_only_for_a_single_
         assert (label in result_text(summarize(dataset, measured_study()), verbose=True)) == is_printed
 
 
-def test_text_and_json_of_a_summary_without_points_state_the_reason():
+def test_text_and_json_of_a_summary_without_coefficients_state_the_reason():
     for study, text_function in ((measured_study(), main_values_text), (generated_study(), overview_text)):
         summary = Summary(study, xarray.Dataset(), (), no_points_reason="the surfaces do not touch")
         assert text_function(summary) == "μ_s  none: the surfaces do not touch"
