@@ -16,7 +16,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
     approaches = study.contact.loading_steps()
     our_time = median_time(lambda: compute_member_arrays(study, 0), 5) / 50
     sums = compute_member_arrays(study, 0)
-    times, largest_difference = [], 0.0
+    plain_times, largest_relative_difference = [], 0.0
     for dimension_index in (0, 25):  # indices of the fractal dimensions 1.00 and 1.357
         dimension = study.surfaces.fractal_dimensions()[dimension_index]
 
@@ -29,7 +29,7 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
             )
             return plain.press(upper, lower, PROFILE_LENGTH / NUM_POINTS, approaches)
 
-        times.append(
+        plain_times.append(
             median_time(
                 lambda press_with_plain_program=press_with_plain_program: assert_finite(press_with_plain_program()), 1
             )
@@ -37,14 +37,15 @@ def compare_with_plain_program() -> list[tuple[str, str]]:
         plain_sums = press_with_plain_program()
         our_sums = np.array([sums[name][dimension_index, 0] for name in CONTACT_SUM_NAMES])
         assert np.array_equal(our_sums[0], plain_sums[0])
-        largest_difference = max(
-            largest_difference, float((np.abs(our_sums - plain_sums) / np.maximum(np.abs(plain_sums), 1e-300)).max())
+        largest_relative_difference = max(
+            largest_relative_difference,
+            float((np.abs(our_sums - plain_sums) / np.maximum(np.abs(plain_sums), 1e-300)).max()),
         )
     # Tolerance for the plain program, whose round-off gives phase errors of 4e-7 rad at the highest frequency.
-    assert largest_difference < 1e-3, largest_difference
+    assert largest_relative_difference < 1e-3, largest_relative_difference
     return [
-        ("plain NumPy/SciPy program, time relative to a pair on one thread", f"{np.mean(times) / our_time:.0f}"),
-        ("largest relative difference of a sum; contact counts are equal", f"{largest_difference:.0e}"),
+        ("plain NumPy/SciPy program, time relative to a pair on one thread", f"{np.mean(plain_times) / our_time:.0f}"),
+        ("largest relative difference of a sum; contact counts are equal", f"{largest_relative_difference:.0e}"),
     ]
 
 
@@ -63,14 +64,14 @@ def compare_profile_generators() -> list[tuple[str, str]]:
         )
         * 50
     )
-    result = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{plain_time / stiction_time:.0f}")]
+    rows = [("direct sum in NumPy, time relative to the family of 50 profiles", f"{plain_time / stiction_time:.0f}")]
     import finufft
 
     # Compute a non-uniform transform per frequency group (40 wavelengths, 150 000 points), and then the matrix product.
     m, n = np.arange(1, 41), np.arange(40)
     cosine_waves = np.cos(np.pi * m / 40)[:, None] * 1.5 ** n[None, :] * (PROFILE_LENGTH / NUM_POINTS)
     angle = 2 * np.pi * (cosine_waves - np.rint(cosine_waves))
-    weights = np.log(1.5) * 1.5 ** (2 * n[None, :] * (dimensions[:, None] - 2))
+    frequency_weights = np.log(1.5) * 1.5 ** (2 * n[None, :] * (dimensions[:, None] - 2))
 
     def generate_by_finufft():
         phase_groups = np.empty((40, NUM_POINTS))
@@ -81,38 +82,38 @@ def compare_profile_generators() -> list[tuple[str, str]]:
                 np.ascontiguousarray(angle[:, k]), amplitudes, NUM_POINTS, eps=1e-12, isign=1, nthreads=1
             )
             phase_groups[k] = np.cos(phases[:, k]).sum() - sums.real
-        return weights @ phase_groups
+        return frequency_weights @ phase_groups
 
     finufft_profiles = generate_by_finufft()
-    difference = np.abs(finufft_profiles - profiles).max() / np.ptp(profiles, axis=1).min()
-    assert difference < 1e-8, difference
+    relative_difference = np.abs(finufft_profiles - profiles).max() / np.ptp(profiles, axis=1).min()
+    assert relative_difference < 1e-8, relative_difference
     finufft_time = median_time(generate_by_finufft, 3)
-    result.append(
+    rows.append(
         (
             "FINUFFT (eps 1e-12, one thread) and a BLAS product, time relative to the same family",
             f"{finufft_time / stiction_time:.0f}",
         )
     )
-    result.append(("largest difference of the profiles, relative to their height", f"{difference:.0e}"))
-    return result
+    rows.append(("largest difference of the profiles, relative to their height", f"{relative_difference:.0e}"))
+    return rows
 
 
 def compare_with_boundary_elements() -> list[tuple[str, str]]:
     import tamaas
 
     tamaas.set_log_level(tamaas.LogLevel.error)
-    points, modulus = 8192, 10.0
-    x = np.arange(points) / points
+    num_points, modulus = 8192, 10.0
+    x = np.arange(num_points) / num_points
     generator = np.random.default_rng(5)
-    heights = np.zeros(points)
+    heights = np.zeros(num_points)
     for q in range(1, 257):  # The profile is periodic and self-affine with H = 0.8.
         heights += q**-1.3 * np.cos(2 * np.pi * (q * x + generator.random()))
     heights *= 0.01 / np.ptp(heights)
-    lower, upper = Profile(heights, spacing=1 / points), Profile(np.zeros(points), spacing=1 / points)
+    lower, upper = Profile(heights, spacing=1 / num_points), Profile(np.zeros(num_points), spacing=1 / num_points)
     approaches = np.linspace(1e-5, 3e-3, 40)
     curve = press(upper, lower, approaches, law=HertzCylinder(), detection="gap-minimum")
     load = float(curve.normal_elastic[20])
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [1.0], [points])
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_1d, [1.0], [num_points])
     model.E, model.nu = modulus, 0.0
 
     def compute_contact_fraction():
@@ -135,5 +136,5 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     ]
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
+def run_benchmark() -> list[tuple[str, str]]:
     return compare_with_plain_program() + compare_profile_generators() + compare_with_boundary_elements()

@@ -27,7 +27,7 @@ def measure_wait_for_script(driver, script: str) -> float:
     return time.perf_counter() - start
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
+def run_benchmark() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as directory, browser.start_browser(f"{directory}/profile") as driver:
         start = time.perf_counter()
         server = subprocess.Popen(
@@ -36,7 +36,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         )  # fmt: skip
         try:
             address = re.search(r"http:\S+", server.stderr.readline())[0]
-            start_time = time.perf_counter() - start
+            response_time = time.perf_counter() - start
             set_window_size(driver, 1280, 720)
             page_start = time.perf_counter()
             driver.get(address)
@@ -54,7 +54,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             measure_wait_for_script(
                 driver, "reportDocument().getElementById('main')?.getAttribute('aria-busy') === 'false'"
             )
-            memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
+            server_memory = int(Path(f"/proc/{server.pid}/statm").read_text().split()[1]) * resource.getpagesize()
         finally:
             server.send_signal(signal.SIGINT)
             server.wait()
@@ -62,12 +62,12 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ("load average of the machine", f"{os.getloadavg()[0]:.1f}"),
         (
             "time until the server responds, time until the page is drawn",
-            f"{start_time:.1f} s, {paint_time / 1000:.2f} s",
+            f"{response_time:.1f} s, {paint_time / 1000:.2f} s",
         ),
         ("time until two maps of 128 x 128 points are shown with their roughness", f"{preview_time:.1f} s"),
         (
             "time from opening the page to the preview of the result, time to the final result",
             f"{first_result_time:.1f} s, {result_time:.1f} s",
         ),
-        ("memory of the server at that time", f"{memory / 1e6:.0f} MB"),
+        ("memory of the server at that time", f"{server_memory / 1e6:.0f} MB"),
     ]

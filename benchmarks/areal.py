@@ -21,20 +21,22 @@ SLIDING_RULES = ("opposing", "all")
 NUM_REPEATS = 9
 
 
-def create_pair(points: int, *, shortest: float | None = 0.5, repetition: int = 0, longest: float = 4.0):
+def create_pair(
+    points: int, *, shortest_wavelength: float | None = 0.5, repetition: int = 0, longest_wavelength: float = 4.0
+):
     return [
         self_affine_surface(
             3, hurst_exponent=0.8, rms=0.05, shape=(points, points), spacing=MAP_LENGTH / points,
-            shortest_wavelength=shortest,
-            longest_wavelength=longest, side=side, repetition=repetition,
+            shortest_wavelength=shortest_wavelength,
+            longest_wavelength=longest_wavelength, side=side, repetition=repetition,
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
 
 
 def press_with_both_rules(upper, lower):
-    points = candidates(upper, lower, deepest=MAX_APPROACH)
-    return [press(points, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING_RULES]
+    contact_candidates = candidates(upper, lower, deepest=MAX_APPROACH)
+    return [press(contact_candidates, APPROACHES, direction=DIRECTIONS, sliding=rule) for rule in SLIDING_RULES]
 
 
 def measure_thread_time(call: Callable[[], object]) -> float:
@@ -43,9 +45,9 @@ def measure_thread_time(call: Callable[[], object]) -> float:
     return time.thread_time() - start
 
 
-def median_times(*calls: Callable[[], object], repeats: int = NUM_REPEATS) -> list[float]:
+def median_times(*calls: Callable[[], object], num_repeats: int = NUM_REPEATS) -> list[float]:
     """Return the median time (s) of each of several calls, which alternate so that other jobs affect all equally."""
-    times = [[measure_thread_time(call) for call in calls] for _ in range(repeats)]
+    times = [[measure_thread_time(call) for call in calls] for _ in range(num_repeats)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
 
@@ -57,8 +59,8 @@ def create_large_pair() -> None:
     create_pair(2048)
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
-    small_pair, rough_pair, large_pair = create_pair(512), create_pair(512, shortest=None), create_pair(2048)
+def run_benchmark() -> list[tuple[str, str]]:
+    small_pair, rough_pair, large_pair = create_pair(512), create_pair(512, shortest_wavelength=None), create_pair(2048)
     transform_time, pair_time, candidate_time, fine_pair_time, large_transform_time, large_pair_time = median_times(
         lambda: rfft2(small_pair[0].heights, workers=1),
         lambda: press_with_both_rules(*small_pair),
@@ -68,11 +70,11 @@ def benchmark_rows() -> list[tuple[str, str]]:
         lambda: press_with_both_rules(*large_pair),
     )
     curve, rough_curve = press_with_both_rules(*small_pair)[0], press_with_both_rules(*rough_pair)[0]
-    count = f"{curve.contact_count[-1]} contacts"
-    result = [
+    count_text = f"{curve.contact_count[-1]} contacts"
+    rows = [
         ("T: scipy.fft.rfft2 of one map of 512 x 512", f"{1e3 * transform_time:.2f} ms"),
         (
-            f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count}",
+            f"pair of 512 x 512, 40 approaches, 36 directions, both rules, {count_text}",
             f"{pair_time / transform_time:.1f} T",
         ),
         ("search for the candidates alone", f"{candidate_time / transform_time:.1f} T"),
@@ -96,7 +98,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
             wall_times.append(time.perf_counter() - start)
         speedups.append(wall_times[0] / wall_times[1])
     return [
-        *result,
+        *rows,
         ("speed-up by a second thread, pairs of 512 x 512", f"{max(speedups):.2f}"),
         *compare_with_boundary_elements(),
     ]
@@ -109,7 +111,7 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     points = 1024
     upper, lower = create_pair(points)
     gap = upper.heights - lower.heights
-    stiction_time = median_times(lambda: press_with_both_rules(upper, lower), repeats=5)[0]
+    stiction_time = median_times(lambda: press_with_both_rules(upper, lower), num_repeats=5)[0]
     curve = press_with_both_rules(upper, lower)[0]
     approach_index = int(np.searchsorted(curve.contact_area, 0.01 * MAP_LENGTH**2))
     tamaas.initialize(1)
@@ -120,17 +122,17 @@ def compare_with_boundary_elements() -> list[tuple[str, str]]:
     solver = tamaas.PolonskyKeerRey(model, np.ascontiguousarray(-gap), 1e-6)
     solver.max_iter = 5000
     start = time.thread_time()
-    error = solver.solve(pressure)
+    relative_error = solver.solve(pressure)
     tamaas_time = time.thread_time() - start
-    assert error < 1e-6, error
+    assert relative_error < 1e-6, relative_error
     is_contact = model.traction > 0
     perimeter = sum(int((is_contact != np.roll(is_contact, 1, axis)).sum()) for axis in (0, 1))
-    fraction = tamaas.Statistics2D.contact(model.traction, perimeter)
+    contact_fraction = tamaas.Statistics2D.contact(model.traction, perimeter)
     return [
         ("tamaas, one load at 1024 x 1024, time relative to 40 approaches", f"{tamaas_time / stiction_time:.0f}"),
         ("the same ratio for each load", f"{40 * tamaas_time / stiction_time:.0f}"),
         (
-            f"our area over tamaas' at that load, {100 * fraction:.2g} % of the nominal one",
-            f"{curve.contact_area[approach_index] / MAP_LENGTH**2 / fraction:.2f}",
+            f"our area over tamaas' at that load, {100 * contact_fraction:.2g} % of the nominal one",
+            f"{curve.contact_area[approach_index] / MAP_LENGTH**2 / contact_fraction:.2f}",
         ),
     ]

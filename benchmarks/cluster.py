@@ -41,9 +41,9 @@ class StoredSumsReader:
         self.has_shared_directory = has_shared_directory
 
     def __call__(self, version: str, study: Study, directory: runner.SharedResultDirectory, members: range) -> object:
-        if self.path not in _read:
-            _read[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.compute_member_arrays = lambda _, member: _read[self.path][member % NUM_DIFFERENT_MEMBERS]
+        if self.path not in _sums_by_path:
+            _sums_by_path[self.path] = pickle.loads(Path(self.path).read_bytes())
+        runner.compute_member_arrays = lambda _, member: _sums_by_path[self.path][member % NUM_DIFFERENT_MEMBERS]
         return _compute_real_block(
             version,
             study,
@@ -52,7 +52,7 @@ class StoredSumsReader:
         )
 
 
-_read: dict[str, list[dict]] = {}
+_sums_by_path: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
@@ -72,23 +72,25 @@ def measure_storage_rates(
 ) -> tuple[float, float]:
     """Return the number of repetitions stored per second, and the scheduler's processor time (s) per repetition."""
     with tempfile.TemporaryDirectory() as directory:
-        file = Path(directory) / "sums.pickle"
-        file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSumsReader(str(file), has_shared_directory)
+        sums_file = Path(directory) / "sums.pickle"
+        sums_file.write_bytes(pickle.dumps(sums))
+        runner.compute_block = StoredSumsReader(str(sums_file), has_shared_directory)
         block_size = runner.choose_block_size(study)
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:
             # The first run is not measured, because it imports all modules.
             runner.compute_missing_blocks(study, Path(directory) / "r", part=(2, num_parts), executor=executor)
             start, driver_start = time.perf_counter(), time.process_time()
-            count = runner.compute_missing_blocks(study, Path(directory) / "r", part=(1, num_parts), executor=executor)
-            return count / (time.perf_counter() - start), (time.process_time() - driver_start) / count
+            num_stored = runner.compute_missing_blocks(
+                study, Path(directory) / "r", part=(1, num_parts), executor=executor
+            )
+            return num_stored / (time.perf_counter() - start), (time.process_time() - driver_start) / num_stored
         finally:
             runner.compute_block = _compute_real_block
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
-    results = []
+def run_benchmark() -> list[tuple[str, str]]:
+    rows = []
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as executor:
         for name in STUDY_NAMES:
             study = Study.named(name).with_changes({"ensemble.repetitions": 1_000_000})
@@ -112,16 +114,18 @@ def benchmark_rows() -> list[tuple[str, str]]:
                 )
                 / block_size
             )
-            runs = [
+            results_by_run = [
                 (
                     measure_storage_rates(study, members, executor, has_shared_directory=True),
                     measure_storage_rates(study, members, executor, has_shared_directory=False),
                 )
                 for _ in range(NUM_RUNS)
             ]
-            rate, driver_time = (statistics.median(by_workers[i] for by_workers, _ in runs) for i in range(2))
-            sent_rate = statistics.median(by_driver[0] for _, by_driver in runs)
-            results += [
+            worker_storage_rate, driver_time = (
+                statistics.median(worker_result[i] for worker_result, _ in results_by_run) for i in range(2)
+            )
+            driver_storage_rate = statistics.median(driver_result[0] for _, driver_result in results_by_run)
+            rows += [
                 (f"repetition of {name}: time on one core", f"{member_time:.3g} s"),
                 ("... size of the stored sums", f"{compute_bytes_per_member(study) / 1e3:.0f} kB"),
                 ("... repetitions in a block", f"{block_size}"),
@@ -129,9 +133,9 @@ def benchmark_rows() -> list[tuple[str, str]]:
                     "... time to encode the sums, and fraction of the computing time",
                     f"{1e3 * writing_time:.2g} ms, {writing_time / member_time:.2%}",
                 ),
-                ("... repetitions per second that two idle workers store", f"{rate:.0f}"),
-                ("... repetitions per second that the driver stores for two workers", f"{sent_rate:.0f}"),
+                ("... repetitions per second that two idle workers store", f"{worker_storage_rate:.0f}"),
+                ("... repetitions per second that the driver stores for two workers", f"{driver_storage_rate:.0f}"),
                 ("... processor time of the driver per repetition", f"{1e6 * driver_time:.0f} µs"),
                 ("... number of workers that one driver supports", f"{member_time / driver_time:,.0f}"),
             ]
-    return results
+    return rows

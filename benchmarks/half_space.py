@@ -18,12 +18,14 @@ RELATIVE_MEAN_PRESSURES = (0.005, 0.03, 0.1)
 """Mean pressures in units of E* times the rms slope."""
 
 
-def create_heights(shape: tuple[int, ...], longest: int, shortest: int, hurst: float = 0.8) -> np.ndarray:
+def create_heights(
+    shape: tuple[int, ...], min_wave_number: int, max_wave_number: int, hurst: float = 0.8
+) -> np.ndarray:
     """Return a self-affine surface of unit length with an rms slope of 0.1 and a given range of wavelengths."""
     generator = np.random.default_rng(1)
     axis_wave_numbers = [np.fft.fftfreq(n, 1 / n) for n in shape[:-1]] + [np.fft.rfftfreq(shape[-1], 1 / shape[-1])]
     k = np.sqrt(sum(np.square(axis) for axis in np.meshgrid(*axis_wave_numbers, indexing="ij")))
-    is_in_band = (k >= longest) & (k <= shortest)
+    is_in_band = (k >= min_wave_number) & (k <= max_wave_number)
     amplitude = np.where(is_in_band, np.where(is_in_band, k, 1.0) ** (-hurst - len(shape) / 2), 0.0)
     heights = scipy.fft.irfftn(amplitude * np.exp(2j * np.pi * generator.random(k.shape)), shape)
     differences_by_axis = [
@@ -91,18 +93,18 @@ def measure_time_and_error(solve: Callable[..., Any], heights: np.ndarray, load:
     """Return processor time and error of a solution."""
     start = time.process_time()
     solution = solve(heights, load)
-    elapsed = time.process_time() - start
-    return elapsed, compute_solution_error(
+    processor_time = time.process_time() - start
+    return processor_time, compute_solution_error(
         heights, solution.contact(0).pressure if isinstance(solution, HalfSpaceCurve) else solution
     )
 
 
-def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
+def run_benchmark(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
     # Each solver defines its error differently. With these tolerances, all solvers reach about the same common error.
     solvers = {"tamaas": create_tamaas_solver(STICTION_SOLVER_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         solvers["aspher"] = create_aspher_solver(1.5e-7)
-    result = []
+    rows = []
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
         for pressure in RELATIVE_MEAN_PRESSURES:
@@ -110,19 +112,19 @@ def benchmark_rows(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str,
             our_runs = [measure_time_and_error(solve_by_stiction, heights, load)]
             compared_runs = []
             for name, solve in solvers.items():
-                elapsed, error = measure_time_and_error(solve, heights, load)
+                compared_time, compared_error = measure_time_and_error(solve, heights, load)
                 our_runs.append(measure_time_and_error(solve_by_stiction, heights, load))
-                compared_runs.append((name, elapsed, error))
-            seconds = statistics.median(run[0] for run in our_runs)
+                compared_runs.append((name, compared_time, compared_error))
+            our_time = statistics.median(run[0] for run in our_runs)
             assert our_runs[0][1] < 1.1 * STICTION_SOLVER_TOLERANCE, our_runs
-            text = f"{seconds:.2f} s, {our_runs[0][1]:.0e}" + "".join(
-                f"; {name} {elapsed:.2f} s, {error:.0e}: {elapsed / seconds:.1f} times"
-                for name, elapsed, error in compared_runs
+            result_text = f"{our_time:.2f} s, {our_runs[0][1]:.0e}" + "".join(
+                f"; {name} {compared_time:.2f} s, {compared_error:.0e}: {compared_time / our_time:.1f} times"
+                for name, compared_time, compared_error in compared_runs
             )
-            result.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", text))
-            print(*result[-1], flush=True)
-    result += [measure_map_position_time(), measure_thread_speedup(), measure_profile_solution_time()]
-    return result
+            rows.append((f"{n} x {n}, mean pressure {pressure} E* h': time and error", result_text))
+            print(*rows[-1], flush=True)
+    rows += [measure_map_position_time(), measure_thread_speedup(), measure_profile_solution_time()]
+    return rows
 
 
 def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -> None:
@@ -134,11 +136,11 @@ def print_pressure_differences(grid_sizes: tuple[int, ...] = (256, 512, 1024)) -
         heights = create_heights((n, n), 4, n // 16)
         body = Surface(heights, spacing=1 / n)
         flat = Surface(np.zeros(heights.shape), spacing=1 / n)
-        for free in (False, True):
-            solve = create_tamaas_solver(1e-10, is_free=free)
+        for is_free in (False, True):
+            solve = create_tamaas_solver(1e-10, is_free=is_free)
             for pressure in (0.002, 0.03, 0.5):
                 load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
-                boundary: BoundaryCondition = "free" if free else "periodic"
+                boundary: BoundaryCondition = "free" if is_free else "periodic"
                 curve = half_space(
                     flat, body, [load], effective_modulus=EFFECTIVE_MODULUS, boundary=boundary, tolerance=1e-7
                 )
@@ -204,17 +206,17 @@ def measure_profile_solution_time(points: int = 131_072) -> tuple[str, str]:
         start = time.process_time()
         for _ in range(20):
             scipy.fft.rfft(heights)
-        unit = (time.process_time() - start) / 20
+        transform_time = (time.process_time() - start) / 20
         start = time.process_time()
         half_space(
             flat, body, [0.02 * EFFECTIVE_MODULUS * RMS_SLOPE], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic"
         )
-        times.append((time.process_time() - start) / unit)
+        times.append((time.process_time() - start) / transform_time)
     return f"a profile of {points} points, H 0.8, 0.02 E* h', in units of one real FFT of this length", (
         f"{statistics.median(times):.0f}"
     )
 
 
 if __name__ == "__main__":
-    for question, answer in benchmark_rows():
+    for question, answer in run_benchmark():
         print(f"{question:75s} {answer}", flush=True)

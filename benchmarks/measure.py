@@ -20,33 +20,33 @@ _FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 def retain_freed_memory() -> None:
     """Free a large block of memory, so that the C library keeps freed blocks of up to this size."""
-    block = np.ones(3 << 20)  # 24 MiB
-    del block
+    large_block = np.ones(3 << 20)  # 24 MiB
+    del large_block
 
 
-def median_time(call: Callable[[], object], repeats: int = 5) -> float:
+def median_time(call: Callable[[], object], num_repeats: int = 5) -> float:
     """Return the median time (s) of a call."""
     times = []
-    for _ in range(repeats):
+    for _ in range(num_repeats):
         start = time.perf_counter()
         call()
         times.append(time.perf_counter() - start)
     return statistics.median(times)
 
 
-def measure_time_unit(repeats: int = 40) -> float:
+def measure_time_unit(num_repeats: int = 40) -> float:
     """Return the duration (s) of the time unit U, which is one FFT of a fixed input."""
     retain_freed_memory()
-    return median_time(lambda: np.fft.rfft(_FFT_INPUT), repeats)
+    return median_time(lambda: np.fft.rfft(_FFT_INPUT), num_repeats)
 
 
-def measure_in_time_units(call: Callable[[], object], repeats: int = 5) -> float:
+def measure_in_time_units(call: Callable[[], object], num_repeats: int = 5) -> float:
     """Return the median time of a call in units of U. U is timed around each call, because the clock rate drifts."""
     ratios = []
-    for _ in range(repeats):
+    for _ in range(num_repeats):
         unit_before = measure_time_unit(10)
-        elapsed = median_time(call, 1)
-        ratios.append(elapsed / ((unit_before + measure_time_unit(10)) / 2))
+        call_time = median_time(call, 1)
+        ratios.append(call_time / ((unit_before + measure_time_unit(10)) / 2))
     return statistics.median(ratios)
 
 

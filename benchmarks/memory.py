@@ -47,10 +47,10 @@ def find_process_tree(pid: int) -> list[int]:
     for stat_file in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             parents[int(stat_file.parent.name)] = int(stat_file.read_text().rpartition(")")[2].split()[1])
-    result = [pid]
-    for item in result:
-        result += [child for child, parent in parents.items() if parent == item]
-    return result
+    process_ids = [pid]
+    for process_id in process_ids:
+        process_ids += [child for child, parent in parents.items() if parent == process_id]
+    return process_ids
 
 
 def resident_memory(pid: int) -> int:
@@ -61,17 +61,17 @@ def resident_memory(pid: int) -> int:
     return 0
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
-    values = []
-    for study_title, (name, *changes) in STUDY_ARGUMENTS_BY_TITLE.items():
+def run_benchmark() -> list[tuple[str, str]]:
+    rows = []
+    for study_title, (study_name, *settings) in STUDY_ARGUMENTS_BY_TITLE.items():
         with tempfile.TemporaryDirectory() as directory:
-            set_options = [argument for change in changes for argument in ("--set", change)]
+            set_options = [argument for setting in settings for argument in ("--set", setting)]
             for command, arguments in COMMAND_ARGUMENTS_BY_NAME.items():
                 if command == "run":
-                    command_line = ["-m", "stiction", "run", name, "--output", "out", *set_options]
+                    command_line = ["-m", "stiction", "run", study_name, "--output", "out", *set_options]
                 elif command.endswith("map"):
                     command_line = ["-c", *arguments]
                 else:
                     command_line = ["-m", "stiction", *arguments]
-                values.append((f"{study_title}: {command}", f"{measure_peak_memory(directory, command_line):.0f} MiB"))
-    return values
+                rows.append((f"{study_title}: {command}", f"{measure_peak_memory(directory, command_line):.0f} MiB"))
+    return rows

@@ -37,10 +37,10 @@ def create_synthetic_sums_function(study: Study) -> Callable[[Study, int], dict]
     approach_numbers = np.arange(1.0, 1 + study.contact.loading_steps().size)
     stored_members = []
     for _ in range(NUM_DIFFERENT_MEMBERS):
-        factor = generator.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
+        random_factor = generator.lognormal(0, 1, (study.surfaces.fractal_dimensions().size, 1, 1))
         sums = {}
-        for index, (name, (shape, dtype)) in enumerate(get_array_shapes_and_types(study).items()):
-            values = factor * (index + approach_numbers) ** 1.5 * (1 + 0.1 * generator.random(shape))
+        for array_index, (name, (shape, dtype)) in enumerate(get_array_shapes_and_types(study).items()):
+            values = random_factor * (array_index + approach_numbers) ** 1.5 * (1 + 0.1 * generator.random(shape))
             sums[name] = values.astype(dtype)
         stored_members.append(sums)
     return lambda _, repetition: stored_members[repetition % NUM_DIFFERENT_MEMBERS]
@@ -52,17 +52,17 @@ def call_and_time(function: Callable[[], object]) -> tuple[object, float]:
     return result, time.perf_counter() - start
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
+def run_benchmark() -> list[tuple[str, str]]:
     # Blocks have the maximum size, because synthetic repetitions take no time.
     original_functions = runner.compute_member_arrays, runner.estimate_member_time
     runner.compute_member_arrays, runner.estimate_member_time = create_synthetic_sums_function(STUDY), lambda _: 0.0
     try:
         with tempfile.TemporaryDirectory() as directory:
-            path = Path(directory) / "r"
-            _, writing_time = call_and_time(lambda: compute_missing_blocks(STUDY, path))
-            num_files = sum(len(files) for _, _, files in os.walk(path))
-            stored_info, info_time = call_and_time(lambda: store.info(path))
-            result, opening_time = call_and_time(lambda: store.open_stored_result(path))
+            result_directory = Path(directory) / "r"
+            _, writing_time = call_and_time(lambda: compute_missing_blocks(STUDY, result_directory))
+            num_files = sum(len(files) for _, _, files in os.walk(result_directory))
+            stored_info, info_time = call_and_time(lambda: store.info(result_directory))
+            result, opening_time = call_and_time(lambda: store.open_stored_result(result_directory))
             loads = np.geomspace(20, 60, 20)
             maps_and_times = [
                 call_and_time(lambda compute_map=compute_map: compute_map(result, loads))
@@ -70,9 +70,11 @@ def benchmark_rows() -> list[tuple[str, str]]:
             ]
             assert (maps_and_times[0][0]["status"] == "ok").all()
             longer_study = STUDY.with_changes({"ensemble.repetitions": NUM_REPETITIONS + NUM_ADDED_REPETITIONS})
-            num_stored, continuation_time = call_and_time(lambda: compute_missing_blocks(longer_study, path))
+            num_stored, continuation_time = call_and_time(
+                lambda: compute_missing_blocks(longer_study, result_directory)
+            )
             assert num_stored == NUM_REPETITIONS + NUM_ADDED_REPETITIONS
-            _, recheck_time = call_and_time(lambda: compute_missing_blocks(longer_study, path))
+            _, recheck_time = call_and_time(lambda: compute_missing_blocks(longer_study, result_directory))
     finally:
         runner.compute_member_arrays, runner.estimate_member_time = original_functions
     peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -83,7 +85,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         ("read the progress, open the result", f"{info_time:.1f} s, {opening_time:.1f} s"),
         (
             "maps of friction, area, stiffness at 20 loads",
-            ", ".join(f"{compute_map:.1f}" for _, compute_map in maps_and_times) + " s",
+            ", ".join(f"{map_time:.1f}" for _, map_time in maps_and_times) + " s",
         ),
         (
             f"add {NUM_ADDED_REPETITIONS} repetitions; find no missing repetitions",

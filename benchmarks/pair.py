@@ -23,35 +23,37 @@ def time_with_new_threads(study: Study, workers: int) -> float:
         return median_time(lambda: run(study, executor=pool), 1)
 
 
-def measure_speedup(study: Study, one_thread: Executor, two_threads: Executor) -> float:
+def measure_speedup(study: Study, one_thread_pool: Executor, two_thread_pool: Executor) -> float:
     """Return the speed of a study with two threads, relative to the speed with one thread."""
-    return median_time(lambda: run(study, executor=one_thread), 1) / median_time(
-        lambda: run(study, executor=two_threads), 1
+    return median_time(lambda: run(study, executor=one_thread_pool), 1) / median_time(
+        lambda: run(study, executor=two_thread_pool), 1
     )
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
+def run_benchmark() -> list[tuple[str, str]]:
     # Measured before a large memory block has been freed.
     unfreed_fft_time = median_time(lambda: np.fft.rfft(FFT_INPUT), 40)
-    result = [
+    rows = [
         ("U", f"{1e3 * measure_time_unit():.2f} ms"),
         ("the same FFT in a process that has not yet freed a large memory block", f"{1e3 * unfreed_fft_time:.2f} ms"),
     ]
     for detection in ("cell", "gap-minimum"):
         study = STUDY.with_changes({"contact.detection": detection})
-        with ThreadPoolExecutor(1) as one_thread, ThreadPoolExecutor(2) as two_threads:
+        with ThreadPoolExecutor(1) as one_thread_pool, ThreadPoolExecutor(2) as two_thread_pool:
             # The first run is not measured, because it allocates memory.
-            measure_speedup(study, one_thread, two_threads)
+            measure_speedup(study, one_thread_pool, two_thread_pool)
             pair_time = (
-                measure_in_time_units(lambda study=study, one_thread=one_thread: run(study, executor=one_thread), 3)
+                measure_in_time_units(
+                    lambda study=study, one_thread_pool=one_thread_pool: run(study, executor=one_thread_pool), 3
+                )
                 / NUM_PAIRS
             )
             median_speedup = float(
-                np.median([measure_speedup(study, one_thread, two_threads) for _ in range(NUM_TIMING_ROUNDS)])
+                np.median([measure_speedup(study, one_thread_pool, two_thread_pool) for _ in range(NUM_TIMING_ROUNDS)])
             )
         serial_fraction = 2 / median_speedup - 1  # serial fraction of the run time according to Amdahl's law
         four_thread_speedup = 1 / (serial_fraction + (1 - serial_fraction) / 4)
-        result += [
+        rows += [
             (f"a pair of figure6, {detection}, one thread", f"{pair_time:.2f} U"),
             (f"speed-up by a second thread, {detection}, median of {NUM_TIMING_ROUNDS}", f"{median_speedup:.2f}"),
             (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four_thread_speedup:.1f}"),
@@ -59,7 +61,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
     new_thread_speedup = np.median(
         [time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_THREAD_ROUNDS)]
     )
-    result.append(
+    rows.append(
         (
             f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_THREAD_ROUNDS}",
             f"{new_thread_speedup:.2f}",
@@ -75,7 +77,7 @@ def benchmark_rows() -> list[tuple[str, str]]:
         * measure_in_time_units(lambda: fill_profile_family(STUDY, profile_buffer, dimensions, 0, "upper"))
         / dimensions.size
     )
-    result += [
+    rows += [
         ("generation: both bodies, 50 dimensions together", f"{generation_time:.2f} U a pair"),
         ("generation: one profile of one dimension", f"{one_profile_time:.1f} U"),
     ]
@@ -85,8 +87,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
             ("40 nm only", ["40 nm"]),
             ("40 approaches", None),
         ):
-            changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
-            study = STUDY.with_changes(changes)
+            study_changes = {"contact.detection": detection} | ({"contact.approach": approach} if approach else {})
+            study = STUDY.with_changes(study_changes)
             pair_time = measure_in_time_units(lambda study=study: compute_member_arrays(study, 0)) / dimensions.size
-            result.append((f"scaling and contact, {detection}: {task}", f"{pair_time - generation_time:.2f} U a pair"))
-    return result
+            rows.append((f"scaling and contact, {detection}: {task}", f"{pair_time - generation_time:.2f} U a pair"))
+    return rows

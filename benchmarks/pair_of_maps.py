@@ -32,11 +32,13 @@ def write_scans(directory: Path) -> None:
         write_surface(surface, directory / f"{side}.npy")
 
 
-def measure_command_times(directory: Path, output: str) -> tuple[float, float]:
+def measure_command_times(directory: Path, output_name: str) -> tuple[float, float]:
     """Return the processor time and the wall time (s) of the command `stiction pair`."""
     usage_before, wall_start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = Path(sys.executable).with_name("stiction")
-    subprocess.run([command, *COMMAND_ARGUMENTS, "--output", output], cwd=directory, check=True, capture_output=True)
+    subprocess.run(
+        [command, *COMMAND_ARGUMENTS, "--output", output_name], cwd=directory, check=True, capture_output=True
+    )
     wall_time, usage_after = time.perf_counter() - wall_start, resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage_after.ru_utime + usage_after.ru_stime - usage_before.ru_utime - usage_before.ru_stime, wall_time
 
@@ -63,10 +65,10 @@ def prepare_load_solver(study: Study) -> Callable[[], None]:
 def compute_member_onsets(study: Study) -> None:
     load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
     for member in range(NUM_AREAL_ONSET_MEMBERS):
-        result = compute_member_onset(
+        onset = compute_member_onset(
             study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.reported_cut_off()
         )
-        assert result is not None
+        assert onset is not None
 
 
 def measure_processor_time(task: Callable[[], None]) -> float:
@@ -75,11 +77,11 @@ def measure_processor_time(task: Callable[[], None]) -> float:
     return time.process_time() - start
 
 
-def benchmark_rows() -> list[tuple[str, str]]:
+def run_benchmark() -> list[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as temporary_directory:
         directory = Path(temporary_directory)
         write_scans(directory)
-        commands = [measure_command_times(directory, "0")]
+        command_times = [measure_command_times(directory, "0")]
         study, cutoff_study = (
             open_stored_result(directory / "0" / subdirectory).study for subdirectory in ("", CUTOFF_STUDY_DIRECTORY)
         )
@@ -89,8 +91,8 @@ def benchmark_rows() -> list[tuple[str, str]]:
         processor_times = []
         for round_index in range(NUM_TIMING_ROUNDS):
             processor_times.append([measure_processor_time(task) for task in tasks])
-            commands.append(measure_command_times(directory, str(round_index + 1)))
-    command_time, wall_time = (statistics.median(column) for column in zip(*commands[1:], strict=True))
+            command_times.append(measure_command_times(directory, str(round_index + 1)))
+    command_time, wall_time = (statistics.median(column) for column in zip(*command_times[1:], strict=True))
     position_time, cutoff_time, onset_time = (
         statistics.median(column) for column in zip(*processor_times, strict=True)
     )
@@ -106,5 +108,5 @@ def benchmark_rows() -> list[tuple[str, str]]:
 
 
 if __name__ == "__main__":
-    for question, answer in benchmark_rows():
+    for question, answer in run_benchmark():
         print(f"{question:75s} {answer}", flush=True)

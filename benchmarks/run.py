@@ -27,7 +27,7 @@ def main() -> None:
     for name in names or BENCHMARK_NAMES:
         module = import_module(name)
         lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
-        for question, answer in module.benchmark_rows():
+        for question, answer in module.run_benchmark():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")
         lines.append("")
