@@ -143,10 +143,10 @@ def write_example_reports(app: Sphinx, exception: Exception | None) -> None:
 
     directory = Path(app.outdir) / "live"
     directory.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as directory_of_results:
+    with tempfile.TemporaryDirectory() as result_directory:
         for name, (files, options) in EXAMPLE_REPORT_INPUTS.items():
             scans = (SCANS_DIRECTORY / files.format(side) for side in ("upper", "lower"))
-            pair(*scans, **options, directory=Path(directory_of_results) / name).save_report(directory / f"{name}.html")
+            pair(*scans, **options, directory=Path(result_directory) / name).save_report(directory / f"{name}.html")
     save_report(run(Study.named("quick")), directory / "study.html", name="quick")
     command = ["stiction", "characterise", SCANS_DIRECTORY / "lapped_upper.csv", "--output", directory / "surface.html"]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
@@ -229,11 +229,11 @@ class WideImageTransform(SphinxPostTransform):
 
     def run(self, **_: Any) -> None:
         for image in self.document.findall(nodes.image):
-            size = get_image_size(Path(self.env.srcdir) / image["uri"])
-            if size is None:
+            image_size = get_image_size(Path(self.env.srcdir) / image["uri"])
+            if image_size is None:
                 continue
-            is_page_wide = size[0] > MIN_PAGE_WIDE_PIXELS
-            if size[0] > (MIN_PAGE_WIDE_ASPECT_RATIO if is_page_wide else MIN_WIDE_ASPECT_RATIO) * size[1]:
+            is_page_wide = image_size[0] > MIN_PAGE_WIDE_PIXELS
+            if image_size[0] > (MIN_PAGE_WIDE_ASPECT_RATIO if is_page_wide else MIN_WIDE_ASPECT_RATIO) * image_size[1]:
                 image["classes"].append("wide")
 
 

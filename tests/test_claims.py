@@ -71,14 +71,14 @@ def test_first_resampled_ensemble_has_the_maps_of_the_original_ensemble(result, 
         ("stiffness", 0.2, stiffness_map(result, [load], mu0=[0.4], tau0=[0.2])["normal_stiffness"]),
     ):
         for amplitude in (0.05, 0.1, 0.2):
-            resampled_values = resampled_means.at(quantity, load, tau0=tau0, amplitude=amplitude)[0]
+            resampled_values = resampled_means.evaluate_at(quantity, load, tau0=tau0, amplitude=amplitude)[0]
             reference = expected.sel(amplitude=amplitude).values[:, 0, 0, 0]
             assert np.isfinite(reference).sum() >= 6
             assert np.allclose(resampled_values, reference, rtol=1e-12, equal_nan=True)
 
 
 def test_resampled_intervals_agree_with_intervals_of_the_friction_map(result, resampled_means):
-    resampled_values = resampled_means.at("friction", resampled_means.middle_load)[1:]
+    resampled_values = resampled_means.evaluate_at("friction", resampled_means.middle_load)[1:]
     lower, upper = np.quantile(resampled_values, [0.025, 0.975], axis=0)
     expected_map = friction_map(result, [resampled_means.middle_load], mu0=[0.4], tau0=[0.0]).sel(amplitude=0.1)
     ratio = (np.log(upper / lower) / np.log(expected_map["upper"] / expected_map["lower"]).values.ravel())[:6]
@@ -106,7 +106,7 @@ def judge_values(values, lower_bound, upper_bound):
         def __init__(self):
             self.excluded_dimensions = set()
 
-    return ClaimPartOutcome.of(
+    return ClaimPartOutcome.judge(
         ClaimPart("1a", "a number", lower_bound, upper_bound, lambda _: np.asarray(values, dtype=float)),
         ResampledMeansStandIn(),
     )
@@ -138,7 +138,7 @@ def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
 def test_parts_of_claims_have_unique_names():
     assert {part.claim_number for part in CLAIM_PARTS} == set(CLAIMS)
     assert len({part.name for part in CLAIM_PARTS}) == len(CLAIM_PARTS)
-    assert all(part.least < part.most for part in CLAIM_PARTS)
+    assert all(part.min_value < part.max_value for part in CLAIM_PARTS)
 
 
 def create_result(**sum_functions):
@@ -163,7 +163,7 @@ def create_result(**sum_functions):
 def judge_part(name, result, **options):
     """Return the outcome of one part of a claim."""
     (part,) = (part for part in CLAIM_PARTS if part.name == name)
-    return ClaimPartOutcome.of(part, claims.ResampledMeans(result, 0.1, **options))
+    return ClaimPartOutcome.judge(part, claims.ResampledMeans(result, 0.1, **options))
 
 
 def sum_functions_with_friction(coefficient):

@@ -73,8 +73,8 @@ def mean_with_interval(ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def format_ratios(ratios: np.ndarray) -> str:
-    mean, low, high = (float(value) for value in mean_with_interval(ratios))
-    return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+    mean, lower_limit, upper_limit = (float(value) for value in mean_with_interval(ratios))
+    return f"{mean:.2f} ({lower_limit:.2f} to {upper_limit:.2f})"
 
 
 def render_load_rows(results: dict) -> list[str]:
@@ -83,10 +83,10 @@ def render_load_rows(results: dict) -> list[str]:
         "| asperity model: area | asperity model: stiffness | with interaction: area | with interaction: stiffness |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    for (bandwidth, hurst), values in results.items():
+    for (bandwidth, hurst), pair_results in results.items():
         for k in TABLE_LOAD_INDICES:
             half_space_values, model_values, interacting_model_values = (
-                values[:, k, model_index] for model_index in range(3)
+                pair_results[:, k, model_index] for model_index in range(3)
             )
             cells = [
                 f"{bandwidth}",
@@ -122,27 +122,33 @@ def render_count_rows(results: dict) -> list[str]:
         for model_index, (bandwidth, (_, repetitions)) in product((1, 2), PAIR_COUNTS_BY_BANDWIDTH.items()):
             ratios = []
             for k in range(repetitions):
-                points = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST_EXPONENTS])
-                points = points[
-                    (points[:, 0, COUNT_COLUMN] >= min_contacts) & (points[:, 0, COUNT_COLUMN] <= max_contacts)
+                selected_results = np.concatenate([results[bandwidth, hurst][k] for hurst in HURST_EXPONENTS])
+                selected_results = selected_results[
+                    (selected_results[:, 0, COUNT_COLUMN] >= min_contacts)
+                    & (selected_results[:, 0, COUNT_COLUMN] <= max_contacts)
                 ]
-                if len(points):
+                if len(selected_results):
                     ratios.append(
-                        np.exp(np.log(points[:, model_index, FRACTION_COLUMN] / points[:, 0, FRACTION_COLUMN]).mean())
+                        np.exp(
+                            np.log(
+                                selected_results[:, model_index, FRACTION_COLUMN]
+                                / selected_results[:, 0, FRACTION_COLUMN]
+                            ).mean()
+                        )
                     )
             cells.append(format_ratios(np.array(ratios)) if len(ratios) >= 6 else "")
-        name = (
+        range_text = (
             f"{max_contacts:g}"
             if max_contacts <= 2
             else f"{np.ceil(min_contacts):g} to {max_contacts:g}"
             if max_contacts < 1000
             else f"above {min_contacts:.0f}"
         )
-        rows.append(f"| {name} | {' | '.join(cells)} |")
+        rows.append(f"| {range_text} | {' | '.join(cells)} |")
     return rows
 
 
-def render_check_rows(results: dict, checks: dict) -> list[str]:
+def render_check_rows(results: dict, check_results: dict) -> list[str]:
     rows = [
         "| longest / shortest wavelength | points per shortest wavelength | area, at any load | area, from 0.02 on "
         "| stiffness, at any load | area and stiffness, tolerance 1e-10 to 1e-12 |",
@@ -153,13 +159,16 @@ def render_check_rows(results: dict, checks: dict) -> list[str]:
             np.zeros((RELATIVE_LOADS.size, 3)),
             np.zeros((RELATIVE_LOADS.size, 3)),
         )
-        for name, changes in (("finer", finer_grid_changes), ("tighter", tighter_tolerance_changes)):
+        for check_name, max_changes in (("finer", finer_grid_changes), ("tighter", tighter_tolerance_changes)):
             for hurst in HURST_EXPONENTS:
-                values_and_check = results[bandwidth, hurst][:NUM_CHECKED_PROFILES], checks[name, bandwidth, hurst]
-                values_before, values_after = (
-                    np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in values_and_check
+                results_and_check = (
+                    results[bandwidth, hurst][:NUM_CHECKED_PROFILES],
+                    check_results[check_name, bandwidth, hurst],
                 )
-                np.maximum(changes, np.abs(values_after - values_before), out=changes)
+                log_ratios_before, log_ratios_after = (
+                    np.log(values[:, :, 1] / values[:, :, 0]).mean(axis=0) for values in results_and_check
+                )
+                np.maximum(max_changes, np.abs(log_ratios_after - log_ratios_before), out=max_changes)
         heavy_load_changes = finer_grid_changes[TABLE_LOAD_INDICES[1] :, FRACTION_COLUMN]
         rows.append(
             f"| {bandwidth} | {points} to {2 * points} | {100 * finer_grid_changes[:, FRACTION_COLUMN].max():.1f} % "
@@ -179,13 +188,13 @@ def main() -> None:
             ]
             for bandwidth, hurst in reversed(bandwidths_and_exponents)
         }
-        options = {"finer": {"refinement": 2}, "tighter": {"tolerance": 1e-12}}
+        options_by_check = {"finer": {"refinement": 2}, "tighter": {"tolerance": 1e-12}}
         check_jobs = {
-            (check, *bandwidth_and_exponent): [
+            (check_name, *bandwidth_and_exponent): [
                 pool.submit(compute_profile_results, *bandwidth_and_exponent, k, **arguments)
                 for k in range(NUM_CHECKED_PROFILES)
             ]
-            for check, arguments in options.items()
+            for check_name, arguments in options_by_check.items()
             for bandwidth_and_exponent in bandwidths_and_exponents
         }
         results = {

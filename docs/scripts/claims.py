@@ -234,20 +234,20 @@ class ResampledMeans:
         draw_counts = np.ones((1 + NUM_RESAMPLES, repetitions), np.uint8)
         for resample_counts in draw_counts[1:]:
             resample_counts[:] = generator.multinomial(repetitions, equal_weights)
-        dims = ("repetition", "fractal_dimension", "amplitude", self._step_quantity)
+        dimension_order = ("repetition", "fractal_dimension", "amplitude", self._step_quantity)
         sum_names = (*_CONTACT_SUM_NAMES, "approach") if self._step_quantity == "load" else _CONTACT_SUM_NAMES
         self._means: dict[str, Floats] = {}
         weights = draw_counts / repetitions
         for name in sum_names:
-            self._means[name] = np.tensordot(weights, motion_dataset[name].transpose(*dims).values, axes=1)
+            self._means[name] = np.tensordot(weights, motion_dataset[name].transpose(*dimension_order).values, axes=1)
         self.dimensions = motion_dataset["fractal_dimension"].values
         self._loading_steps = motion_dataset[self._step_quantity].values
         self._amplitudes = motion_dataset["amplitude"].values
         self.amplitude = amplitude
         self.excluded_dimensions: set[float] = set()
-        lowest, highest = self._reached_load_range([amplitude])
+        min_loads, max_loads = self._reached_load_range([amplitude])
         self.light_load, self.middle_load, self.heavy_load = (
-            interpolate_load_range(lowest.max(), highest.min(), range_fraction).item()
+            interpolate_load_range(min_loads.max(), max_loads.min(), range_fraction).item()
             for range_fraction in (0.1, 0.5, 0.9)
         )
 
@@ -256,8 +256,8 @@ class ResampledMeans:
         elastic_loads = np.stack(
             [self.mean_sums("normal_elastic", amplitude) for amplitude in np.atleast_1d(amplitudes)]
         )
-        lowest = np.quantile(elastic_loads[..., 0], 0.99, axis=1).max(axis=0)
-        return lowest, np.quantile(elastic_loads.max(axis=-1), 0.01, axis=1).min(axis=0)
+        min_loads = np.quantile(elastic_loads[..., 0], 0.99, axis=1).max(axis=0)
+        return min_loads, np.quantile(elastic_loads.max(axis=-1), 0.01, axis=1).min(axis=0)
 
     def mean_sums(self, name: str, amplitude: float) -> Floats:
         """Return the mean of a contact sum at one amplitude, as an array (resample, D, approach)."""
@@ -286,7 +286,7 @@ class ResampledMeans:
         has_enough = is_requested.sum() > 1 and 2 * is_usable.sum() >= is_requested.sum()
         return is_usable if has_enough else np.zeros_like(is_usable)
 
-    def at(
+    def evaluate_at(
         self,
         quantity: ClaimQuantity,
         load: float | Floats,
@@ -330,10 +330,12 @@ class ResampledMeans:
         return (self.dimensions > start - 1e-9) & (self.dimensions < stop + 1e-9)
 
 
-def interpolate_load_range(lowest: Any, highest: Any, part: float) -> Floats:
+def interpolate_load_range(min_load: Any, max_load: Any, range_fraction: float) -> Floats:
     """Return the load at a fraction of the logarithmic range between two loads, or NaN if the range is empty."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((lowest > 0) & (lowest < highest), lowest * (highest / lowest) ** part, np.nan)
+        return np.where(
+            (min_load > 0) & (min_load < max_load), min_load * (max_load / min_load) ** range_fraction, np.nan
+        )
 
 
 # ---- Numbers and their ranges ----------------------------------------------------------------------------------------
@@ -357,8 +359,8 @@ class ClaimPart:
 
     name: str
     statement: str
-    least: float
-    most: float
+    min_value: float
+    max_value: float
     measure: MeasureFunction
 
     @property
@@ -386,10 +388,10 @@ def _find_extreme_over_dimensions(
     has_spread = standard_deviations > 0
     deviations = np.abs(usable_values[1:, has_spread] - usable_values[0, has_spread]) / standard_deviations[has_spread]
     band_half_width = float(np.quantile(np.fmax.reduce(deviations, axis=1, initial=0.0), 0.95)) * standard_deviations
-    lowest_possible = 0.0 if (usable_values[0] >= 0).all() else -math.inf
+    lower_bound = 0.0 if (usable_values[0] >= 0).all() else -math.inf
     band_ends = [float(extreme_function.reduce(usable_values[0] + side * band_half_width)) for side in (-1, 1)]
     return SimultaneousInterval(
-        float(extreme_function.reduce(usable_values[0])), max(band_ends[0], lowest_possible), band_ends[1]
+        float(extreme_function.reduce(usable_values[0])), max(band_ends[0], lower_bound), band_ends[1]
     )
 
 
@@ -416,9 +418,9 @@ _DIMENSION_RANGE_OF_MINIMUM = (1.25, 1.55)
 def _find_smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
     load, area = r.mean_sums("normal_elastic", r.amplitude), r.mean_sums("contact_area", r.amplitude)
     proportionality = (area * load).sum(axis=2, keepdims=True) / (load * load).sum(axis=2, keepdims=True)
-    residual = ((area - proportionality * load) ** 2).sum(axis=2)
+    residual_sum_of_squares = ((area - proportionality * load) ** 2).sum(axis=2)
     return _find_extreme_over_dimensions(
-        r, [1 - residual / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin
+        r, [1 - residual_sum_of_squares / ((area - area.mean(axis=2, keepdims=True)) ** 2).sum(axis=2)], np.fmin
     )
 
 
@@ -437,7 +439,7 @@ def _area_exponent_farthest_from_one(r: ResampledMeans) -> Floats:
 
 
 def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
-    log_friction = np.log(r.at("friction", r.middle_load))
+    log_friction = np.log(r.evaluate_at("friction", r.middle_load))
     return np.exp(
         _mean_over_dimensions(r, log_friction, *_UPPER_DIMENSION_RANGE)
         - _mean_over_dimensions(r, log_friction, *_LOW_DIMENSION_RANGE)
@@ -445,25 +447,29 @@ def _friction_ratio_upper_to_low_dimensions(r: ResampledMeans) -> Floats:
 
 
 def _slope_change_at_dimension_1_5(r: ResampledMeans) -> Floats:
-    log_friction = np.log(r.at("friction", r.middle_load))
+    log_friction = np.log(r.evaluate_at("friction", r.middle_load))
     return _fit_slope_over_dimensions(r, log_friction, 1.5, 1.7) - _fit_slope_over_dimensions(r, log_friction, 1.0, 1.5)
 
 
 def _mu0_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
-    added_friction = r.at("friction", r.middle_load, mu0=1.0) - r.at("friction", r.middle_load, mu0=0.1)
+    added_friction = r.evaluate_at("friction", r.middle_load, mu0=1.0) - r.evaluate_at(
+        "friction", r.middle_load, mu0=0.1
+    )
     return _mean_over_dimensions(r, added_friction, *_UPPER_DIMENSION_RANGE) - _mean_over_dimensions(
         r, added_friction, *_LOW_DIMENSION_RANGE
     )
 
 
 def _friction_added_by_adhesion(r: ResampledMeans, load: float | Floats, amplitude: float | None = None) -> Floats:
-    return r.at("friction", load, tau0=0.2, amplitude=amplitude) - r.at("friction", load, amplitude=amplitude)
+    return r.evaluate_at("friction", load, tau0=0.2, amplitude=amplitude) - r.evaluate_at(
+        "friction", load, amplitude=amplitude
+    )
 
 
 def _adhesion_friction_ratios(r: ResampledMeans, tau0: float) -> list[Floats]:
     """Return the ratio of the friction coefficients with tau0 and without tau0, at three loads."""
     return [
-        r.at("friction", load, tau0=tau0) / r.at("friction", load)
+        r.evaluate_at("friction", load, tau0=tau0) / r.evaluate_at("friction", load)
         for load in (r.light_load, r.middle_load, r.heavy_load)
     ]
 
@@ -495,7 +501,7 @@ def _largest_change_by_weak_adhesion(r: ResampledMeans) -> Floats | Simultaneous
 
 def _make_dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats:
-        log_friction_values = np.log(r.at("friction", r.middle_load, tau0=0.2))
+        log_friction_values = np.log(r.evaluate_at("friction", r.middle_load, tau0=0.2))
         return np.exp(
             _mean_over_dimensions(r, log_friction_values, start, stop)
             - _mean_over_dimensions(r, log_friction_values, *_MIDDLE_DIMENSION_RANGE)
@@ -505,7 +511,7 @@ def _make_dimension_ratio_measure(start: float, stop: float) -> MeasureFunction:
 
 
 def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
-    values = r.at("friction", r.middle_load, tau0=0.2)
+    values = r.evaluate_at("friction", r.middle_load, tau0=0.2)
     is_used = r.finite_value_mask(values, r.dimension_range_mask(*_FULL_DIMENSION_RANGE))
     if not is_used.any():
         return np.full(values.shape[0], np.nan)
@@ -517,12 +523,12 @@ def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
 
 
 def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
-    log_ratio = np.log(r.at("friction", r.light_load) / r.at("friction", r.heavy_load))
+    log_ratio = np.log(r.evaluate_at("friction", r.light_load) / r.evaluate_at("friction", r.heavy_load))
     return np.exp(_mean_over_dimensions(r, log_ratio, 1.5, 1.7))
 
 
 def _smallest_friction_to_mu0_ratio(r: ResampledMeans) -> Floats | SimultaneousInterval:
-    return _find_extreme_over_dimensions(r, [r.at("friction", r.middle_load) / 0.4], np.fmin)
+    return _find_extreme_over_dimensions(r, [r.evaluate_at("friction", r.middle_load) / 0.4], np.fmin)
 
 
 def _make_amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> MeasureFunction:
@@ -531,7 +537,7 @@ def _make_amplitude_ratio_measure(quantity: ClaimQuantity, tau0: float) -> Measu
         if loads is None:
             return np.array([math.nan])
         high_amplitude_values, low_amplitude_values = (
-            r.at(quantity, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
+            r.evaluate_at(quantity, loads, tau0=tau0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
         )
         return np.exp(
             _mean_over_dimensions(r, np.log(high_amplitude_values / low_amplitude_values), *_FULL_DIMENSION_RANGE)
@@ -545,7 +551,8 @@ def _amplitude_effect_on_dimension_rise(r: ResampledMeans) -> Floats:
     if loads is None:
         return np.array([math.nan])
     log_ratio = np.log(
-        r.at("friction", loads, amplitude=LOW_AMPLITUDE) / r.at("friction", loads, amplitude=HIGH_AMPLITUDE)
+        r.evaluate_at("friction", loads, amplitude=LOW_AMPLITUDE)
+        / r.evaluate_at("friction", loads, amplitude=HIGH_AMPLITUDE)
     )
     return np.exp(
         _mean_over_dimensions(r, log_ratio, 1.5, 1.6) - _mean_over_dimensions(r, log_ratio, *_LOW_DIMENSION_RANGE)
@@ -571,8 +578,8 @@ def _make_relative_change_measure(
             r,
             [
                 np.abs(
-                    r.at(quantity, r.middle_load, **changed_parameters)
-                    / r.at(quantity, r.middle_load, **reference_parameters)
+                    r.evaluate_at(quantity, r.middle_load, **changed_parameters)
+                    / r.evaluate_at(quantity, r.middle_load, **reference_parameters)
                     - 1
                 )
             ],
@@ -747,7 +754,7 @@ class ClaimPartOutcome:
     excluded_dimensions: tuple[float, ...]
 
     @classmethod
-    def of(cls, part: ClaimPart, resampled: ResampledMeans) -> "ClaimPartOutcome":
+    def judge(cls, part: ClaimPart, resampled: ResampledMeans) -> "ClaimPartOutcome":
         """Measure a part of a claim. The verdict is "undefined" if the ensemble itself gives no number."""
         resampled.excluded_dimensions.clear()
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -761,8 +768,8 @@ class ClaimPartOutcome:
                 lower, upper = (float(end) for end in np.nanquantile(values[1:], [0.025, 0.975]))
         if not math.isfinite(value):
             return cls(part, math.nan, math.nan, math.nan, "undefined", excluded_dimensions)
-        is_inside = part.least < lower and upper < part.most
-        is_outside = upper < part.least or lower > part.most
+        is_inside = part.min_value < lower and upper < part.max_value
+        is_outside = upper < part.min_value or lower > part.max_value
         return cls(
             part,
             value,
@@ -802,7 +809,7 @@ def judge_claims(
     if interval_method not in ("percentiles", "bands"):
         raise ValueError(f"interval_method must be percentiles or bands, got {interval_method!r}")
     resampled = ResampledMeans(dataset, amplitude, sliding=sliding, interval_method=interval_method)
-    return [ClaimPartOutcome.of(part, resampled) for part in CLAIM_PARTS]
+    return [ClaimPartOutcome.judge(part, resampled) for part in CLAIM_PARTS]
 
 
 def claim_verdict(claim: int, outcomes: list[ClaimPartOutcome]) -> Verdict:
@@ -906,9 +913,9 @@ def _format_outcome(outcome: ClaimPartOutcome) -> str:
 
 
 def _format_range(part: ClaimPart) -> str:
-    if math.isinf(part.most):
-        return f"above {part.least:g}"
-    return f"below {part.most:g}" if math.isinf(part.least) else f"{part.least:g} to {part.most:g}"
+    if math.isinf(part.max_value):
+        return f"above {part.min_value:g}"
+    return f"below {part.max_value:g}" if math.isinf(part.min_value) else f"{part.min_value:g} to {part.max_value:g}"
 
 
 def _exclusion_text(outcome: ClaimPartOutcome) -> str:

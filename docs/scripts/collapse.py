@@ -148,7 +148,7 @@ def generate_fractal_pair(case: dict, repetition: int, family: str) -> BodyPair:
 
 def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
     """Return two self-affine surfaces, of which one is flatter by a ratio, scaled to the gap gradient of the case."""
-    line = case["family"] == "self-affine line"
+    is_line = case["family"] == "self-affine line"
     bodies = []
     for side in ("upper", "lower"):
         surface_options = {
@@ -156,7 +156,7 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
             "longest_wavelength": case["longest"], "shortest_wavelength": case["shortest"],
             "repetition": repetition, "side": side,
         }  # fmt: skip
-        if line:
+        if is_line:
             bodies.append(self_affine(SEED, points=8192, spacing=20 / 8192, periodic=True, **surface_options))
         else:
             bodies.append(
@@ -173,8 +173,8 @@ def generate_self_affine_pair(case: dict, repetition: int) -> BodyPair:
         (1.0, 0.0) if slope_ratio is None else (slope_ratio / np.hypot(1, slope_ratio), 1 / np.hypot(1, slope_ratio))
     )
     heights = [
-        body.heights * gradient_fraction / item
-        for body, gradient_fraction, item in zip(bodies, gradient_fractions, gradients, strict=True)
+        body.heights * gradient_fraction / gradient
+        for body, gradient_fraction, gradient in zip(bodies, gradient_fractions, gradients, strict=True)
     ]
     height_factor = case["h"] / rms_gradient(heights[0] - heights[1], spacing, periodic=True)
     return tuple(type(bodies[0])(height_factor * height, spacing=spacing) for height in heights)
@@ -196,10 +196,10 @@ def load_map_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a measured map. The upper map of each pair is flipped."""
     surface = levelled(read_surface(DATA_DIRECTORY / case["file"]), "plane")
     half_shape = [size // 2 for size in surface.heights.shape]
-    corners = product((0, half_shape[0]), (0, half_shape[1]))
+    first_indices = product((0, half_shape[0]), (0, half_shape[1]))
     quarter_maps = [
         Surface(surface.heights[row : row + half_shape[0], column : column + half_shape[1]], spacing=surface.spacing)
-        for row, column in corners
+        for row, column in first_indices
     ]
     return [(flipped(upper), lower) for upper, lower in permutations(quarter_maps, 2)]
 
@@ -208,10 +208,10 @@ def load_profile_pairs(case: dict) -> list[BodyPair]:
     """Return pairs of quarters of a measured profile. The upper profile of each pair is flipped."""
     line = levelled(read_profile(DATA_DIRECTORY / case["file"]), "line")
     quarter_length = len(line) // 4
-    quarter_maps = [
+    quarter_profiles = [
         Profile(line.heights[k * quarter_length : (k + 1) * quarter_length], spacing=line.spacing) for k in range(4)
     ]
-    return [(flipped(upper), lower) for upper, lower in permutations(quarter_maps, 2)]
+    return [(flipped(upper), lower) for upper, lower in permutations(quarter_profiles, 2)]
 
 
 # ---- Measuring -------------------------------------------------------------------------------------------------------
@@ -269,8 +269,8 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
         (1 - compliance_share) * lower.heights + compliance_share * upper.heights, spacing, periodic=is_periodic
     )
     point_area = float(np.prod(spacing))
-    points, pressures, fractions, _ = patches_of(pressure, periodic=is_periodic, hardness=np.inf)
-    contact_area = float(fractions.sum()) * point_area
+    points, pressures, contact_fractions, _ = patches_of(pressure, periodic=is_periodic, hardness=np.inf)
+    contact_area = float(contact_fractions.sum()) * point_area
     pair_results["kappa"] = contact_area * EFFECTIVE_MODULUS * gap_gradient / load
     pair_results["fraction"] = contact_area / nominal_area
     pair_results["contacts"] = int(curves[0].contact_count[0])
@@ -283,9 +283,9 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
     # Repeat with the sliding rule applied to each grid point by its slope, instead of to each contact patch.
     motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     point_labels = np.arange(1, points.size + 1, dtype=np.int32)
-    contact = (points, pressures, fractions, point_labels)
+    contact_points = (points, pressures, contact_fractions, point_labels)
     slopes = [slope.ravel() for slope in interface_slopes]
-    point_sums = LoadSums(patch_sums([contact], slopes, point_area, motion_vectors).totals("opposing"))
+    point_sums = LoadSums(patch_sums([contact_points], slopes, point_area, motion_vectors).totals("opposing"))
     for name, tau0 in TAU0_BY_LABEL.items():
         pair_results[f"mu points {name}"] = float(np.mean(FrictionLaw(MU0, tau0).coefficient(point_sums)))
     for name, model_options in asperity_models(upper):
@@ -380,9 +380,9 @@ def summarise_case(row: dict) -> dict:
     """Return the means over the pairs of a case, and their ratios to the closed form with standard errors."""
     pairs = row["pairs"]
     names = ("rms_gradient", "rms_slope", "nayak", "slope_ratio", "fraction", "kappa", "contacts")
-    result = {name: float(np.mean([pair[name] for pair in pairs])) for name in names}
-    result |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(pairs)}
-    result["kappa_error"] = float(np.std([pair["kappa"] for pair in pairs], ddof=1) / np.sqrt(len(pairs)))
+    case_means = {name: float(np.mean([pair[name] for pair in pairs])) for name in names}
+    case_means |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(pairs)}
+    case_means["kappa_error"] = float(np.std([pair["kappa"] for pair in pairs], ddof=1) / np.sqrt(len(pairs)))
     rule_by_model = {f"mu {rule}": rule for rule in RULE_TITLES} | {
         f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in SLIDING_RULES
     }
@@ -390,17 +390,19 @@ def summarise_case(row: dict) -> dict:
         values = np.array([pair.get(f"{model} {label}", np.nan) for pair in pairs])
         if np.isfinite(values).all():
             closed_form_values = np.array([closed_form_friction(pair, rule, tau0) for pair in pairs])
-            result[f"{model} {label}"] = float(values.mean())
-            result[f"{model} {label} over form"] = (
+            case_means[f"{model} {label}"] = float(values.mean())
+            case_means[f"{model} {label} over form"] = (
                 float(values.mean() / closed_form_values.mean()) if closed_form_values.any() else np.nan
             )
-            spread = (
+            standard_deviation = (
                 np.std(values - closed_form_values * values.mean() / closed_form_values.mean(), ddof=1)
                 if closed_form_values.any()
                 else np.nan
             )
-            result[f"{model} {label} error"] = float(spread / closed_form_values.mean() / np.sqrt(len(pairs)))
-    return result
+            case_means[f"{model} {label} error"] = float(
+                standard_deviation / closed_form_values.mean() / np.sqrt(len(pairs))
+            )
+    return case_means
 
 
 def format_residuals_in_percent(points: list[dict], name: str) -> str:
@@ -421,16 +423,18 @@ def render_family_rows(points: list[dict]) -> list[str]:
         "|" + "---|" * 14,
     ]
     for family, family_title in SURFACE_FAMILY_TITLES.items():
-        for low, high in pairwise(GRADIENT_BIN_EDGES):
+        for min_gradient, max_gradient in pairwise(GRADIENT_BIN_EDGES):
             selected_points = [
-                point for point in points if point["family"] == family and low <= point["rms_gradient"] < high
+                point
+                for point in points
+                if point["family"] == family and min_gradient <= point["rms_gradient"] < max_gradient
             ]
             if not selected_points:
                 continue
             model = "cylinders" if family.endswith("line") else "asperities"
             kappas, counts = ([item[name] for item in selected_points] for name in ("kappa", "contacts"))
             cells = [
-                family_title, f"{low:g} to {high:g}", f"{len(selected_points)}",
+                family_title, f"{min_gradient:g} to {max_gradient:g}", f"{len(selected_points)}",
                 f"{min(kappas):.2f} to {max(kappas):.2f}", f"{min(counts):.0f} to {max(counts):.0f}",
                 *(
                     format_residuals_in_percent(selected_points, f"mu {rule} {key}")
@@ -471,7 +475,7 @@ def render_limit_rows(points: list[dict]) -> list[str]:
 def draw_friction_and_deviations(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 5.6), dpi=200, layout="constrained")
     axes = figure.subplots(2, 2).ravel()
-    slope = np.geomspace(0.01, 3, 200)
+    fine_gradients = np.geomspace(0.01, 3, 200)
     for family, colour in zip(SURFACE_FAMILY_TITLES, COLOURS, strict=True):
         selected_points = [point for point in points if point["family"] == family]
         if not selected_points:
@@ -481,37 +485,45 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
         mean_slope = np.array([item["rms_slope"] for item in selected_points]) / (2 * np.sqrt(2 * np.pi))
         marker_style = {"ls": "", "marker": "s" if is_line else "o", "ms": 2.6, "color": colour, "mew": 0.5}
         model = "cylinders" if is_line else "asperities"
-        values_of = lambda name: np.array([item.get(name, np.nan) for item in selected_points])  # noqa: E731, B023
-        axes[0].plot(mean_slope, values_of(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
-        axes[0].plot(mean_slope, values_of("mu opposing 0"), **marker_style | {"mfc": "white", "ms": 2.2})
-        axes[0].plot(mean_slope, values_of("mu points 0"), **marker_style, label=SURFACE_FAMILY_TITLES[family])
+        select_values = lambda name: np.array([item.get(name, np.nan) for item in selected_points])  # noqa: E731, B023
+        axes[0].plot(mean_slope, select_values(f"{model} opposing 0"), ls="", marker="x", ms=2, color="0.75", zorder=0)
+        axes[0].plot(mean_slope, select_values("mu opposing 0"), **marker_style | {"mfc": "white", "ms": 2.2})
+        axes[0].plot(mean_slope, select_values("mu points 0"), **marker_style, label=SURFACE_FAMILY_TITLES[family])
         if not is_line:
-            axes[1].plot(gradient, values_of(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0)
-            axes[1].plot(gradient, values_of("mu points 2"), **marker_style)
-        axes[2].plot(gradient, 100 * (values_of("mu points 0 over form") - 1), **marker_style)
+            axes[1].plot(
+                gradient, select_values(f"{model} opposing 2"), ls="", marker="x", ms=2, color="0.75", zorder=0
+            )
+            axes[1].plot(gradient, select_values("mu points 2"), **marker_style)
+        axes[2].plot(gradient, 100 * (select_values("mu points 0 over form") - 1), **marker_style)
         axes[2].plot(
-            gradient, 100 * (values_of("mu opposing 0 over form") - 1), **marker_style | {"mfc": "white", "ms": 2.2}
+            gradient, 100 * (select_values("mu opposing 0 over form") - 1), **marker_style | {"mfc": "white", "ms": 2.2}
         )
-        axes[3].plot(gradient, 100 * (values_of("mu all 0 over form") - 1), **marker_style)
-        first_order_values = [
+        axes[3].plot(gradient, 100 * (select_values("mu all 0 over form") - 1), **marker_style)
+        first_order_friction = [
             np.mean([closed_form_friction(pair, "all", 0.0, order=1) for pair in item["together"]])
             for item in selected_points
         ]
         axes[3].plot(
             gradient,
-            100 * (values_of("mu all 0") / first_order_values - 1),
+            100 * (select_values("mu all 0") / first_order_friction - 1),
             **marker_style | {"mfc": "white", "ms": 2.2},
         )
-    scaled_slope = slope / (4 * np.sqrt(np.pi))
-    axes[0].plot(scaled_slope, gentle_friction(MU0, rms_gradient=slope), color="0.1", lw=1, label="closed form")
-    axes[0].plot(scaled_slope, gentle_friction(MU0, rms_gradient=slope, order=2), color="0.1", lw=1, ls="--")
-    closed_form_options = {"rms_gradient": slope, "effective_modulus": EFFECTIVE_MODULUS}
-    axes[1].plot(slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options), color="0.1", lw=1)
-    axes[1].plot(
-        slope, gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options, order=2), color="0.1", lw=1, ls="--"
+    scaled_slope = fine_gradients / (4 * np.sqrt(np.pi))
+    axes[0].plot(
+        scaled_slope, gentle_friction(MU0, rms_gradient=fine_gradients), color="0.1", lw=1, label="closed form"
     )
-    smallest_slope = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0_BY_LABEL["2"] / EFFECTIVE_MODULUS)
-    axes[1].axvline(smallest_slope, color="0.6", lw=0.7, ls=":")
+    axes[0].plot(scaled_slope, gentle_friction(MU0, rms_gradient=fine_gradients, order=2), color="0.1", lw=1, ls="--")
+    closed_form_options = {"rms_gradient": fine_gradients, "effective_modulus": EFFECTIVE_MODULUS}
+    axes[1].plot(fine_gradients, gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options), color="0.1", lw=1)
+    axes[1].plot(
+        fine_gradients,
+        gentle_friction(MU0, TAU0_BY_LABEL["2"], **closed_form_options, order=2),
+        color="0.1",
+        lw=1,
+        ls="--",
+    )
+    slope_at_minimum = np.sqrt(2 * np.sqrt(np.pi) * 2.2 * TAU0_BY_LABEL["2"] / EFFECTIVE_MODULUS)
+    axes[1].axvline(slope_at_minimum, color="0.6", lw=0.7, ls=":")
     axes[0].set(xlabel="mean slope $S = g_s / 2\\sqrt{2\\pi}$", ylabel="$\\mu_s$")
     axes[0].set(title="opposing contacts, $\\tau_0$ = 0")
     axes[0].set(xscale="log", ylim=(0.18, 0.9))

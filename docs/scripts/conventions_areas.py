@@ -30,10 +30,12 @@ def create_pair():
     return lower, contacts(upper, lower, APPROACH, effective_modulus=10.0, direction=DIRECTION)
 
 
-def draw_arrow(axes, start, direction, colour, text, length=0.8, beyond=1.15):
+def draw_arrow(axes, start, direction, colour, text, length=0.8, label_distance_ratio=1.15):
     """Draw an arrow from a point in a direction, with a label at the tip."""
     axes.quiver(*start, *(length * np.asarray(direction)), color=colour, linewidth=1.2, arrow_length_ratio=0.18)
-    axes.text(*(start + beyond * length * np.asarray(direction)), text, color=colour, ha="center", va="center")
+    axes.text(
+        *(start + label_distance_ratio * length * np.asarray(direction)), text, color=colour, ha="center", va="center"
+    )
 
 
 def hide_axes(axes, heights=1.0, zoom=1.0):
@@ -61,7 +63,9 @@ def draw_overview(axes, lower, contact_list):
         axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR, markersize=3)
     corner = np.array([0.0, 0.0, lower.heights.min()])
     for vector, name in (((1, 0, 0), "x"), ((0, 1, 0), "y"), ((0, 0, 1), "z")):
-        draw_arrow(axes, corner, vector, "0.2", f"${name}$", length=1.0, beyond=1.4 if name == "y" else 1.15)
+        draw_arrow(
+            axes, corner, vector, "0.2", f"${name}$", length=1.0, label_distance_ratio=1.4 if name == "y" else 1.15
+        )
     phi = np.radians(DIRECTION)
     start = np.array([0.4, 0.4, 1.3])
     draw_arrow(axes, start, (np.cos(phi), np.sin(phi), 0), INK_COLOUR, r"$\mathbf{s}$", length=1.4)
@@ -94,7 +98,13 @@ def draw_contact(axes, normal, tangent):
     origin = np.zeros(3)
     draw_arrow(axes, origin, normal, OPPOSING_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
     draw_arrow(
-        axes, origin, tangent, OPPOSING_COLOUR, r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$", length=1.0, beyond=1.55
+        axes,
+        origin,
+        tangent,
+        OPPOSING_COLOUR,
+        r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$",
+        length=1.0,
+        label_distance_ratio=1.55,
     )
     draw_arrow(axes, origin, s, INK_COLOUR, r"$\mathbf{s}$", length=1.2)
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.8, 1.2))
@@ -107,15 +117,19 @@ def draw_contact(axes, normal, tangent):
 
 def save_figures(directory):
     """Draw the figure, and write it to a directory."""
-    lower, result = create_pair()
-    steepest_index = int(np.argmax(np.where(result.opposing, np.hypot(result.normal[:, 0], result.normal[:, 1]), -1)))
+    lower, contact_list = create_pair()
+    steepest_index = int(
+        np.argmax(np.where(contact_list.opposing, np.hypot(contact_list.normal[:, 0], contact_list.normal[:, 1]), -1))
+    )
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(160 * INCHES_PER_MILLIMETRE, 74 * INCHES_PER_MILLIMETRE))
-        draw_overview(figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, result)
+        draw_overview(
+            figure.add_axes((-0.06, -0.12, 0.7, 1.16), projection="3d", computed_zorder=False), lower, contact_list
+        )
         draw_contact(
             figure.add_axes((0.56, -0.08, 0.44, 1.08), projection="3d"),
-            result.normal[steepest_index],
-            result.tangent[steepest_index],
+            contact_list.normal[steepest_index],
+            contact_list.tangent[steepest_index],
         )
         figure.savefig(directory / "conventions_areas.png", dpi=200)
 

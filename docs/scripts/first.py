@@ -55,8 +55,10 @@ def compute_friction():
             **EXAMPLE_PAIR_OPTIONS,
         )
         quoted_points = result.summary().reported_points
-        rules = [{item.rule: (item.value, item.lower, item.upper) for item in point.rules} for point in quoted_points]
-        return {rule: np.transpose([point[rule] for point in rules]) for rule in SLIDING_RULE_COLOURS}
+        results_by_rule = [
+            {item.rule: (item.value, item.lower, item.upper) for item in point.rules} for point in quoted_points
+        ]
+        return {rule: np.transpose([point[rule] for point in results_by_rule]) for rule in SLIDING_RULE_COLOURS}
 
 
 def solve_contact():
@@ -73,40 +75,45 @@ def draw_figure(curves, dark):
         figsize=(FIGURE_WIDTH * INCHES_PER_MILLIMETRE, FIGURE_HEIGHT * INCHES_PER_MILLIMETRE),
         facecolor="none" if dark else "white",
     )
-    left = figure.add_axes((0.125, 0.2, 0.37, 0.66))
-    right = figure.add_axes((0.62, 0.2, 0.36, 0.66))
-    for ax in (left, right):
+    contact_axes = figure.add_axes((0.125, 0.2, 0.37, 0.66))
+    friction_axes = figure.add_axes((0.62, 0.2, 0.36, 0.66))
+    for ax in (contact_axes, friction_axes):
         ax.set_facecolor("none")
 
-    x, lower, contact = solve_contact()
+    x, lower_heights, contact = solve_contact()
     is_contact = contact.pressure > 0
     # Show the part of the profile that has most contact points of the rarer kind, opposing or not.
     candidates = x[is_contact & (np.abs(x - x.mean()) < MAX_MARKER_DISTANCE_FROM_MIDDLE)]
-    rarer_counts = [
+    counts_of_rarer_kind = [
         min(np.count_nonzero(is_near & contact.opposing), np.count_nonzero(is_near & ~contact.opposing))
         for is_near in (is_contact & (np.abs(x - middle) < DRAWN_PROFILE_HALF_WIDTH) for middle in candidates)
     ]
-    middle_x = candidates[int(np.argmax(rarer_counts))]
-    left.fill_between(x, 1000 * lower, -1e4, color=LOWER_BODY_COLOUR, linewidth=0)
-    left.fill_between(x, 1000 * (lower + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0)
-    for is_selected, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
-        selected_points = is_contact & is_selected
-        left.plot(x[selected_points], 1000 * lower[selected_points], "o", markersize=2.5, color=colour)
+    middle_x = candidates[int(np.argmax(counts_of_rarer_kind))]
+    contact_axes.fill_between(x, 1000 * lower_heights, -1e4, color=LOWER_BODY_COLOUR, linewidth=0)
+    contact_axes.fill_between(
+        x, 1000 * (lower_heights + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0
+    )
+    for is_of_kind, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
+        selected_points = is_contact & is_of_kind
+        contact_axes.plot(x[selected_points], 1000 * lower_heights[selected_points], "o", markersize=2.5, color=colour)
     is_shown = np.abs(x - middle_x) < DRAWN_PROFILE_HALF_WIDTH
-    heights = 1000 * lower[is_shown]
-    left.set(
+    heights = 1000 * lower_heights[is_shown]
+    contact_axes.set(
         xlim=(middle_x - DRAWN_PROFILE_HALF_WIDTH, middle_x + DRAWN_PROFILE_HALF_WIDTH),
         ylim=(heights.min() - 10, heights.max() + 130),
     )
-    left.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
+    contact_axes.set(xlabel="x (µm)", ylabel="height (nm)", title="two lapped faces, and where they touch")
 
     for rule, text in (("all", "friction at all contacts"), ("opposing", "at opposing contacts only")):
-        (mean, low, high), colour = curves[rule], SLIDING_RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0"
-        right.fill_between(CURVE_LOADS, low, high, color=colour, alpha=0.3, linewidth=0)
-        right.semilogx(CURVE_LOADS, mean, color=colour)
-        coefficient = float(np.interp(np.log(MARKED_LOAD), np.log(CURVE_LOADS), mean))
-        right.plot(MARKED_LOAD, coefficient, "o", color=colour, markersize=4)
-        right.annotate(
+        (coefficients, lower_limit, upper_limit), colour = (
+            curves[rule],
+            SLIDING_RULE_COLOURS[rule] if not dark or rule != "all" else "#a99cf0",
+        )
+        friction_axes.fill_between(CURVE_LOADS, lower_limit, upper_limit, color=colour, alpha=0.3, linewidth=0)
+        friction_axes.semilogx(CURVE_LOADS, coefficients, color=colour)
+        coefficient = float(np.interp(np.log(MARKED_LOAD), np.log(CURVE_LOADS), coefficients))
+        friction_axes.plot(MARKED_LOAD, coefficient, "o", color=colour, markersize=4)
+        friction_axes.annotate(
             f"{coefficient:.2f}",
             (MARKED_LOAD, coefficient),
             (0, 5),
@@ -115,14 +122,14 @@ def draw_figure(curves, dark):
             weight="bold",
             color=colour,
         )
-        right.annotate(text, (CURVE_LOADS[0], coefficient), (2, -11), textcoords="offset points", color=colour)
-    right.set(
+        friction_axes.annotate(text, (CURVE_LOADS[0], coefficient), (2, -11), textcoords="offset points", color=colour)
+    friction_axes.set(
         ylim=(0, 0.35),
         xlim=(CURVE_LOADS[0], CURVE_LOADS[-1]),
         xlabel=axis_label("load"),
         title="coefficient of static friction",
     )
-    right.set(ylabel=axis_label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
+    friction_axes.set(ylabel=axis_label("friction_coefficient"), xticks=[1, 10, 100], xticklabels=["1", "10", "100"])
     return figure
 
 

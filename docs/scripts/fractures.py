@@ -56,9 +56,9 @@ def read_gap(directory, name, *, square=True):
 def read_load_test(directory, name):
     """Return the displacement (mm) and the stress (MPa) of a test while loading and while unloading."""
     number, displacement, stress = np.loadtxt(directory / f"{name}-closure.csv", delimiter=",", skiprows=2).T
-    top = int(stress.argmax())
+    peak_index = int(stress.argmax())
     assert (np.diff(number) == 1).all()
-    return (displacement[: top + 1], stress[: top + 1]), (displacement[top:], stress[top:])
+    return (displacement[: peak_index + 1], stress[: peak_index + 1]), (displacement[peak_index:], stress[peak_index:])
 
 
 def compute_closure(
@@ -251,19 +251,28 @@ def draw_closure_and_stiffness(results):
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 100 * INCHES_PER_MILLIMETRE), layout="constrained")
         axes = figure.subplots(2, len(results), sharex=True, sharey="row", squeeze=False)
-        for (upper, lower), (
+        for (closure_axes, stiffness_axes), (
             name,
             (loading_displacement, stress, unloading_displacement, unloading_stress, curves_by_kind),
         ) in zip(axes.T, results.items(), strict=True):
             closure, stiffness = combine_variant_intervals(curves_by_kind)
-            for ax, (computed, low, high) in ((upper, closure), (lower, stiffness)):
+            for ax, (computed_curve, lower_limit, upper_limit) in (
+                (closure_axes, closure),
+                (stiffness_axes, stiffness),
+            ):
                 ax.fill_between(
-                    stress, low, high, color=ALL_CONTACTS_COLOUR, alpha=0.2, linewidth=0, label="all uncertainties"
+                    stress,
+                    lower_limit,
+                    upper_limit,
+                    color=ALL_CONTACTS_COLOUR,
+                    alpha=0.2,
+                    linewidth=0,
+                    label="all uncertainties",
                 )
-                ax.plot(stress, computed, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
-            for _, item in curves_by_kind["E"][:2]:
-                lower.plot(stress, item, color=ALL_CONTACTS_COLOUR, linewidth=0.5, linestyle="--")
-            upper.plot(
+                ax.plot(stress, computed_curve, color=ALL_CONTACTS_COLOUR, label="computed, nothing fitted")
+            for _, stiffness_curve in curves_by_kind["E"][:2]:
+                stiffness_axes.plot(stress, stiffness_curve, color=ALL_CONTACTS_COLOUR, linewidth=0.5, linestyle="--")
+            closure_axes.plot(
                 stress,
                 loading_displacement - loading_displacement[0],
                 "o",
@@ -271,7 +280,7 @@ def draw_closure_and_stiffness(results):
                 markersize=3,
                 label="measured, loading",
             )
-            upper.plot(
+            closure_axes.plot(
                 unloading_stress,
                 unloading_displacement - loading_displacement[0],
                 "x",
@@ -280,22 +289,22 @@ def draw_closure_and_stiffness(results):
                 label="measured, unloading",
             )
             mean_stress = (stress[1:] + stress[:-1]) / 2
-            lower.plot(
+            stiffness_axes.plot(
                 mean_stress, np.diff(stress) / np.diff(loading_displacement), "o", color=FORCE_COLOUR, markersize=3
             )
             is_unloading = np.diff(unloading_displacement) < 0
             unloading_stiffness = (
                 np.diff(unloading_stress)[is_unloading] / np.diff(unloading_displacement)[is_unloading]
             )
-            lower.plot(
+            stiffness_axes.plot(
                 (unloading_stress[1:] + unloading_stress[:-1])[is_unloading] / 2,
                 unloading_stiffness,
                 "x",
                 color=FORCE_COLOUR,
                 markersize=3,
             )
-            upper.set_title(name, fontsize=7)
-            lower.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
+            closure_axes.set_title(name, fontsize=7)
+            stiffness_axes.set(xlabel="nominal stress (MPa)", xlim=(0, None), ylim=(0, 400))
         axes[0, 0].set(ylabel=f"closure since {MIN_STRESS + 0.06:.2f} MPa (mm)", ylim=(0, None))
         axes[1, 0].set(ylabel="stiffness (MPa/mm)")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)

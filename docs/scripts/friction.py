@@ -63,17 +63,19 @@ def area_exponents(result: ResampledMeans) -> np.ndarray:
 
 
 def draw_panels(axes: np.ndarray, result: ResampledMeans, name: str) -> None:
-    friction, adhesive_friction = (result.at("friction", result.middle_load, tau0=tau0) for tau0 in (0.0, TAU0))
+    friction, adhesive_friction = (
+        result.evaluate_at("friction", result.middle_load, tau0=tau0) for tau0 in (0.0, TAU0)
+    )
     loads = result.middle_load_of_all_amplitudes()
     high_amplitude_values, low_amplitude_values = (
-        result.at("friction", loads, tau0=TAU0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
+        result.evaluate_at("friction", loads, tau0=TAU0, amplitude=a) for a in (HIGH_AMPLITUDE, LOW_AMPLITUDE)
     )
-    area_at_high_mu0, area_at_low_mu0 = (result.at("area", result.middle_load, mu0=mu0) for mu0 in (1.0, 0.1))
+    area_at_high_mu0, area_at_low_mu0 = (result.evaluate_at("area", result.middle_load, mu0=mu0) for mu0 in (1.0, 0.1))
     for ax, values in zip(
         axes,
         (
             area_exponents(result), friction, adhesive_friction - friction, adhesive_friction,
-            result.at("friction", result.light_load) / result.at("friction", result.heavy_load),
+            result.evaluate_at("friction", result.light_load) / result.evaluate_at("friction", result.heavy_load),
             friction / MU0, high_amplitude_values / low_amplitude_values,
             np.abs(area_at_high_mu0 / area_at_low_mu0 - 1),
         ),
@@ -93,8 +95,12 @@ def main() -> None:
             draw_panels(axes, result, name)
             if name == "half-spaces":
                 result = ResampledMeans(dataset, AMPLITUDE, sliding="all")
-                draw_curve(axes[5], result, result.at("friction", result.middle_load) / MU0, name, is_hollow=True)
-                draw_curve(axes[3], result, result.at("friction", result.middle_load, tau0=TAU0), name, is_hollow=True)
+                draw_curve(
+                    axes[5], result, result.evaluate_at("friction", result.middle_load) / MU0, name, is_hollow=True
+                )
+                draw_curve(
+                    axes[3], result, result.evaluate_at("friction", result.middle_load, tau0=TAU0), name, is_hollow=True
+                )
         del dataset
     slopes = gap_gradients(result.dimensions)
     for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):

@@ -82,22 +82,26 @@ def compute_resampled_areas(detection: str) -> list[np.ndarray]:
         {"surfaces.fractal_dimension": FRACTAL_DIMENSIONS[:-1], "contact.detection": detection}
     )
     return [
-        ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).at("area", MIDDLE_CLAIM_LOAD)
+        ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).evaluate_at(
+            "area", MIDDLE_CLAIM_LOAD
+        )
         for points in CLAIM_POINT_COUNTS
     ]
 
 
 def write_claim_table() -> None:
     """Write the ratios of true areas at half and double resolution, with 95 % intervals."""
-    columns = []
+    ratios_by_column = []
     for detection in ("cell", "gap-minimum"):
-        coarse, default, fine = compute_resampled_areas(detection)
-        columns += [coarse / default, default / fine]
-    heads = [f"{ratio}, {detection}" for detection in ("cell", "gap-minimum") for ratio in ("75 / 150", "150 / 300")]
-    lines = [f"| D | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
+        coarse_areas, default_areas, fine_areas = compute_resampled_areas(detection)
+        ratios_by_column += [coarse_areas / default_areas, default_areas / fine_areas]
+    column_titles = [
+        f"{ratio}, {detection}" for detection in ("cell", "gap-minimum") for ratio in ("75 / 150", "150 / 300")
+    ]
+    lines = [f"| D | {' | '.join(column_titles)} |", "|---" * (1 + len(column_titles)) + "|"]
     for index, dimension in enumerate(FRACTAL_DIMENSIONS[:-1]):
         cells = []
-        for ratios in columns:
+        for ratios in ratios_by_column:
             lower, upper = np.quantile(ratios[1:, index], [0.025, 0.975])
             cells.append(f"{ratios[0, index]:.2f} [{lower:.2f}, {upper:.2f}]")
         lines.append(f"| {dimension:.1f} | {' | '.join(cells)} |")

@@ -40,7 +40,7 @@ AREA_COLUMN, STIFFNESS_COLUMN, FRICTION_COLUMN = 0, 1, 2
 COLUMN_NAMES = [
     "area",
     "stiffness",
-    *(f"{rule}, {strength:g}" for rule, strength in product(SLIDING_RULES, TAU0_OVER_MODULUS)),
+    *(f"{rule}, {relative_tau0:g}" for rule, relative_tau0 in product(SLIDING_RULES, TAU0_OVER_MODULUS)),
 ]
 
 
@@ -57,19 +57,19 @@ def create_body(kind: str, hurst: float, bandwidth: int, repetition: int, side: 
         if kind == "lines"
         else self_affine_surface(SEED, shape=(n, n), **options)
     )
-    differences = [
+    slopes = [
         np.diff(surface.heights, axis=axis, append=np.take(surface.heights, [0], axis)) * n
         for axis in range(surface.heights.ndim)
     ]
-    scale = RMS_SLOPE / math.sqrt(sum(float(np.mean(difference**2)) for difference in differences))
-    return type(surface)(surface.heights * scale, spacing=surface.spacing)
+    height_factor = RMS_SLOPE / math.sqrt(sum(float(np.mean(slope**2)) for slope in slopes))
+    return type(surface)(surface.heights * height_factor, spacing=surface.spacing)
 
 
-def friction_coefficient(sums: dict[str, np.ndarray], strength: float) -> np.ndarray:
+def friction_coefficient(sums: dict[str, np.ndarray], relative_tau0: float) -> np.ndarray:
     tangential_load, normal_load = (
         sums[f"{component}_elastic"]
         + MU0 * sums[f"{component}_frictional"]
-        + strength * EFFECTIVE_MODULUS * sums[f"{component}_adhesive"]
+        + relative_tau0 * EFFECTIVE_MODULUS * sums[f"{component}_adhesive"]
         for component in ("tangential", "normal")
     )
     return tangential_load / normal_load
@@ -83,19 +83,22 @@ def solve_half_space(upper, lower, loads: np.ndarray) -> np.ndarray:
         curves_with_rule = [curve.with_sliding(rule) for curve in curves]
         columns += [
             np.mean(
-                [curve.friction_coefficient(mu0=MU0, tau0=strength * EFFECTIVE_MODULUS) for curve in curves_with_rule],
+                [
+                    curve.friction_coefficient(mu0=MU0, tau0=relative_tau0 * EFFECTIVE_MODULUS)
+                    for curve in curves_with_rule
+                ],
                 axis=0,
             )
-            for strength in TAU0_OVER_MODULUS
+            for relative_tau0 in TAU0_OVER_MODULUS
         ]
     return np.array(columns).T
 
 
 def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np.ndarray:
     """Return results of the asperity model at the approach at which its elastic load equals the half-space load."""
-    law = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
+    model_options = {"law": HertzCylinder(), "detection": "gap-minimum"} if isinstance(upper, Profile) else {}
     approaches = np.geomspace(1e-5, 1.0, 400) * max_approach
-    names = [
+    sum_names = [
         f"{component}_{part}"
         for component in ("tangential", "normal")
         for part in ("elastic", "frictional", "adhesive")
@@ -103,21 +106,24 @@ def solve_asperities(upper, lower, loads: np.ndarray, max_approach: float) -> np
     columns: list[np.ndarray] = []
     for rule in SLIDING_RULES:
         curves = [
-            press(upper, lower, approaches, sliding=rule, direction=direction, **law) for direction in ("+x", "-x")
+            press(upper, lower, approaches, sliding=rule, direction=direction, **model_options)
+            for direction in ("+x", "-x")
         ]
         load = curves[0].normal_elastic
         first_indices = np.array([int(np.argmax(load >= expected_load)) for expected_load in loads])
         assert (load[first_indices] >= loads).all(), "a load is not reached"
-        part = (loads - load[first_indices - 1]) / (load[first_indices] - load[first_indices - 1])
+        load_fraction = (loads - load[first_indices - 1]) / (load[first_indices] - load[first_indices - 1])
 
-        def interpolate_between(values, first_indices=first_indices, part=part):
-            return values[first_indices - 1] + part * (values[first_indices] - values[first_indices - 1])
+        def interpolate_between(values, first_indices=first_indices, load_fraction=load_fraction):
+            return values[first_indices - 1] + load_fraction * (values[first_indices] - values[first_indices - 1])
 
         if not columns:
             columns = [interpolate_between(curves[0].contact_area), interpolate_between(np.gradient(load, approaches))]
-        for strength in TAU0_OVER_MODULUS:
+        for relative_tau0 in TAU0_OVER_MODULUS:
             coefficients = [
-                friction_coefficient({name: interpolate_between(getattr(curve, name)) for name in names}, strength)
+                friction_coefficient(
+                    {name: interpolate_between(getattr(curve, name)) for name in sum_names}, relative_tau0
+                )
                 for curve in curves
             ]
             columns.append(np.mean(coefficients, axis=0))
@@ -162,10 +168,10 @@ def draw_figure(results: dict) -> None:
             for k, ((body_kind, bandwidth), hurst) in enumerate(
                 (case, h) for case in PAIR_COUNTS if case[0] == kind for h in HURST_EXPONENTS
             ):
-                mean, low, high = ratio_with_interval(results[body_kind, bandwidth, hurst], column)
+                mean, lower_limit, upper_limit = ratio_with_interval(results[body_kind, bandwidth, hurst], column)
                 ax.errorbar(
-                    np.array(RELATIVE_PRESSURES) * 1.05 ** (k - 2), mean, (mean - low, high - mean), lw=0.9,
-                    elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[bandwidth],
+                    np.array(RELATIVE_PRESSURES) * 1.05 ** (k - 2), mean, (mean - lower_limit, upper_limit - mean),
+                    lw=0.9, elinewidth=0.7, marker=MARKERS[hurst], ms=3, color=COLOURS[bandwidth],
                     mfc="white" if hurst == 0.5 else COLOURS[bandwidth],
                 )  # fmt: skip
             ax.axhline(1, color="0.6", lw=0.6, zorder=0)
@@ -200,8 +206,8 @@ def draw_figure(results: dict) -> None:
 
 def format_tables(results: dict) -> str:
     def format_ratio(values: np.ndarray, column: int, load: int) -> str:
-        mean, low, high = (item[load] for item in ratio_with_interval(values, column))
-        return f"{mean:.2f} ({low:.2f} to {high:.2f})"
+        mean, lower_limit, upper_limit = (limit[load] for limit in ratio_with_interval(values, column))
+        return f"{mean:.2f} ({lower_limit:.2f} to {upper_limit:.2f})"
 
     def format_friction(values: np.ndarray, column: int, load: int) -> str:
         mean, half_width = mean_and_half_width(values[:, load, :, column])
@@ -244,10 +250,12 @@ def format_tables(results: dict) -> str:
 
 
 def main(workers: int = 1) -> None:
-    keys = [(kind, bandwidth, hurst) for (kind, bandwidth), hurst in product(PAIR_COUNTS, HURST_EXPONENTS)]
+    cases = [(kind, bandwidth, hurst) for (kind, bandwidth), hurst in product(PAIR_COUNTS, HURST_EXPONENTS)]
     with ProcessPoolExecutor(workers) as pool:
-        jobs = {key: [pool.submit(compute_pair_results, *key, k) for k in range(PAIR_COUNTS[key[:2]])] for key in keys}
-        results = {key: np.array([job.result() for job in item]) for key, item in jobs.items()}
+        jobs = {
+            case: [pool.submit(compute_pair_results, *case, k) for k in range(PAIR_COUNTS[case[:2]])] for case in cases
+        }
+        results = {case: np.array([job.result() for job in pair_jobs]) for case, pair_jobs in jobs.items()}
     draw_figure(results)
     (DOCS_DIRECTORY / "generated/half_space.md").write_text(format_tables(results), encoding="utf-8")
 

@@ -32,26 +32,30 @@ def uncorrelated_interval(values):
 
 def lag_one_corrected_interval(values):
     """Return Student's interval of the mean, corrected for the estimated correlation of neighbouring positions."""
-    count, deviations = values.size, values - values.mean()
-    correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / count
-    correlation = min(max(correlation, 0.0), 1 - 2 / count)
+    num_positions, deviations = values.size, values - values.mean()
+    correlation = deviations[1:] @ deviations[:-1] / (deviations @ deviations) + 1 / num_positions
+    correlation = min(max(correlation, 0.0), 1 - 2 / num_positions)
     variance_factor = (1 + correlation) / (1 - correlation)
     half_width = (
-        stdtrit(max(count / variance_factor - 1, 1), 0.975) * np.sqrt(variance_factor / count) * values.std(ddof=1)
+        stdtrit(max(num_positions / variance_factor - 1, 1), 0.975)
+        * np.sqrt(variance_factor / num_positions)
+        * values.std(ddof=1)
     )
     return values.mean(), values.mean() - half_width, values.mean() + half_width
 
 
 def cosine_transform_interval(values):
     """Return Student's interval of the mean from the first cosine coefficients, which are nearly independent."""
-    count = values.size
-    num_coefficients = max(4, round(0.41 * count ** (2 / 3)))
-    basis = np.cos(np.pi * np.arange(1, num_coefficients + 1)[:, np.newaxis] * (np.arange(count) + 0.5) / count)
-    error = np.sqrt(2 / count * np.square(basis @ values).mean() / count)
+    num_positions = values.size
+    num_coefficients = max(4, round(0.41 * num_positions ** (2 / 3)))
+    cosine_basis = np.cos(
+        np.pi * np.arange(1, num_coefficients + 1)[:, np.newaxis] * (np.arange(num_positions) + 0.5) / num_positions
+    )
+    standard_error = np.sqrt(2 / num_positions * np.square(cosine_basis @ values).mean() / num_positions)
     return (
         values.mean(),
-        values.mean() - stdtrit(num_coefficients, 0.975) * error,
-        values.mean() + stdtrit(num_coefficients, 0.975) * error,
+        values.mean() - stdtrit(num_coefficients, 0.975) * standard_error,
+        values.mean() + stdtrit(num_coefficients, 0.975) * standard_error,
     )
 
 
@@ -79,10 +83,10 @@ def main():
                 values = values[(values != values[:, :1]).any(axis=1)]
                 cells = []
                 for method in INTERVAL_METHODS.values():
-                    coverage, width, _ = coverage_and_width(method, values, true_mean, best_width)
+                    coverage, relative_width, _ = coverage_and_width(method, values, true_mean, best_width)
                     cells.append(
                         f"{_format_bold(f'{coverage:.3f}', coverage < MIN_COVERAGE)}, "
-                        f"{_format_bold(f'{width:.2f}', width > MAX_WIDTH_RATIO)}"
+                        f"{_format_bold(f'{relative_width:.2f}', relative_width > MAX_WIDTH_RATIO)}"
                     )
                 lines.append(f"| {distribution} | {positions} | {correlation:g} | {' | '.join(cells)} |")
     (DOCS_DIRECTORY / "generated/intervals.md").write_text("\n".join(lines) + "\n", encoding="utf-8")

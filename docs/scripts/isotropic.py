@@ -81,11 +81,11 @@ def main():
             pairs_by_origin["sections along y"] = list(generate_surrogate_pairs(*bodies, "column"))
         map_mean = None
         for origin, pairs in pairs_by_origin.items():
-            result = np.array([compute_pair_results(*pair) for pair in pairs])
-            mean, error = result.mean(axis=0), result.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
+            pair_results = np.array([compute_pair_results(*pair) for pair in pairs])
+            mean, standard_errors = pair_results.mean(axis=0), pair_results.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
             map_mean = mean if map_mean is None else map_mean
             cells = []
-            for value, standard_error, ratio in zip(mean, error, mean / map_mean, strict=True):
+            for value, standard_error, ratio in zip(mean, standard_errors, mean / map_mean, strict=True):
                 cells += [f"{value:.3f} ± {standard_error:.3f}", "" if origin == "the map" else f"{ratio:.2f}"]
             lines.append(f"| {hurst} | {stretch} | {origin} | {' | '.join(cells)} |")
             print(lines[-1], flush=True)

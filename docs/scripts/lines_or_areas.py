@@ -59,11 +59,11 @@ def main():
     results = [compute_pair_results(*generate_surfaces(repetition)) for repetition in range(NUM_PAIRS)]
     lines = ["| method | A/A0 (%) | μ_s, friction at opposing contacts |", "|---|---|---|"]
     for name in results[0]:
-        values = np.array([item[name] for item in results]) * [100, 1]
-        mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
+        values = np.array([pair_results[name] for pair_results in results]) * [100, 1]
+        mean, standard_errors = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(NUM_PAIRS)
         cells = [
             "" if np.isnan(value) else f"{value:.3g} ± {standard_error:.2g}"
-            for value, standard_error in zip(mean, error, strict=True)
+            for value, standard_error in zip(mean, standard_errors, strict=True)
         ]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     TABLE_FILE.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -25,7 +25,7 @@ def select_area_and_friction(dataset):
 
 
 def main():
-    populations, intervals = [], {"shifts": [], "surrogates": []}
+    pair_means, intervals = [], {"shifts": [], "surrogates": []}
     for pair in range(NUM_PAIRS):
         upper, lower = (
             self_affine_surface(
@@ -44,7 +44,7 @@ def main():
         }
         result = run(build_study_from_options(validate_option_values(options)))
         loads = result.default_loads
-        populations.append(
+        pair_means.append(
             np.nanmean(select_area_and_friction(member_values(result, loads, member_kind="shifts")), axis=-1)
         )
         sampled_result = Result(
@@ -53,7 +53,7 @@ def main():
         for member_kind, interval_results in intervals.items():
             interval_results.append(select_area_and_friction(at_load(sampled_result, loads, member_kind=member_kind)))
         if pair:
-            TABLE_FILE.write_text(format_table(np.array(populations), intervals), encoding="utf-8")
+            TABLE_FILE.write_text(format_table(np.array(pair_means), intervals), encoding="utf-8")
 
 
 def format_table(pair_means, intervals):
@@ -69,12 +69,12 @@ def format_table(pair_means, intervals):
         "| interval from | true value | A/A0 | μ_s, friction at opposing contacts | μ_s, friction at all contacts |",
         "|---|---|---|---|---|",
     ]
-    for members_text, truth_text, result, expected_values in rows:
-        mean, low, high = np.moveaxis(np.array(result), -1, 0)
-        is_inside = (low <= expected_values) & (expected_values <= high)
-        width = np.median((high - low) / mean, axis=0)
+    for members_text, true_mean_text, interval_results, true_means in rows:
+        interval_means, lower_limits, upper_limits = np.moveaxis(np.array(interval_results), -1, 0)
+        is_inside = (lower_limits <= true_means) & (true_means <= upper_limits)
+        width = np.median((upper_limits - lower_limits) / interval_means, axis=0)
         cells = [f"{100 * is_inside[:, k].mean():.0f} %, {100 * width[k]:.1f} %" for k in range(3)]
-        lines.append(f"| {members_text} | {truth_text} | {' | '.join(cells)} |")
+        lines.append(f"| {members_text} | {true_mean_text} | {' | '.join(cells)} |")
     cells = [
         f"{100 * relative_deviation:.1f} %" for relative_deviation in pair_means.std(axis=0, ddof=1) / overall_means
     ]

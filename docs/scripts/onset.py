@@ -58,7 +58,7 @@ def create_pair(bandwidth: int, repetition: int, **surface_options: float) -> tu
     return upper, lower, EFFECTIVE_MODULUS * rms_gradient(upper.heights - lower.heights)
 
 
-def table_header(*names: str) -> list[str]:
+def render_table_header(*names: str) -> list[str]:
     """Return the header lines of a table."""
     return ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
 
@@ -73,7 +73,7 @@ def format_ratio_interval(ratios: list[float]) -> str:
 
 def compare_asperity_model() -> list[str]:
     """Return table rows with results of the asperity model divided by half-space results at equal elastic load."""
-    lines = table_header(
+    lines = render_table_header(
         "longest / shortest wavelength",
         "mean pressure / (E\\* h')",
         "initial tangential stiffness",
@@ -83,13 +83,13 @@ def compare_asperity_model() -> list[str]:
         "fraction of the load that slips at half of the sliding load: half-space, asperities",
     )
     for bandwidth in BANDWIDTHS:
-        result = [[[] for _ in range(6)] for _ in RELATIVE_PRESSURES]
+        ratios_by_pressure = [[[] for _ in range(6)] for _ in RELATIVE_PRESSURES]
         for repetition in range(NUM_PAIRS):
-            upper, lower, unit = create_pair(bandwidth, repetition)
+            upper, lower, unit_load = create_pair(bandwidth, repetition)
             half_space_curve = half_space(
                 upper,
                 lower,
-                np.multiply(RELATIVE_PRESSURES, unit),
+                np.multiply(RELATIVE_PRESSURES, unit_load),
                 effective_modulus=EFFECTIVE_MODULUS,
                 boundary="periodic",
             )
@@ -106,15 +106,15 @@ def compare_asperity_model() -> list[str]:
                     ]
                     for tau0 in TAU0_OVER_MODULUS
                 ]
-                result[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
+                ratios_by_pressure[k][0].append(onsets[0][0].stiffness / onsets[0][1].stiffness)
                 for step_index in range(2):
-                    result[k][1 + step_index].append(
+                    ratios_by_pressure[k][1 + step_index].append(
                         onsets[step_index][0].displacement_at_sliding / onsets[step_index][1].displacement_at_sliding
                     )
-                result[k][3].append(onsets[1][0].sliding_load / onsets[1][1].sliding_load)
-                result[k][4].append(onsets[0][1].slipped_load[0])
-                result[k][5].append(onsets[0][0].slipped_load[0])
-        for load, columns in zip(RELATIVE_PRESSURES, result, strict=True):
+                ratios_by_pressure[k][3].append(onsets[1][0].sliding_load / onsets[1][1].sliding_load)
+                ratios_by_pressure[k][4].append(onsets[0][1].slipped_load[0])
+                ratios_by_pressure[k][5].append(onsets[0][0].slipped_load[0])
+        for load, columns in zip(RELATIVE_PRESSURES, ratios_by_pressure, strict=True):
             ratios = " | ".join(format_ratio_interval(column) for column in columns[:4])
             slip_texts = ", ".join(f"{100 * np.mean(column):.0f} %" for column in columns[4:])
             lines.append(f"| {bandwidth} | {load:g} | {ratios} | {slip_texts} |")
@@ -124,8 +124,8 @@ def compare_asperity_model() -> list[str]:
 
 def compare_tangential_kernels() -> list[str]:
     """Return table rows with the initial stiffness of the full kernel, relative to the isotropic kernel, at ν = 0.3."""
-    lines = table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
-    upper, lower, unit = create_pair(8, 0, points=32)
+    lines = render_table_header("roughness", "exact kernel", "exact kernel without transverse displacement")
+    upper, lower, unit_load = create_pair(8, 0, points=32)
     gap = upper.heights - lower.heights
     n = gap.shape[0]
     stretched_surfaces = (("stretched fourfold along the motion", 0), ("stretched fourfold across the motion", 1))
@@ -133,7 +133,7 @@ def compare_tangential_kernels() -> list[str]:
         if axis is not None:
             gap = np.concatenate([np.take(upper.heights - lower.heights, np.arange(0, n, 4), axis)] * 4, axis)
         bodies = Surface(gap, spacing=1 / n), Surface(np.zeros(gap.shape), spacing=1 / n)
-        curve = half_space(*bodies, [0.02 * unit], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
+        curve = half_space(*bodies, [0.02 * unit_load], effective_modulus=EFFECTIVE_MODULUS, boundary="periodic")
         is_contact = curve.contact(0).pressure > 0
         isotropic_stiffness = curve.onset(0, mu0=MU0, poisson=POISSON_RATIO, steps=1).stiffness
         ratios = [
@@ -155,14 +155,14 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     mean_kernel = 2 / (EFFECTIVE_MODULUS * (1 - POISSON_RATIO) * wave_number)
     direct_compliances = [mean_kernel * (1 - POISSON_RATIO * (k[axis] / wave_number) ** 2) for axis in (1, 0)]
     cross_compliance = -mean_kernel * POISSON_RATIO * k[0] * k[1] / wave_number**2
-    count = int(is_contact.sum())
+    num_contact_points = int(is_contact.sum())
 
     def compute_displacement(q: np.ndarray) -> np.ndarray:
         load_transforms = []
-        for component in q.reshape(-1, count):
-            grid = np.zeros(is_contact.shape)
-            grid[is_contact] = component
-            load_transforms.append(scipy.fft.rfft2(grid))
+        for component in q.reshape(-1, num_contact_points):
+            traction_map = np.zeros(is_contact.shape)
+            traction_map[is_contact] = component
+            load_transforms.append(scipy.fft.rfft2(traction_map))
         transforms = [direct_compliances[0] * load_transforms[0]]
         if is_fixed_along_y:
             transforms = [
@@ -171,36 +171,42 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
             ]
         return np.concatenate([scipy.fft.irfft2(transform, is_contact.shape)[is_contact] for transform in transforms])
 
-    num_unknowns = count * (1 + is_fixed_along_y)
-    expected = np.zeros(num_unknowns)
-    expected[:count] = 1.0
+    num_unknowns = num_contact_points * (1 + is_fixed_along_y)
+    target_displacement = np.zeros(num_unknowns)
+    target_displacement[:num_contact_points] = 1.0
     # Add a constant to the kernel, whose mean is zero, to make it positive definite. Its effect is removed at the end.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:
-        result = compute_displacement(q)
+        displacement = compute_displacement(q)
         for component in range(1 + is_fixed_along_y):
-            result[component * count : (component + 1) * count] += (
-                mean_compliance * q[component * count : (component + 1) * count].mean() * count / n**2
+            displacement[component * num_contact_points : (component + 1) * num_contact_points] += (
+                mean_compliance
+                * q[component * num_contact_points : (component + 1) * num_contact_points].mean()
+                * num_contact_points
+                / n**2
             )
-        return result
+        return displacement
 
     q, _ = cg(
-        LinearOperator((num_unknowns, num_unknowns), compute_displacement_with_mean), expected, rtol=1e-8, maxiter=5000
+        LinearOperator((num_unknowns, num_unknowns), compute_displacement_with_mean),
+        target_displacement,
+        rtol=1e-8,
+        maxiter=5000,
     )
-    load = q[:count].sum() / n**2
+    load = q[:num_contact_points].sum() / n**2
     return float(1 / (1 / load - mean_compliance))
 
 
 def fit_presliding_models() -> list[str]:
     """Fit the Iwan and LuGre models to onset curves, and return the rows of a table."""
-    lines = table_header(
+    lines = render_table_header(
         "boundary", "mean pressure / (E\\* h')", "τ0 / E\\*", "Iwan: χ, β", "Iwan: rms error of the load",
         "Iwan: rms error of the energy per cycle", "LuGre: σ0 / initial stiffness", "LuGre: rms error of the load",
     )  # fmt: skip
-    upper, lower, unit = create_pair(16, 0)
+    upper, lower, unit_load = create_pair(16, 0)
     for boundary in ("periodic", "free"):
-        loads = np.multiply(RELATIVE_PRESSURES, unit)
+        loads = np.multiply(RELATIVE_PRESSURES, unit_load)
         curve = half_space(upper, lower, loads, effective_modulus=EFFECTIVE_MODULUS, boundary=boundary)
         for k, tau0 in product(range(len(RELATIVE_PRESSURES)), TAU0_OVER_MODULUS):
             onset = curve.onset(k, mu0=MU0, tau0=tau0 * EFFECTIVE_MODULUS)
@@ -210,24 +216,24 @@ def fit_presliding_models() -> list[str]:
             residuals = [
                 math.sqrt(np.mean(model.residual**2)) / onset.sliding_load for model in (iwan_model, lugre_model)
             ]
-            errors = [f"{100 * residual:.1f} %" for residual in residuals]
+            error_texts = [f"{100 * residual:.1f} %" for residual in residuals]
             lines.append(
                 f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} | {iwan_model.chi:.2f}, {iwan_model.beta:.2f} | "
-                f"{errors[0]} | {100 * energy_error:.0f} % | {lugre_model.stiffness / onset.stiffness:.2f} "
-                f"| {errors[1]} |"
+                f"{error_texts[0]} | {100 * energy_error:.0f} % | {lugre_model.stiffness / onset.stiffness:.2f} "
+                f"| {error_texts[1]} |"
             )
             print(lines[-1], flush=True)
     return lines
 
 
 def compare_gap_slopes() -> list[str]:
-    lines = table_header("h' of the gap", "sliding load / (μ0 F + τ0 A)")
+    lines = render_table_header("h' of the gap", "sliding load / (μ0 F + τ0 A)")
     for slope in (0.05, 0.1, 0.3, 0.6):
-        upper, lower, unit = create_pair(16, 0, slope=slope / math.sqrt(2))
+        upper, lower, unit_load = create_pair(16, 0, slope=slope / math.sqrt(2))
         curve = half_space(
             upper,
             lower,
-            [0.02 * unit],
+            [0.02 * unit_load],
             effective_modulus=EFFECTIVE_MODULUS,
             boundary="periodic",
             sliding="all",
@@ -241,9 +247,9 @@ def compare_gap_slopes() -> list[str]:
 
 def compute_onset_over_dimension() -> list[str]:
     """Compute the onset of profiles (built-in study) and of maps as a function of D, and return the rows of a table."""
-    lines = run(Study.named("presliding"), progress=True)
-    areas = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
-    rows = table_header(
+    profile_result = run(Study.named("presliding"), progress=True)
+    map_result = run(Study.named("presliding").with_changes(MAP_STUDY_CHANGES), progress=True)
+    rows = render_table_header(
         "D",
         *(
             f"{surface_kind}: {quantity_text}"
@@ -251,18 +257,18 @@ def compute_onset_over_dimension() -> list[str]:
             for quantity_text in ("pre-sliding displacement (nm)", "slips at half (%)", "k_t (mN/µm)")
         ),
     )
-    datasets = [result.at(load).squeeze() for result, load in ((lines, 4e-3), (areas, 0.1))]
+    datasets = [result.at(load).squeeze() for result, load in ((profile_result, 4e-3), (map_result, 0.1))]
     for dimension in datasets[1]["fractal_dimension"].values:
         cells = [f"{dimension:.1f}"]
-        for item in datasets:
-            values = item.sel(fractal_dimension=dimension, method="nearest")
-            for name, factor in (
+        for dataset in datasets:
+            values = dataset.sel(fractal_dimension=dimension, method="nearest")
+            for name, unit_factor in (
                 ("displacement_at_sliding", 1000.0),
                 ("fraction_slipped", 100.0),
                 ("tangential_stiffness", 1.0),
             ):
                 estimate = Estimate(
-                    *(factor * float(values[name].sel(statistic=end)) for end in ("mean", "lower", "upper"))
+                    *(unit_factor * float(values[name].sel(statistic=end)) for end in ("mean", "lower", "upper"))
                 )
                 cells.append(estimate.table_text)
         rows.append("| " + " | ".join(cells) + " |")

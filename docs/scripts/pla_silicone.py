@@ -36,56 +36,69 @@ def fit_laws(load, coefficient, standard_error):
     columns = np.stack([np.ones_like(load), 1 / load], axis=1) / standard_error[:, np.newaxis]
     flat_law = np.linalg.lstsq(columns, coefficient / standard_error, rcond=None)[0]
 
-    def residuals(values):
-        return (values[0] + values[1] / load * erf(load / values[2]) - coefficient) / standard_error
+    def residuals(law_parameters):
+        return (
+            law_parameters[0] + law_parameters[1] / load * erf(load / law_parameters[2]) - coefficient
+        ) / standard_error
 
     rough_law = least_squares(residuals, [1.0, 200.0, 100.0], bounds=(0, np.inf))
     return flat_law, columns @ flat_law - coefficient / standard_error, rough_law.x, rough_law.fun
 
 
-def main(path):
-    table = pandas.read_csv(path)
+def main(tests_file):
+    table = pandas.read_csv(tests_file)
     table = table[table["load (mN)"] <= MAX_LOAD].sort_values("load (mN)")
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 66 * INCHES_PER_MILLIMETRE), layout="constrained")
-        left, right = figure.subplots(1, 2)
+        force_axes, coefficient_axes = figure.subplots(1, 2)
         for (name, tests), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
             load, coefficient = tests["load (mN)"].to_numpy(float), tests["coefficient"].to_numpy()
             standard_deviation = tests["standard deviation"].to_numpy()
-            left.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
-            right.errorbar(load, coefficient, standard_deviation, fmt=".", color=colour, markersize=3, linewidth=0.5)
-            error = np.hypot(
+            force_axes.plot(load, coefficient * load, ".", color=colour, markersize=3, label=name)
+            coefficient_axes.errorbar(
+                load, coefficient, standard_deviation, fmt=".", color=colour, markersize=3, linewidth=0.5
+            )
+            standard_error = np.hypot(
                 standard_deviation / np.sqrt(tests["cycles"].to_numpy()), COMMON_RELATIVE_ERROR * coefficient
             )
             is_fitted = load >= MIN_FITTED_LOAD
             flat_law, flat_residuals, rough_law, rough_residuals = fit_laws(
-                load[is_fitted], coefficient[is_fitted], error[is_fitted]
+                load[is_fitted], coefficient[is_fitted], standard_error[is_fitted]
             )
             coefficient_by_load = dict(zip(load, coefficient, strict=True))
             print(
                 f"| {name} |",
                 " | ".join(
-                    f"{coefficient_by_load[each]:.2f}" if each in coefficient_by_load else "" for each in TABLE_LOADS
+                    f"{coefficient_by_load[table_load]:.2f}" if table_load in coefficient_by_load else ""
+                    for table_load in TABLE_LOADS
                 ),
                 "|",
             )
-            for law, values, residuals in (("flat", flat_law, flat_residuals), ("rough", rough_law, rough_residuals)):
+            for law, law_parameters, residuals in (
+                ("flat", flat_law, flat_residuals),
+                ("rough", rough_law, rough_residuals),
+            ):
                 chi_squared = float((residuals**2).sum())
                 print(
-                    f"  {law}: {np.round(values, 3)} chi2 {chi_squared:.0f} of {is_fitted.sum() - len(values)}",
+                    f"  {law}: {np.round(law_parameters, 3)} chi2 {chi_squared:.0f} "
+                    f"of {is_fitted.sum() - len(law_parameters)}",
                     file=sys.stderr,
                 )
             if name.startswith("Dragon"):
                 fine_loads = np.geomspace(load.min(), load.max(), 200)
-                right.plot(
+                coefficient_axes.plot(
                     fine_loads, flat_law[0] + flat_law[1] / fine_loads, "--", color="black", label="full contact"
                 )
                 rough_coefficient = rough_law[0] + rough_law[1] / fine_loads * erf(fine_loads / rough_law[2])
-                right.plot(fine_loads, rough_coefficient, color="black", label="rough contact, closing with load")
-        left.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
-        right.set(xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4))
-        left.legend(loc="upper left")
-        right.legend(loc="upper right")
+                coefficient_axes.plot(
+                    fine_loads, rough_coefficient, color="black", label="rough contact, closing with load"
+                )
+        force_axes.set(xlabel="normal load (mN)", ylabel="kinetic friction (mN)", xlim=(0, 700), ylim=(0, 1000))
+        coefficient_axes.set(
+            xlabel="normal load (mN)", ylabel="coefficient of kinetic friction", xscale="log", ylim=(0, 4)
+        )
+        force_axes.legend(loc="upper left")
+        coefficient_axes.legend(loc="upper right")
         save_figure(figure, IMAGE_FILE)
 
 

@@ -38,17 +38,20 @@ def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=RE
 def main():
     areas_by_exponent = []
     for hurst in (0.3, 0.5, 0.8):
-        result = [compute_contact_statistics(hurst, seed) for seed in range(NUM_SEEDS)]
-        area, gap, stiffness = (np.mean([item[i] for item in result], axis=0) for i in range(3))
+        statistics_by_seed = [compute_contact_statistics(hurst, seed) for seed in range(NUM_SEEDS)]
+        area, gap, stiffness = (np.mean([statistics[i] for statistics in statistics_by_seed], axis=0) for i in range(3))
         areas_by_exponent.append(area)
         print(f"H = {hurst}: area {np.round(area, 4)} gap {np.round(gap, 3)} K rms / p {np.round(stiffness, 2)}")
     print("spread over H:", np.round(np.ptp(areas_by_exponent, axis=0) / np.mean(areas_by_exponent, axis=0), 3))
     for wavelength_ratio in (2, 4, 8, 16, 32):
-        result = [
+        statistics_by_seed = [
             compute_contact_statistics(0.8, seed, wavelength_ratio=wavelength_ratio, pressures=(0.1,))
             for seed in range(NUM_SEEDS)
         ]
-        area, nayak = np.mean([item[0][0] for item in result]), np.mean([item[3] for item in result])
+        area, nayak = (
+            np.mean([statistics[0][0] for statistics in statistics_by_seed]),
+            np.mean([statistics[3] for statistics in statistics_by_seed]),
+        )
         print(f"longest over shortest {wavelength_ratio}: Nayak {nayak:.2f}, area at 0.1 {area:.4f}")
 
 

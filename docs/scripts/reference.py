@@ -87,12 +87,12 @@ def render_api_tables(docs: Path) -> str:
 
 def find_link_targets(docs: Path) -> dict[str, str]:
     """Return the link target of each public name, by name."""
-    result = (
+    public_names = (
         name
         for group in PAGE_GROUPS
         for name in API_ENTRY_PATTERN.findall((docs / f"reference/api_{group}.md").read_text("utf-8"))
     )
-    return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in result}
+    return {name.split(".")[-1]: name if name.startswith("stiction.") else f"stiction.{name}" for name in public_names}
 
 
 def list_command_and_key_names() -> set[str]:
@@ -103,18 +103,18 @@ def list_command_and_key_names() -> set[str]:
 
 def _docstring_summary(name: str) -> str:
     """Return the first paragraph of the docstring of a public name."""
-    result: object = stiction
+    public_object: object = stiction
     attribute_names = name.removeprefix("stiction.").split(".")
     if len(attribute_names) > 1:
-        result, attribute_names = (
+        public_object, attribute_names = (
             importlib.import_module(f"stiction.{'.'.join(attribute_names[:-1])}"),
             attribute_names[-1:],
         )
     for attribute_name in attribute_names:
-        result = getattr(result, attribute_name)
-    if isinstance(result, str):
+        public_object = getattr(public_object, attribute_name)
+    if isinstance(public_object, str):
         return "The version of the package."
-    first_paragraph = (inspect.getdoc(result) or "").split("\n\n")[0]
+    first_paragraph = (inspect.getdoc(public_object) or "").split("\n\n")[0]
     return " ".join(first_paragraph.split())
 
 
@@ -144,14 +144,14 @@ def render_command_sections() -> str:
 
 
 def _split_paragraphs(text: str) -> list[str]:
-    return [" ".join(part.split()) + "\n" for part in text.split("\n\n")]
+    return [" ".join(paragraph.split()) + "\n" for paragraph in text.split("\n\n")]
 
 
 def _parameter_row(parameter: Any) -> str:
     placeholder = parameter.metavar or ""
     if parameter.param_type_name == "argument":
         return _markdown_row(f"`{placeholder}`", "" if parameter.required else "none", parameter.help or "")
-    flags = ", ".join(f"`{each}`" for each in sorted(parameter.opts, key=len, reverse=True))
+    flags = ", ".join(f"`{flag}`" for flag in sorted(parameter.opts, key=len, reverse=True))
     choices = [] if parameter.is_flag else placeholder.strip("<>[]{}").split("|")
     value = f" {' or '.join(f'`{choice}`' for choice in choices)}" if choices else ""
     default = parameter.show_default if isinstance(parameter.show_default, str) else parameter.default
@@ -170,14 +170,14 @@ def render_parameter_tables() -> str:
     """Return tables of roughness parameters, one per kind of generated profile, and one for surfaces."""
     tables = {f"Parameters of the {name}": PROFILE_PARAMETERS[letter] for letter, name in _PROFILE_TITLES.items()}
     lines = []
-    for title, result in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
+    for title, parameters in (tables | {"Parameters of a surface": SURFACE_PARAMETERS}).items():
         lines += [
             f"## {title}",
             "",
             _markdown_row("name", "meaning", "formula", "unit", "needs", "source"),
             f"|{6 * '---|'}",
         ]
-        for parameter in result:
+        for parameter in parameters:
             formula = f"${parameter.formula}$".replace("|", r"\vert ")
             lines.append(
                 _markdown_row(

@@ -40,12 +40,12 @@ def gap_gradient(bodies):
     return float(scale_dependent_roughness(gap, periodic=True).gradient[-1])
 
 
-def create_pair(hurst, index, points, longest):
+def create_pair(hurst, index, num_points, longest_wavelength):
     """Return two self-affine surfaces with a given gap gradient, whose shortest wavelength is four grid spacings."""
     bodies = [
         self_affine_surface(
-            28, hurst_exponent=hurst, rms=0.01, shape=(points, points), spacing=SPACING, side=side, repetition=index,
-            longest_wavelength=longest * SPACING, shortest_wavelength=4 * SPACING,
+            28, hurst_exponent=hurst, rms=0.01, shape=(num_points, num_points), spacing=SPACING, side=side,
+            repetition=index, longest_wavelength=longest_wavelength * SPACING, shortest_wavelength=4 * SPACING,
         )
         for side in ("upper", "lower")
     ]  # fmt: skip
@@ -98,17 +98,17 @@ def compute_pair_results(bodies, cutoffs, hardness, name):
         return {name: model_results}
     plastic_limit = [float(result.plastic_area_fraction[0]), float(result.plastic_friction_coefficient[0])]
     model_results |= {
-        f"most_{key}": result[f"bracket_{variable}"][:, 0].sel(end="upper").values.tolist()
-        for key, variable in (("area", "area_fraction"), ("all", "friction_coefficient"))
+        f"most_{result_name}": result[f"bracket_{variable_name}"][:, 0].sel(end="upper").values.tolist()
+        for result_name, variable_name in (("area", "area_fraction"), ("all", "friction_coefficient"))
     }
     return {name: model_results, "limit": plastic_limit}
 
 
-def simulate_coarser_scan(body, shortest, step):
+def simulate_coarser_scan(body, shortest_wavelength, step):
     """Return every `step`-th point of a surface after a low-pass filter with the cutoff `shortest` (points)."""
     transform = np.fft.fft2(body.heights)
     k = np.hypot(*np.meshgrid(*(np.fft.fftfreq(SMALL_MAP_SIDE_POINTS),) * 2, indexing="ij"))
-    filtered_heights = np.fft.ifft2(np.where(k * shortest <= 1 + 1e-9, transform, 0)).real
+    filtered_heights = np.fft.ifft2(np.where(k * shortest_wavelength <= 1 + 1e-9, transform, 0)).real
     return Surface(filtered_heights[::step, ::step], spacing=step * SPACING)
 
 
@@ -264,7 +264,7 @@ def count_pairs_inside_brackets(rows, name, limit_index, upper_key):
     """Count the pairs for which the bounds at each cutoff contain the results at all finer cutoffs."""
     count = 0
     for row in rows:
-        values, bracket_ends, gradients = (row["plastic"][item] for item in (name, upper_key, "gradient"))
+        values, bracket_ends, gradients = (row["plastic"][key] for key in (name, upper_key, "gradient"))
         index_pairs = [
             (fine_index, coarse_index) for coarse_index in range(len(values)) for fine_index in range(coarse_index)
         ]
@@ -291,7 +291,7 @@ def render_bracket_rows(groups):
         "|---|---|---|---|---|",
     ]
     for group_title, rows in groups.items():
-        for bracket_title, prefix in (
+        for bracket_title, key_prefix in (
             ("the upper bound of the bracket", "most_"),
             ("the result at the coarser cutoff", ""),
         ):
@@ -299,8 +299,8 @@ def render_bracket_rows(groups):
                 item
                 for limit_index, name in enumerate(("area", "all"))
                 for item in (
-                    count_pairs_inside_brackets(rows, name, limit_index, prefix + name),
-                    median_bracket_widths(rows, name, limit_index, prefix + name),
+                    count_pairs_inside_brackets(rows, name, limit_index, key_prefix + name),
+                    median_bracket_widths(rows, name, limit_index, key_prefix + name),
                 )
             ]
             lines.append(f"| {bracket_title}; {group_title} | {' | '.join(cells)} |")
@@ -316,12 +316,12 @@ def render_yield_deviation_rows(rows_by_exponent):
     ]
     for hurst, rows in rows_by_exponent.items():
         for name, hardness in (("plastic", HARDNESS), ("softer", HARDNESS / 2)):
-            ratio = np.mean([row["elastic"]["pressure"][-1] for row in rows]) / hardness
+            pressure_ratio = np.mean([row["elastic"]["pressure"][-1] for row in rows]) / hardness
             values = np.array([row[name]["all"] for row in rows])
-            differences = 100 * (values[:, -1] / values[:, 0] - 1)
+            relative_differences = 100 * (values[:, -1] / values[:, 0] - 1)
             lines.append(
-                f"| Hurst {hurst}, H = {hardness:g} GPa | {ratio:.1f} "
-                f"| {differences.mean():.1f} | {np.abs(differences).max():.1f} |"
+                f"| Hurst {hurst}, H = {hardness:g} GPa | {pressure_ratio:.1f} "
+                f"| {relative_differences.mean():.1f} | {np.abs(relative_differences).max():.1f} |"
             )
     return lines
 
@@ -388,16 +388,16 @@ def render_spectrum_rows(joined_results):
         "|---|---|---|---|" + "---|" * len(scan_names),
     ]
     contribution = np.array(joined_results["contribution"])
-    for index, length in enumerate(joined_results["wavelength"]):
+    for index, wavelength in enumerate(joined_results["wavelength"]):
         contributions = [
-            sum(contribution[scan, index] for scan, name in enumerate(joined_results["names"]) if name == item)
-            for item in scan_names
+            sum(contribution[scan, index] for scan, name in enumerate(joined_results["names"]) if name == scan_name)
+            for scan_name in scan_names
         ]
         lines.append(
-            f"| {length:.3g} | {joined_results['count'][index]:.0f} "
+            f"| {wavelength:.3g} | {joined_results['count'][index]:.0f} "
             f"| {joined_results['density'][index] / joined_results['known'][index]:.3f} "
             f"| {joined_results['gradient'][index] / joined_results['known_gradient'][index]:.3f} "
-            f"| {' | '.join(f'{100 * part:.0f} %' for part in contributions)} |"
+            f"| {' | '.join(f'{100 * fraction:.0f} %' for fraction in contributions)} |"
         )
     first_scan_indices = {name: joined_results["names"].index(name) for name in scan_names}
     range_texts = ", ".join(
@@ -483,10 +483,10 @@ def draw_figure(rows_by_exponent):
 
 
 if __name__ == "__main__":
-    parts = {
+    functions_by_result = {
         "settling": compute_coarser_cutoffs,
         "bracketing": compute_brackets,
         "continuing": compute_extrapolations,
         "joining": compute_joined_spectrum,
     }
-    (parts[sys.argv[1]] if len(sys.argv) > 1 else write_page)()
+    (functions_by_result[sys.argv[1]] if len(sys.argv) > 1 else write_page)()

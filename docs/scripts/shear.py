@@ -16,12 +16,12 @@ DOCS_DIRECTORY = Path(__file__).parents[1]
 JRC_VALUES = (4, 8, 12, 16, 18)
 JRC_ERROR = 1.0  # half of the JRC range that each of the ten typical profiles of Barton and Choubey represents
 BASIC_ANGLE = 31.0  # degrees
-NORMAL_STRESS, STRENGTH = 1.0, 150.0  # MPa
-POINTS, SPACING = 200, 500.0  # µm
+NORMAL_STRESS, WALL_STRENGTH = 1.0, 150.0  # MPa
+NUM_POINTS, SPACING = 200, 500.0  # µm
 NUM_FACES = 4
 CONDITIONS = {
     "path": "10 mm", "steps": 20, "load": f"{NORMAL_STRESS} MPa", "mu0": math.tan(math.radians(BASIC_ANGLE)),
-    "young": "30 GPa", "poisson": 0.25, "hardness": f"{STRENGTH} MPa", "strips": 0,
+    "young": "30 GPa", "poisson": 0.25, "hardness": f"{WALL_STRENGTH} MPa", "strips": 0,
 }  # fmt: skip
 ORANGE, BLUE = "#D55E00", "#0072B2"
 
@@ -29,7 +29,12 @@ ORANGE, BLUE = "#D55E00", "#0072B2"
 def create_face(seed: int, jrc: float) -> Surface:
     """Return a face with a given JRC, which follows from Z2 along x at a sampling interval of 1.27 mm."""
     face = self_affine_surface(
-        seed, hurst_exponent=0.8, rms=1000.0, shape=(POINTS, POINTS), spacing=SPACING, shortest_wavelength=2000.0
+        seed,
+        hurst_exponent=0.8,
+        rms=1000.0,
+        shape=(NUM_POINTS, NUM_POINTS),
+        spacing=SPACING,
+        shortest_wavelength=2000.0,
     )
     z2 = 10 ** ((jrc - 32.2) / 32.47)
     return Surface(face.heights * z2 / measure_joint_roughness(face, 0).z2, spacing=SPACING)
@@ -38,31 +43,31 @@ def create_face(seed: int, jrc: float) -> Surface:
 def compute_angles(seed: int, jrc: float) -> list[float]:
     """Return the peak friction angle, the angle at 10 mm and the dilation angle at the peak, all in degrees."""
     face = create_face(seed, jrc)
-    test = shear_test(Surface(-face.heights[::-1], spacing=SPACING), face, **CONDITIONS)
-    coefficients = test.attrs["peak"], test.attrs["end"]
-    return [*(math.degrees(math.atan(value)) for value in coefficients), test.attrs["peak_dilation_angle_deg"]]
+    shear_result = shear_test(Surface(-face.heights[::-1], spacing=SPACING), face, **CONDITIONS)
+    coefficients = shear_result.attrs["peak"], shear_result.attrs["end"]
+    return [*(math.degrees(math.atan(value)) for value in coefficients), shear_result.attrs["peak_dilation_angle_deg"]]
 
 
 def main() -> None:
-    rows, barton = [], []
+    rows, barton_angles = [], []
     for jrc in JRC_VALUES:
         rows.append(np.array([compute_angles(seed, jrc) for seed in range(1, NUM_FACES + 1)]))
-        barton.append(BASIC_ANGLE + jrc * math.log10(STRENGTH / NORMAL_STRESS))
+        barton_angles.append(BASIC_ANGLE + jrc * math.log10(WALL_STRENGTH / NORMAL_STRESS))
     header = "| JRC | Barton's peak angle | computed peak | at 10 mm | dilation angle at the peak |"
     lines = [header, "|---|---|---|---|---|"]
-    for jrc, law, angles in zip(JRC_VALUES, barton, rows, strict=True):
+    for jrc, barton_angle, angles in zip(JRC_VALUES, barton_angles, rows, strict=True):
         cells = [f"{column.min():.0f}° to {column.max():.0f}°" for column in angles.T]
-        lines.append(f"| {jrc} | {law:.0f}° | {' | '.join(cells)} |")
+        lines.append(f"| {jrc} | {barton_angle:.0f}° | {' | '.join(cells)} |")
     (DOCS_DIRECTORY / "generated/shear_barton.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     figure = Figure(figsize=(4.2, 3.0), dpi=200, layout="constrained")
     axes = figure.subplots()
-    half_width = JRC_ERROR * math.log10(STRENGTH / NORMAL_STRESS)
-    limits = np.subtract(barton, half_width), np.add(barton, half_width)
-    axes.fill_between(JRC_VALUES, *limits, color="0.4", alpha=0.25, linewidth=0, label=f"JRC ± {JRC_ERROR:g}")
-    axes.plot(JRC_VALUES, barton, color="0.4", label="Barton's law")
+    half_width = JRC_ERROR * math.log10(WALL_STRENGTH / NORMAL_STRESS)
+    barton_limits = np.subtract(barton_angles, half_width), np.add(barton_angles, half_width)
+    axes.fill_between(JRC_VALUES, *barton_limits, color="0.4", alpha=0.25, linewidth=0, label=f"JRC ± {JRC_ERROR:g}")
+    axes.plot(JRC_VALUES, barton_angles, color="0.4", label="Barton's law")
     for column, colour, label in ((0, ORANGE, "computed, peak"), (1, BLUE, "computed, at 10 mm")):
-        values = np.array([angles[:, column] for angles in rows])
-        axes.plot(np.repeat(JRC_VALUES, NUM_FACES), values.ravel(), ".", color=colour, label=label)
+        computed_angles = np.array([angles[:, column] for angles in rows])
+        axes.plot(np.repeat(JRC_VALUES, NUM_FACES), computed_angles.ravel(), ".", color=colour, label=label)
     axes.axhline(BASIC_ANGLE, color="0.7", linewidth=0.7, linestyle="--")
     axes.text(JRC_VALUES[-1], BASIC_ANGLE - 1, "basic friction angle", color="0.4", ha="right", va="top")
     axes.set(xlabel="JRC of the lower face (Tse & Cruden)", ylabel="friction angle (degrees)", ylim=(0, 90))

@@ -151,18 +151,18 @@ class PressedBall:
         return -(x**2) / (2 * self.radius)
 
     def columns(self) -> np.ndarray:
-        inner = np.linspace(0, 1.25, 36 * self.refinement + 1)
-        outer = np.geomspace(1.25, 12, 12 * self.refinement + 1)[1:]
-        return np.concatenate([inner, outer]) * self.max_radius
+        inner_positions = np.linspace(0, 1.25, 36 * self.refinement + 1)
+        outer_positions = np.geomspace(1.25, 12, 12 * self.refinement + 1)[1:]
+        return np.concatenate([inner_positions, outer_positions]) * self.max_radius
 
     def rows(self) -> np.ndarray:
         depths = np.cumsum(1.23 ** (np.arange(19 * self.refinement) / self.refinement))
         return np.concatenate([[0], depths / depths[-1] * self.depth])
 
 
-Case = RoughProfile | PressedBall
+FiniteElementCase = RoughProfile | PressedBall
 
-CASES: dict[str, Case] = {
+CASES: dict[str, FiniteElementCase] = {
     "elastic": RoughProfile(seed=1, hurst=0.8, rms_slope=0.05, yield_strength=10.0),
     "profile 1": RoughProfile(seed=11, hurst=0.8, rms_slope=0.03, yield_strength=0.02),
     "profile 2": RoughProfile(seed=12, hurst=0.7, rms_slope=0.06, yield_strength=0.02),
@@ -234,17 +234,19 @@ class InputFile:
             ]
 
 
-def node_weights(case: Case) -> np.ndarray:
+def node_weights(case: FiniteElementCase) -> np.ndarray:
     """Return the part of the area that belongs to each node of the pressed surface under a uniform pressure."""
     columns = case.columns()
     weights = np.zeros(2 * columns.size - 1)
     points, point_weights = np.polynomial.legendre.leggauss(3)
-    for element, (left, right) in enumerate(pairwise(columns)):
+    for element, (left_edge, right_edge) in enumerate(pairwise(columns)):
         for point, point_weight in zip(points, point_weights, strict=True):
-            shape = np.array([point * (point - 1) / 2, 1 - point**2, point * (point + 1) / 2])
-            radius = (left + right) / 2 + point * (right - left) / 2
+            shape_functions = np.array([point * (point - 1) / 2, 1 - point**2, point * (point + 1) / 2])
+            radius = (left_edge + right_edge) / 2 + point * (right_edge - left_edge) / 2
             circumference = 2 * math.pi * radius / NUM_WEDGES if isinstance(case, PressedBall) else 1.0
-            weights[2 * element : 2 * element + 3] += shape * circumference * point_weight * (right - left) / 2
+            weights[2 * element : 2 * element + 3] += (
+                shape_functions * circumference * point_weight * (right_edge - left_edge) / 2
+            )
     return np.maximum(weights, 1e-6 * weights.max())
 
 
@@ -257,7 +259,7 @@ def plane_nodes(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.n
     return x[i], depth[j], table
 
 
-def create_plane_model(case: Case, model: InputFile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def create_plane_model(case: FiniteElementCase, model: InputFile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Add the solid to the model, and return the numbers, positions x and heights of its surface nodes."""
     x, depth, table = plane_nodes(case.columns(), case.rows())
     numbers = model.add_nodes(np.column_stack([x, case.heights(x) * (1 - depth / depth.max()) - depth]))
@@ -278,20 +280,23 @@ def create_plane_model(case: Case, model: InputFile) -> tuple[np.ndarray, np.nda
     return surface, x[table[:, 0]], case.heights(x[table[:, 0]])
 
 
-def write_input(case: Case, approach: float, path: Path) -> None:
+def write_input(case: FiniteElementCase, approach: float, path: Path) -> None:
     """Write the input file of a case in which the rigid flat approaches the solid by `approach`."""
     model = InputFile()
     surface, x, heights = create_plane_model(case, model)
-    ends = model.add_nodes(np.column_stack([x, heights + SPRING_LENGTH]))
+    spring_ends = model.add_nodes(np.column_stack([x, heights + SPRING_LENGTH]))
     stiffness = CONTACT_STIFFNESS / np.diff(case.columns()).min()
-    model.add_unilateral_springs(surface, ends, heights.max() - heights, stiffness * node_weights(case))
+    model.add_unilateral_springs(surface, spring_ends, heights.max() - heights, stiffness * node_weights(case))
     model.add_node_set("SURFACE", surface)
-    model.add_node_set("FLAT", ends)
-    strain = 2.0
-    slope = case.tangent_modulus / (1 - case.tangent_modulus) if case.tangent_modulus else 0.01 * case.yield_strength
+    model.add_node_set("FLAT", spring_ends)
+    largest_strain = 2.0
+    hardening_modulus = (
+        case.tangent_modulus / (1 - case.tangent_modulus) if case.tangent_modulus else 0.01 * case.yield_strength
+    )
     model.lines += [
         "*MATERIAL, NAME=METAL", "*ELASTIC", f"1., {POISSON_RATIO}",
-        "*PLASTIC", f"{case.yield_strength}, 0.", f"{case.yield_strength + slope * strain:.8g}, {strain}",
+        "*PLASTIC", f"{case.yield_strength}, 0.",
+        f"{case.yield_strength + hardening_modulus * largest_strain:.8g}, {largest_strain}",
         "*SOLID SECTION, ELSET=SOLID, MATERIAL=METAL", "1.",
         "*BOUNDARY", "SIDES, 1, 1",
         "BOTTOM, 2, 2", "FLAT, 1, 3",
@@ -312,51 +317,51 @@ def read_output(path: Path, quantity: str, node_set: str) -> tuple[np.ndarray, n
 
 def interpolate_edges(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power: float) -> float:
     """Return the length in contact, if the gap beside contacts increases with a power of the distance from the edge."""
-    length = 0.0
-    starts = np.flatnonzero(np.diff(contact.astype(int), prepend=0) == 1)
-    stops = np.flatnonzero(np.diff(contact.astype(int), append=0) == -1)
-    for start, stop in zip(starts, stops, strict=True):
-        length += x[stop] - x[start]
-        for edge, step in ((start, -1), (stop, 1)):
-            first, second = edge + step, edge + 2 * step
-            if not 0 <= first < x.size:
+    contact_length = 0.0
+    contact_starts = np.flatnonzero(np.diff(contact.astype(int), prepend=0) == 1)
+    contact_ends = np.flatnonzero(np.diff(contact.astype(int), append=0) == -1)
+    for contact_start, contact_end in zip(contact_starts, contact_ends, strict=True):
+        contact_length += x[contact_end] - x[contact_start]
+        for edge_node, step in ((contact_start, -1), (contact_end, 1)):
+            next_node, second_node = edge_node + step, edge_node + 2 * step
+            if not 0 <= next_node < x.size:
                 continue
-            width = abs(x[first] - x[edge])
-            free = 0.5 * width
-            if 0 <= second < x.size and not contact[second] and gap[second] > gap[first] > 0:
-                ratio = (gap[second] / gap[first]) ** (1 / power)
-                free = abs(x[second] - x[first]) / (ratio - 1)
-            length += width - min(free, width)
-    return length
+            node_distance = abs(x[next_node] - x[edge_node])
+            free_length = 0.5 * node_distance
+            if 0 <= second_node < x.size and not contact[second_node] and gap[second_node] > gap[next_node] > 0:
+                distance_ratio = (gap[second_node] / gap[next_node]) ** (1 / power)
+                free_length = abs(x[second_node] - x[next_node]) / (distance_ratio - 1)
+            contact_length += node_distance - min(free_length, node_distance)
+    return contact_length
 
 
-def measure_area(case: Case, x: np.ndarray, gap: np.ndarray, force: np.ndarray) -> tuple[float, ...]:
+def measure_area(case: FiniteElementCase, x: np.ndarray, gap: np.ndarray, force: np.ndarray) -> tuple[float, ...]:
     """Return two estimates of the true area: from nodes that carry a force, and from interpolated contact edges."""
-    contact = force > 0
-    middles = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
-    by_edges = interpolate_edges(x, gap, contact, 1.5)
+    is_contact = force > 0
+    node_boundaries = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
+    interpolated_length = interpolate_edges(x, gap, is_contact, 1.5)
     if isinstance(case, PressedBall):
-        return math.pi * middles[np.flatnonzero(contact)[-1] + 1] ** 2, math.pi * by_edges**2
-    return float(np.diff(middles)[contact].sum()), by_edges
+        return math.pi * node_boundaries[np.flatnonzero(is_contact)[-1] + 1] ** 2, math.pi * interpolated_length**2
+    return float(np.diff(node_boundaries)[is_contact].sum()), interpolated_length
 
 
-def find_approach(case: Case) -> float:
+def find_approach(case: FiniteElementCase) -> float:
     """Return the approach of the rigid flat at the largest load of a case."""
     if isinstance(case, PressedBall):
         return 0.5 * case.max_radius**2 / case.radius
-    elastic = case.yield_strength >= 1
-    pressures = np.geomspace(0.005, 0.6, 15) * (case.rms_slope if elastic else case.hardness)
+    is_elastic = case.yield_strength >= 1
+    pressures = np.geomspace(0.005, 0.6, 15) * (case.rms_slope if is_elastic else case.hardness)
     upper, lower = case.bodies(1024)
     curve = half_space(
         upper, lower, 2 * case.length * pressures, effective_modulus=EFFECTIVE_MODULUS, boundary="periodic",
-        hardness=None if elastic else case.hardness,
+        hardness=None if is_elastic else case.hardness,
     )  # fmt: skip
     fractions = curve.contact_area / (2 * case.length)
     pressure = float(np.interp(MAX_AREA_FRACTION, fractions, pressures))
     return 1.1 * float(np.interp(pressure, pressures, curve.approach)) + pressure * case.depth / CONSTRAINED_MODULUS
 
 
-def run_case(case: Case, directory: Path) -> dict[str, list[float]]:
+def run_case(case: FiniteElementCase, directory: Path) -> dict[str, list[float]]:
     """Run CalculiX for a case in a directory, and return the load and the true areas at each increment."""
     directory.mkdir(parents=True, exist_ok=True)
     approach = find_approach(case)
@@ -369,7 +374,7 @@ def run_case(case: Case, directory: Path) -> dict[str, list[float]]:
     return read_result(case, directory, approach)
 
 
-def read_result(case: Case, directory: Path, approach: float) -> dict[str, list[float]]:
+def read_result(case: FiniteElementCase, directory: Path, approach: float) -> dict[str, list[float]]:
     """Return the load and the true areas at each increment of a computed case."""
     times, reactions = read_output(directory / "case.dat", "forces", "FLAT")
     _, displacements = read_output(directory / "case.dat", "displacements", "SURFACE")
@@ -418,34 +423,34 @@ class HalfSpaceAreas:
     """Forces and areas of the elastic contact patches at each load."""
 
 
-def solve_half_space(case: Case, loads: np.ndarray) -> HalfSpaceAreas:
+def solve_half_space(case: FiniteElementCase, loads: np.ndarray) -> HalfSpaceAreas:
     options = {"effective_modulus": EFFECTIVE_MODULUS, "sliding": "all"}
     hardness = case.hardness if case.yield_strength < 1 else None
     if isinstance(case, PressedBall):
-        elastic = math.pi * (3 * loads * case.radius / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
+        elastic_area = math.pi * (3 * loads * case.radius / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
         num_points = 96
-        spacing = 2.6 * math.sqrt(max(elastic.max(), loads.max() / case.hardness) / math.pi) / num_points
+        spacing = 2.6 * math.sqrt(max(elastic_area.max(), loads.max() / case.hardness) / math.pi) / num_points
         x = (np.arange(num_points) - (num_points - 1) / 2) * spacing
         lower = Surface(-np.add.outer(x**2, x**2) / (2 * case.radius), spacing=spacing)
         upper = Surface(np.zeros((num_points, num_points)), spacing=spacing)
-        capped = half_space(upper, lower, loads, boundary="free", hardness=hardness, **options)
-        patches = [(loads[[k]], elastic[[k]]) for k in range(loads.size)]
-        return HalfSpaceAreas(elastic, capped.contact_area, patches)
+        capped_curve = half_space(upper, lower, loads, boundary="free", hardness=hardness, **options)
+        patches = [(loads[[k]], elastic_area[[k]]) for k in range(loads.size)]
+        return HalfSpaceAreas(elastic_area, capped_curve.contact_area, patches)
     upper, lower = case.bodies()
     num_images = 2
     options["boundary"] = "periodic"
     curve = half_space(upper, lower, num_images * loads, **options)
-    capped = half_space(upper, lower, num_images * loads, hardness=hardness, **options)
+    capped_curve = half_space(upper, lower, num_images * loads, hardness=hardness, **options)
     patches = []
     for k in range(loads.size):
         contact = curve.contact(k)
-        cell = math.prod(contact.spacing) / num_images
+        cell_area = math.prod(contact.spacing) / num_images
         force, area = (
-            cell * np.bincount(contact.patches.ravel(), values.ravel())[1:]
+            cell_area * np.bincount(contact.patches.ravel(), values.ravel())[1:]
             for values in (contact.pressure, contact.share)
         )
         patches.append((force, area))
-    return HalfSpaceAreas(curve.contact_area / num_images, capped.contact_area / num_images, patches)
+    return HalfSpaceAreas(curve.contact_area / num_images, capped_curve.contact_area / num_images, patches)
 
 
 def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
@@ -475,35 +480,35 @@ def compare_case(name: str, result: dict[str, list[float]]) -> list[AreaComparis
     case = CASES[name]
     loads, areas, areas_by_nodes = (np.array(result[key]) for key in ("load", "area_edges", "area_nodes"))
     fractions = areas / case.nominal_area
-    picked = sorted({int(np.argmin(np.abs(np.log(fractions / target)))) for target in AREA_FRACTIONS})
-    half_space_areas = solve_half_space(case, loads[picked])
-    points = []
-    for k, index in enumerate(picked):
-        elastic, plastic = half_space_areas.elastic[k], loads[index] / case.hardness
+    selected_indices = sorted({int(np.argmin(np.abs(np.log(fractions / target)))) for target in AREA_FRACTIONS})
+    half_space_areas = solve_half_space(case, loads[selected_indices])
+    comparisons = []
+    for k, index in enumerate(selected_indices):
+        elastic_area, plastic_area = half_space_areas.elastic[k], loads[index] / case.hardness
         forces, patch_areas = half_space_areas.patches[k]
-        values = {
+        areas_by_model = {
             "pressure cap": half_space_areas.capped[k],
-            **{f"n = {n:g}": combine_by_power(elastic, plastic, n) for n in POWERS},
+            **{f"n = {n:g}": combine_by_power(elastic_area, plastic_area, n) for n in POWERS},
             "n = 2.25, per patch": combine_by_power(patch_areas, forces / case.hardness, 2.25).sum(),
-            **{f"m = {m:g}": combine_from_onset(elastic, plastic, m) for m in EXPONENTS_FROM_ONSET},
+            **{f"m = {m:g}": combine_from_onset(elastic_area, plastic_area, m) for m in EXPONENTS_FROM_ONSET},
             **{
                 f"m = {m:g}, per patch": combine_from_onset(patch_areas, forces / case.hardness, m).sum()
                 for m in (1.15, 1.25)
             },
         }
-        bound = math.inf if isinstance(case, PressedBall) else case.nominal_area
-        ratios = {key: float(min(value, bound) / areas[index]) for key, value in values.items()}
-        points.append(
+        max_area = math.inf if isinstance(case, PressedBall) else case.nominal_area
+        ratios = {key: float(min(value, max_area) / areas[index]) for key, value in areas_by_model.items()}
+        comparisons.append(
             AreaComparison(
                 name,
-                float(plastic / elastic),
+                float(plastic_area / elastic_area),
                 float(fractions[index]),
                 len(forces),
                 float(areas_by_nodes[index] / areas[index]),
                 ratios,
             )
         )
-    return points
+    return comparisons
 
 
 def published_ball_fits() -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -530,8 +535,8 @@ def published_ball_fits() -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 def normalize_by_hertz(loads: np.ndarray, areas: np.ndarray, hardness: float) -> tuple[np.ndarray, np.ndarray]:
     """Return F/(A_el H) and A/A_el for a ball of radius 1, where A_el is Hertz's area."""
-    elastic = math.pi * (3 * loads / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
-    return loads / (elastic * hardness), areas / elastic
+    elastic_areas = math.pi * (3 * loads / (4 * EFFECTIVE_MODULUS)) ** (2 / 3)
+    return loads / (elastic_areas * hardness), areas / elastic_areas
 
 
 # ---- Friction at opposing contacts ----------------------------------------------------------------------------------
@@ -562,32 +567,36 @@ def compare_opposing_sums(kind: str, hurst: float, repetition: int) -> list[list
     bodies, slope = create_rough_pair(kind, hurst, repetition)
     loads = np.array([0.01, 0.03, 0.1]) * slope
     options = {"effective_modulus": 1.0, "boundary": "periodic"}
-    elastic = half_space(*bodies, loads, **options)
+    elastic_curve = half_space(*bodies, loads, **options)
     rows = []
     for relative_hardness in (0.15, 0.3, 0.6, 1.2):
         hardness = relative_hardness * slope
-        capped = half_space(*bodies, loads[loads < 0.5 * hardness], hardness=hardness, **options)
-        count = capped.load.size
-        growth = capped.contact_area / elastic.contact_area[:count]
-        sums = []
-        for curve, factor in ((elastic, growth), (capped, 1.0)):
-            by_direction = []
+        capped_curve = half_space(*bodies, loads[loads < 0.5 * hardness], hardness=hardness, **options)
+        num_loads = capped_curve.load.size
+        area_ratios = capped_curve.contact_area / elastic_curve.contact_area[:num_loads]
+        results_by_curve = []
+        for curve, area_factor in ((elastic_curve, area_ratios), (capped_curve, 1.0)):
+            results_by_direction = []
             for direction in ("+x", "-x"):
-                turned = curve.with_direction(direction)
-                parts = [
-                    (turned.tangential_elastic, turned.normal_elastic),
-                    (turned.tangential_frictional, turned.normal_frictional),
-                    (turned.tangential_adhesive, turned.normal_adhesive),
+                directed_curve = curve.with_direction(direction)
+                load_parts = [
+                    (directed_curve.tangential_elastic, directed_curve.normal_elastic),
+                    (directed_curve.tangential_frictional, directed_curve.normal_frictional),
+                    (directed_curve.tangential_adhesive, directed_curve.normal_adhesive),
                 ]
-                tangential, normal = (np.array([part[k][:count] for part in parts]) for k in range(2))
-                tangential[2], normal[2] = tangential[2] * factor, normal[2] * factor
-                strengths = np.array([1.0, 0.2, 0.05 * hardness])
-                by_direction.append([*tangential, strengths @ tangential / (strengths @ normal)])
-            sums.append(np.array(by_direction))
-        scaled, solved = (values.mean(axis=0) for values in sums)
-        pressure_ratio = loads[:count] / elastic.contact_area[:count] / hardness
-        difference = sums[0][0, 3] - sums[1][0, 3]
-        rows += np.vstack([pressure_ratio, scaled[0] / solved[0], scaled[3], solved[3], difference]).T.tolist()
+                tangential, normal = (
+                    np.array([load_part[k][:num_loads] for load_part in load_parts]) for k in range(2)
+                )
+                tangential[2], normal[2] = tangential[2] * area_factor, normal[2] * area_factor
+                part_factors = np.array([1.0, 0.2, 0.05 * hardness])
+                results_by_direction.append([*tangential, part_factors @ tangential / (part_factors @ normal)])
+            results_by_curve.append(np.array(results_by_direction))
+        scaled_means, capped_means = (values.mean(axis=0) for values in results_by_curve)
+        pressure_ratio = loads[:num_loads] / elastic_curve.contact_area[:num_loads] / hardness
+        difference = results_by_curve[0][0, 3] - results_by_curve[1][0, 3]
+        rows += np.vstack(
+            [pressure_ratio, scaled_means[0] / capped_means[0], scaled_means[3], capped_means[3], difference]
+        ).T.tolist()
     return rows
 
 
@@ -662,14 +671,17 @@ def format_published_fits() -> list[str]:
 def format_convergence(results: dict[str, dict[str, list[float]]]) -> list[str]:
     rows = ["| case | lowest | highest |", "|---|---|---|"]
     for name in (name for name in results if f"{name}, fine" in results):
-        coarse, fine = (
+        coarse_loads_and_areas, fine_loads_and_areas = (
             [np.array(results[key][quantity]) for quantity in ("load", "area_edges")] for key in (name, f"{name}, fine")
         )
         ratios = []
         for fraction in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35):
-            index = int(np.argmin(np.abs(coarse[1] / CASES[name].nominal_area - fraction)))
-            if coarse[0][index] <= fine[0][-1]:
-                ratios.append(np.interp(coarse[0][index], *fine) / coarse[1][index])
+            index = int(np.argmin(np.abs(coarse_loads_and_areas[1] / CASES[name].nominal_area - fraction)))
+            if coarse_loads_and_areas[0][index] <= fine_loads_and_areas[0][-1]:
+                ratios.append(
+                    np.interp(coarse_loads_and_areas[0][index], *fine_loads_and_areas)
+                    / coarse_loads_and_areas[1][index]
+                )
         rows.append(f"| {name} | {min(ratios):.3f} | {max(ratios):.3f} |")
     return rows
 
@@ -681,16 +693,17 @@ def format_opposing(rows: dict[str, list[list[float]]]) -> list[str]:
     ]
     for kind, values in rows.items():
         table = np.array(values)
-        for low, high in pairwise((0.0, 0.5, 1.0, 2.0, 10.0)):
-            selected = table[(table[:, 0] >= low) & (table[:, 0] < high)]
-            if len(selected) < 4:
+        for min_ratio, max_ratio in pairwise((0.0, 0.5, 1.0, 2.0, 10.0)):
+            selected_rows = table[(table[:, 0] >= min_ratio) & (table[:, 0] < max_ratio)]
+            if len(selected_rows) < 4:
                 continue
-            difference = selected[:, 2] - selected[:, 3]
-            label = f"{low:g} to {high:g}" if high < 10 else f"above {low:g}"
+            difference = selected_rows[:, 2] - selected_rows[:, 3]
+            label = f"{min_ratio:g} to {max_ratio:g}" if max_ratio < 10 else f"above {min_ratio:g}"
             lines.append(
-                f"| {kind} | {label} | {len(selected)} | {selected[:, 1].mean():.2f} ± {selected[:, 1].std():.2f} "
-                f"| {difference.mean():+.4f} ± {difference.std():.4f} of {selected[:, 3].mean():.3f} "
-                f"| {np.sqrt(np.mean(selected[:, 4] ** 2)):.3f} |"
+                f"| {kind} | {label} | {len(selected_rows)} "
+                f"| {selected_rows[:, 1].mean():.2f} ± {selected_rows[:, 1].std():.2f} "
+                f"| {difference.mean():+.4f} ± {difference.std():.4f} of {selected_rows[:, 3].mean():.3f} "
+                f"| {np.sqrt(np.mean(selected_rows[:, 4] ** 2)):.3f} |"
             )
     return lines
 
@@ -711,11 +724,11 @@ def draw_figure(points: list[AreaComparison]) -> None:
         ("ball", "ball"): ("#D55E00", "#D55E00"),
     }  # Okabe & Ito
     for ax, form in zip(axes, ("pressure cap", USED_FORM), strict=True):
-        for (kind, label), (colour, fill) in groups.items():
-            selected = [point for point in points if classify_case(point.case) == kind]
+        for (kind, label), (colour, fill_colour) in groups.items():
+            selected_points = [point for point in points if classify_case(point.case) == kind]
             ax.plot(
-                [point.pressure_ratio for point in selected], [point.ratios[form] for point in selected], ls="",
-                marker="o", ms=3, color=colour, mfc=fill, mew=0.7, label=label,
+                [point.pressure_ratio for point in selected_points], [point.ratios[form] for point in selected_points],
+                ls="", marker="o", ms=3, color=colour, mfc=fill_colour, mew=0.7, label=label,
             )  # fmt: skip
         ax.axhline(1, color="0.6", lw=0.6, zorder=0)
         ax.axhspan(0.88, 1.12, color="0.93", zorder=-1)
@@ -736,14 +749,14 @@ def main(directory: Path) -> None:
     if not results:
         sys.exit(f"CalculiX (ccx) is not installed, and {directory} contains no results")
     points = [point for name, result in results.items() for point in compare_case(name, result)]
-    compared = [point for point in points if CASES[point.case].yield_strength < 1]
-    summarized = [
+    compared_points = [point for point in points if CASES[point.case].yield_strength < 1]
+    summarized_points = [
         point
-        for point in compared
+        for point in compared_points
         if not point.case.endswith(("hardening", "fine"))
         and (point.case.startswith("ball") or point.area_fraction <= MAX_COMPARED_FRACTION)
     ]
-    opposing = {
+    opposing_rows_by_kind = {
         kind: [
             row
             for hurst in (0.5, 0.8)
@@ -758,9 +771,9 @@ def main(directory: Path) -> None:
         *format_cases(points),
         f"\nAreas divided by the finite-element area, for A/A0 below {MAX_COMPARED_FRACTION:g} and x above 0.5, "
         "without hardening and without repetitions on finer meshes.\n",
-        *format_summary([point for point in summarized if point.pressure_ratio > 0.5]),
+        *format_summary([point for point in summarized_points if point.pressure_ratio > 0.5]),
         "\nThe same for x up to 0.5.\n",
-        *format_summary([point for point in summarized if point.pressure_ratio <= 0.5]),
+        *format_summary([point for point in summarized_points if point.pressure_ratio <= 0.5]),
         "\nPublished fits to finite elements for a ball, x = 0.5 to 3.1: forms divided by the fit.\n",
         *format_published_fits(),
         "\nArea on a mesh twice as fine, divided by the area, at equal load and A/A0 from 0.05 to 0.35. For the ball, "
@@ -769,12 +782,12 @@ def main(directory: Path) -> None:
         "\nFriction at opposing contacts: elastic solution scaled to the area of the pressure cap, divided by the "
         "solution with the pressure cap (mean ± standard deviation over pairs and loads; μ0 = 0.2, τ0 = 5 % of the "
         "hardness).\n",
-        *format_opposing(opposing),
+        *format_opposing(opposing_rows_by_kind),
         "",
     ]
     (DOCS_DIRECTORY / "generated/yielding_area.md").write_text("\n".join(text), encoding="utf-8")
     write_points(points)
-    draw_figure(summarized)
+    draw_figure(summarized_points)
 
 
 if __name__ == "__main__":

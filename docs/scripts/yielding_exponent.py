@@ -71,16 +71,21 @@ class RoughMap:
         return EFFECTIVE_MODULUS * self.rms_slope / 2 / self.relative_modulus
 
     def heights(self, num_points: int) -> np.ndarray:
-        lowest, highest = self.wave_numbers
-        numbers = np.arange(-math.floor(highest), math.floor(highest) + 1)
-        radius = np.hypot(*np.meshgrid(numbers, numbers))
-        real, imaginary = np.random.default_rng(self.seed).normal(size=(2, *radius.shape))
-        inside = (radius >= lowest) & (radius <= highest)
-        amplitudes = np.where(inside, real + 1j * imaginary, 0) * np.where(inside, radius, 1) ** -(self.hurst + 1)
-        waves = np.exp(2j * np.pi * np.multiply.outer(np.arange(num_points) / num_points, numbers))
-        slopes = [waves @ (2j * np.pi * factor * amplitudes) @ waves.T for factor in (numbers, numbers[:, np.newaxis])]
+        min_wave_number, max_wave_number = self.wave_numbers
+        axis_wave_numbers = np.arange(-math.floor(max_wave_number), math.floor(max_wave_number) + 1)
+        radius = np.hypot(*np.meshgrid(axis_wave_numbers, axis_wave_numbers))
+        real_parts, imaginary_parts = np.random.default_rng(self.seed).normal(size=(2, *radius.shape))
+        is_in_range = (radius >= min_wave_number) & (radius <= max_wave_number)
+        amplitudes = np.where(is_in_range, real_parts + 1j * imaginary_parts, 0) * np.where(
+            is_in_range, radius, 1
+        ) ** -(self.hurst + 1)
+        fourier_factors = np.exp(2j * np.pi * np.multiply.outer(np.arange(num_points) / num_points, axis_wave_numbers))
+        slopes = [
+            fourier_factors @ (2j * np.pi * factor * amplitudes) @ fourier_factors.T
+            for factor in (axis_wave_numbers, axis_wave_numbers[:, np.newaxis])
+        ]
         rms_slope = math.sqrt(sum(float(np.mean(slope.real**2)) for slope in slopes))
-        return (waves @ amplitudes @ waves.T).real * self.rms_slope / rms_slope
+        return (fourier_factors @ amplitudes @ fourier_factors.T).real * self.rms_slope / rms_slope
 
     def choose_pressures(self) -> np.ndarray:
         """Return the mean pressures at which the closed form gives the area fractions of the case."""
@@ -137,25 +142,27 @@ def run_case(case: RoughMap | PeriodicBall) -> dict[str, list[float]]:
     yield_strength = case.hardness / BALL_HARDNESS_FACTOR
     num_points = case.num_points
     heights = case.heights(num_points)
-    solid = tamaas.Model(tamaas.model_type.volume_2d, [case.depth, 1.0, 1.0], [case.num_layers, num_points, num_points])
+    plastic_solid = tamaas.Model(
+        tamaas.model_type.volume_2d, [case.depth, 1.0, 1.0], [case.num_layers, num_points, num_points]
+    )
     elastic_solid = tamaas.Model(tamaas.model_type.basic_2d, [1.0, 1.0], [num_points, num_points])
-    for model in (solid, elastic_solid):
+    for model in (plastic_solid, elastic_solid):
         model.E, model.nu = 1.0, POISSON_RATIO
-    material = tamaas.materials.IsotropicHardening(solid, yield_strength, 0.01 * yield_strength)
-    residual = tamaas.Residual(solid, material)
+    material = tamaas.materials.IsotropicHardening(plastic_solid, yield_strength, 0.01 * yield_strength)
+    residual = tamaas.Residual(plastic_solid, material)
     plastic_solver = DFSANECXXSolver(residual)
     plastic_solver.tolerance = 1e-5 * yield_strength
-    constraint = tamaas.PolonskyKeerRey.pressure
+    constraint_kind = tamaas.PolonskyKeerRey.pressure
     # Pass a copy, because the solver of tamaas changes the array of heights.
-    contact_solver = tamaas.PolonskyKeerRey(solid, heights.copy(), 1e-10, constraint, constraint)
-    solver = tamaas.AndersonMixing(contact_solver, plastic_solver, 1e-5)
+    contact_solver = tamaas.PolonskyKeerRey(plastic_solid, heights.copy(), 1e-10, constraint_kind, constraint_kind)
+    coupled_solver = tamaas.AndersonMixing(contact_solver, plastic_solver, 1e-5)
     elastic_solver = tamaas.PolonskyKeerRey(elastic_solid, heights.copy(), 1e-10)
     result: dict[str, list[float]] = {"pressure": [], "area": [], "elastic_area": []}
     for pressure in case.choose_pressures():
-        solver.solve(float(pressure))  # `solve` also updates the plastic strain of the solid
+        coupled_solver.solve(float(pressure))  # `solve` also updates the plastic strain of the solid
         elastic_solver.solve(float(pressure))
         result["pressure"].append(float(pressure))
-        result["area"].append(measure_area_fraction(solid.traction[..., 2] > 0))
+        result["area"].append(measure_area_fraction(plastic_solid.traction[..., 2] > 0))
         result["elastic_area"].append(measure_area_fraction(elastic_solid.traction > 0))
     return result
 
@@ -188,7 +195,7 @@ def solve_half_space(
 
 
 @dataclass(frozen=True)
-class Areas:
+class CaseAreas:
     """Areas of a case over the load (elastic, F/H, true, and with limited pressure), and numbers of contact patches."""
 
     elastic: np.ndarray
@@ -197,8 +204,8 @@ class Areas:
     capped: np.ndarray
     num_patches: np.ndarray
 
-    def select(self, selected: np.ndarray) -> "Areas":
-        return Areas(*(values[selected] for values in vars(self).values()))
+    def select(self, is_selected: np.ndarray) -> "CaseAreas":
+        return CaseAreas(*(values[is_selected] for values in vars(self).values()))
 
     @property
     def pressure_ratio(self) -> np.ndarray:
@@ -210,42 +217,44 @@ class Areas:
 
     def fit_exponent(self) -> float:
         """Return the exponent m with the smallest mean squared deviation of the closed form."""
-        errors = [float(np.mean(self.deviations(combine_from_onset, m) ** 2)) for m in EXPONENTS]
-        return float(EXPONENTS[int(np.argmin(errors))])
+        mean_squared_deviations = [float(np.mean(self.deviations(combine_from_onset, m) ** 2)) for m in EXPONENTS]
+        return float(EXPONENTS[int(np.argmin(mean_squared_deviations))])
 
 
-def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> Areas:
+def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> CaseAreas:
     """Return the areas of a map divided by A0.
 
     True areas are corrected for the error of the elastic area on the grid.
     """
-    pressures, true, on_grid = (np.array(result[key]) for key in ("pressure", "area", "elastic_area"))
-    elastic, capped, num_patches = solve_half_space(case, pressures)
+    pressures, true_areas, elastic_areas_on_grid = (
+        np.array(result[key]) for key in ("pressure", "area", "elastic_area")
+    )
+    elastic_areas, capped_areas, num_patches = solve_half_space(case, pressures)
     if isinstance(case, RoughMap):
-        true = true * elastic / on_grid
-    areas = Areas(elastic, pressures / case.hardness, true, capped, num_patches)
-    return areas if isinstance(case, RoughMap) else areas.select(true * case.num_points**2 >= MIN_NUM_POINTS)
+        true_areas = true_areas * elastic_areas / elastic_areas_on_grid
+    areas = CaseAreas(elastic_areas, pressures / case.hardness, true_areas, capped_areas, num_patches)
+    return areas if isinstance(case, RoughMap) else areas.select(true_areas * case.num_points**2 >= MIN_NUM_POINTS)
 
 
-def find_finite_element_areas(case: yielding_area.Case, result: dict[str, list[float]]) -> Areas:
+def find_finite_element_areas(case: yielding_area.FiniteElementCase, result: dict[str, list[float]]) -> CaseAreas:
     """Return the areas of a case of yielding_area.py at all loads at which it yields and its area is moderate."""
-    loads, true = (np.array(result[key]) for key in ("load", "area_edges"))
-    low, high = AREA_FRACTION_RANGE
+    loads, true_areas = (np.array(result[key]) for key in ("load", "area_edges"))
+    min_fraction, max_fraction = AREA_FRACTION_RANGE
     if isinstance(case, yielding_area.PressedBall):
-        high = math.inf
-    fractions = true / case.nominal_area
-    selected = (fractions > low) & (fractions < high)
-    loads, true = loads[selected], true[selected]
-    values = yielding_area.solve_half_space(case, loads)
-    num_patches = np.array([len(forces) for forces, _ in values.patches])
-    areas = Areas(values.elastic, loads / case.hardness, true, values.capped, num_patches)
+        max_fraction = math.inf
+    fractions = true_areas / case.nominal_area
+    is_selected = (fractions > min_fraction) & (fractions < max_fraction)
+    loads, true_areas = loads[is_selected], true_areas[is_selected]
+    half_space_areas = yielding_area.solve_half_space(case, loads)
+    num_patches = np.array([len(forces) for forces, _ in half_space_areas.patches])
+    areas = CaseAreas(half_space_areas.elastic, loads / case.hardness, true_areas, half_space_areas.capped, num_patches)
     return areas.select(areas.pressure_ratio > ONSET_OF_YIELD)
 
 
 # ---- Tables ---------------------------------------------------------------------------------------------------------
 
 
-def format_loads(areas: dict[str, Areas]) -> list[str]:
+def format_loads(areas: dict[str, CaseAreas]) -> list[str]:
     titles = ["case", "x", "A/A0", "patches", "A/A_el", "pressure cap", "n = 2", "n = 2.25"]
     titles += [f"m = {m:g}" for m in EXPONENTS_FROM_ONSET]
     rows = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
@@ -262,35 +271,37 @@ def format_loads(areas: dict[str, Areas]) -> list[str]:
     return rows
 
 
-def format_exponents(areas: dict[str, Areas]) -> list[str]:
+def format_exponents(areas: dict[str, CaseAreas]) -> list[str]:
     rows = [
         "| case | loads | x | m | rms deviation at this m | mean, m = 1.15 | lowest | highest |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name, case_areas in areas.items():
         exponent = case_areas.fit_exponent()
-        error = math.sqrt(float(np.mean(case_areas.deviations(combine_from_onset, exponent) ** 2)))
+        rms_deviation = math.sqrt(float(np.mean(case_areas.deviations(combine_from_onset, exponent) ** 2)))
         ratios = np.exp(case_areas.deviations(combine_from_onset, 1.15))
         x = case_areas.pressure_ratio
         rows.append(
-            f"| {name} | {x.size} | {x.min():.2f} to {x.max():.2f} | {exponent:.2f} | {error:.1%} "
+            f"| {name} | {x.size} | {x.min():.2f} to {x.max():.2f} | {exponent:.2f} | {rms_deviation:.1%} "
             f"| {ratios.mean():.2f} | {ratios.min():.2f} | {ratios.max():.2f} |"
         )
     return rows
 
 
-def format_summary(groups: dict[str, dict[str, Areas]]) -> list[str]:
+def format_summary(groups: dict[str, dict[str, CaseAreas]]) -> list[str]:
     rows = [
         "| cases | number | mean m | standard deviation | lowest | highest | within 1 to 1.5 | within 0.7 to 1.6 |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for title, group in groups.items():
         exponents = np.array([areas.fit_exponent() for areas in group.values()])
-        inside = [float(np.mean((exponents >= low) & (exponents <= high))) for low, high in ((1, 1.5), (0.7, 1.6))]
+        fractions_inside = [
+            float(np.mean((exponents >= low) & (exponents <= high))) for low, high in ((1, 1.5), (0.7, 1.6))
+        ]
         deviation = exponents.std(ddof=1)
         rows.append(
             f"| {title} | {exponents.size} | {exponents.mean():.2f} | {deviation:.2f} | {exponents.min():.2f} "
-            f"| {exponents.max():.2f} | {inside[0]:.0%} | {inside[1]:.0%} |"
+            f"| {exponents.max():.2f} | {fractions_inside[0]:.0%} | {fractions_inside[1]:.0%} |"
         )
     return rows
 
@@ -298,9 +309,9 @@ def format_summary(groups: dict[str, dict[str, Areas]]) -> list[str]:
 def format_depth(results: dict[str, dict[str, list[float]]]) -> list[str]:
     rows = ["| case | A/A0 | A/A0 with more and deeper layers |", "|---|---|---|"]
     name = "map 4"
-    areas, deeper = (results[key]["area"] for key in (name, f"{name}, deeper"))
+    areas, deeper_areas = (results[key]["area"] for key in (name, f"{name}, deeper"))
     pressures, deeper_pressures = (results[key]["pressure"] for key in (name, f"{name}, deeper"))
-    for pressure, area in zip(deeper_pressures, deeper, strict=True):
+    for pressure, area in zip(deeper_pressures, deeper_areas, strict=True):
         k = int(np.argmin(np.abs(np.array(pressures) - pressure)))
         rows.append(f"| {name} | {areas[k]:.3f} | {area:.3f} |")
     return rows
@@ -310,7 +321,7 @@ def main(directory: Path, finite_elements: Path) -> None:
     directory.mkdir(parents=True, exist_ok=True)
     results = {name: load_result(name, directory) for name in CASES}
     maps = {name: find_map_areas(CASES[name], result) for name, result in results.items() if "deeper" not in name}
-    fitted = {name: areas for name, areas in maps.items() if areas.true.size >= MIN_NUM_LOADS}
+    fitted_areas = {name: areas for name, areas in maps.items() if areas.true.size >= MIN_NUM_LOADS}
     profiles = {}
     for name, case in yielding_area.CASES.items():
         result = yielding_area.load_result(name, finite_elements)
@@ -319,14 +330,14 @@ def main(directory: Path, finite_elements: Path) -> None:
         areas = find_finite_element_areas(case, result)
         if areas.true.size >= MIN_NUM_LOADS:
             profiles[name] = areas
-    flat = {name: areas for name, areas in profiles.items() if yielding_area.classify_case(name) == "profile"}
+    flat_profiles = {name: areas for name, areas in profiles.items() if yielding_area.classify_case(name) == "profile"}
     balls = {
         f"{kind}: {name}": areas
-        for kind, group in (("tamaas", fitted), ("CalculiX", profiles))
+        for kind, group in (("tamaas", fitted_areas), ("CalculiX", profiles))
         for name, areas in group.items()
         if name.startswith("ball")
     }
-    rough_maps = {name: areas for name, areas in fitted.items() if name.startswith("map")}
+    rough_maps = {name: areas for name, areas in fitted_areas.items() if name.startswith("map")}
     text = [
         "Height maps and balls by tamaas: areas divided by the true area. x is the mean pressure of the elastic "
         "contact divided by the hardness, at equal load.\n",
@@ -334,14 +345,14 @@ def main(directory: Path, finite_elements: Path) -> None:
         "\nExponent m of each case, fitted to the loads with x above 0.5 and A/A0 between 0.02 and 0.4; the last three "
         "columns contain the area with m = 1.15 divided by the true area. Cases without a program were computed with "
         "tamaas; cases with fewer than three loads are left out.\n",
-        *format_exponents(fitted | {f"{name} (CalculiX)": areas for name, areas in profiles.items()}),
+        *format_exponents(fitted_areas | {f"{name} (CalculiX)": areas for name, areas in profiles.items()}),
         "\nExponents of the cases.\n",
         *format_summary(
             {
                 "maps": rough_maps,
-                f"profiles, rms slope up to {MAX_RMS_SLOPE:g}": flat,
+                f"profiles, rms slope up to {MAX_RMS_SLOPE:g}": flat_profiles,
                 "balls": balls,
-                "maps, profiles and balls": rough_maps | flat | balls,
+                "maps, profiles and balls": rough_maps | flat_profiles | balls,
             }
         ),
         "\nA/A0 of a map with 14 layers in a depth of 0.35, and with 24 layers in a depth of 0.5.\n",
@@ -352,6 +363,11 @@ def main(directory: Path, finite_elements: Path) -> None:
 
 
 if __name__ == "__main__":
-    build = DOCS_DIRECTORY.parent / "build"
-    defaults = [build / "yielding_exponent", build / "yielding_area"]
-    main(*(Path(sys.argv[k + 1]) if len(sys.argv) > k + 1 else default for k, default in enumerate(defaults)))
+    build_directory = DOCS_DIRECTORY.parent / "build"
+    default_directories = [build_directory / "yielding_exponent", build_directory / "yielding_area"]
+    main(
+        *(
+            Path(sys.argv[k + 1]) if len(sys.argv) > k + 1 else default_directory
+            for k, default_directory in enumerate(default_directories)
+        )
+    )
