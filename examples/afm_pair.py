@@ -25,14 +25,14 @@ upper, lower = map(read_surface, sys.argv[1:]) if len(sys.argv) == 3 else map(cr
 loads = np.geomspace(1e-3, 1e-1, 3)  # mN
 options = {"mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "5 GPa", "cutoff": "none", "onset": 0}
 result = pair(upper, lower, load=loads, lines=32, **options)
-mean = result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
-for load in mean["load"].values:
-    friction_at_load = mean.sel(load=load)
-    mean_friction, lower_end, upper_end = friction_at_load["friction_coefficient"].values
-    beyond_hertz = float(friction_at_load["share_beyond_hertz"].sel(statistic="mean"))
+friction_table = result.at().sel(sliding="opposing", direction=0.0).isel(cut_off=0, mu0=0, tau0=0)
+for load in friction_table["load"].values:
+    friction_at_load = friction_table.sel(load=load)
+    mean_friction, lower_limit, upper_limit = friction_at_load["friction_coefficient"].values
+    fraction_beyond_hertz = float(friction_at_load["share_beyond_hertz"].sel(statistic="mean"))
     print(
-        f"{1000 * load:8.3g} µN: μ_s = {mean_friction:.2f} [{lower_end:.2f}, {upper_end:.2f}], "
-        f"{beyond_hertz:.0%} of the load beyond Hertz"
+        f"{1000 * load:8.3g} µN: μ_s = {mean_friction:.2f} [{lower_limit:.2f}, {upper_limit:.2f}], "
+        f"{fraction_beyond_hertz:.0%} of the load beyond Hertz"
     )
 for name, file_name in (("friction", "afm_friction.png"), ("contact", "afm_contact.png")):
     result.figure(name).savefig(file_name)

@@ -36,10 +36,10 @@ for name, body, colour in (("worn", worn_face, "0.0"), ("surrogate", surrogate_b
     axes[1].fill_between([3, 10, 30], area[:, 1], area[:, 2], color=colour, alpha=0.2, linewidth=0)
     axes[1].plot([3, 10, 30], area[:, 0], "o-", markersize=3, color=colour, label=f"{name} on itself")
     # The results are means over directions and positions, with their intervals.
-    friction, lower_end, upper_end = table["mean_friction"].sel(sliding="all").isel(load=1).values
+    friction, lower_limit, upper_limit = table["mean_friction"].sel(sliding="all").isel(load=1).values
     print(f"{name}: Sq {1000 * parameters.Sq:.1f} nm, Ssk {parameters.Ssk:.2f}, Sdq {parameters.Sdq:.3f}; at 10 MPa")
     print(f"  A/A0 = {area[1, 0]:.2f} % [{area[1, 1]:.2f}, {area[1, 2]:.2f}]")
-    print(f"  mu_s, all contacts: {friction:.3f} [{lower_end:.3f}, {upper_end:.3f}]")
+    print(f"  mu_s, all contacts: {friction:.3f} [{lower_limit:.3f}, {upper_limit:.3f}]")
 axes[0].set(xlabel="height (nm)", ylabel="density (1/nm)")
 axes[1].set(xlabel="pressure (MPa)", ylabel="true area (%)", xscale="log", yscale="log")
 axes[1].set(xticks=[3, 10, 30], xticklabels=["3", "10", "30"], yticks=[0.3, 1, 3], yticklabels=["0.3", "1", "3"])

@@ -40,8 +40,10 @@ for step in range(6000):
     speed += TIME_STEP * ((200 - force) * 1e-3 - DAMPING * speed) / GRAIN_MASS
     overlap_now += TIME_STEP * speed * 1e6
     push_force = max(0.0, 4e6 * (time - 2e-5))  # mN
-    net_push = max(push_force - slip_force(force), 0.0) if push_force > slip_force(force) or slip_speed > 0 else 0.0
-    slip_speed += TIME_STEP * net_push * 1e-3 / GRAIN_MASS
+    net_push_force = (
+        max(push_force - slip_force(force), 0.0) if push_force > slip_force(force) or slip_speed > 0 else 0.0
+    )
+    slip_speed += TIME_STEP * net_push_force * 1e-3 / GRAIN_MASS
     slip_distance += TIME_STEP * slip_speed * 1e6
     history.append((1e6 * time, overlap_now, force, push_force, slip_distance))
     if slip_distance > 0.5:
@@ -64,9 +66,9 @@ print(
 figure, (law_axes, force_axes) = plt.subplots(1, 2, figsize=(5.4, 2.2), layout="constrained")
 law_axes.semilogy(1000 * approach, 1000 * pressure, "o-", markersize=3, color=FORCE_COLOUR)
 law_axes.set(xlabel="overlap of the mean planes (nm)", ylabel="nominal pressure (MPa)", title="the contact law")
-for values, text, colour in ((normal_forces, "normal force", FORCE_COLOUR), (push_force, "push", FRICTION_COLOUR)):
-    force_axes.plot(time, values, color=colour)
-    force_axes.annotate(text, (30, values[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
+for forces, label, colour in ((normal_forces, "normal force", FORCE_COLOUR), (push_force, "push", FRICTION_COLOUR)):
+    force_axes.plot(time, forces, color=colour)
+    force_axes.annotate(label, (30, forces[time > 30][0]), (0, 3), textcoords="offset points", ha="right", color=colour)
 force_axes.axvline(time[slip_index], color="0.5", linestyle=":")
 force_axes.annotate("slips", (time[slip_index], 400), (-2, 0), textcoords="offset points", ha="right", color="0.4")
 force_axes.set(xlabel="time (µs)", ylabel="force (mN)", title="a grain that is pressed, then pushed")

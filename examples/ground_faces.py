@@ -20,11 +20,11 @@ PAIR_OPTIONS = {
 
 def create_ground_face(side):
     """Return a face on a square grid of 0.2 µm with grooves along y, which are eight times as long as wide."""
-    waves = self_affine_surface(
+    unstretched_surface = self_affine_surface(
         8, hurst_exponent=0.8, rms=0.15, shape=(80, 320), spacing=0.2, longest_wavelength=8.0, shortest_wavelength=0.8,
         side=side,
     )  # fmt: skip
-    stretched_surface = Surface(waves.heights, spacing=(1.6, 0.2))
+    stretched_surface = Surface(unstretched_surface.heights, spacing=(1.6, 0.2))
     square_grid = Surface(np.zeros((320, 320)), spacing=0.2)
     return levelled(on_common_grid(stretched_surface, square_grid)[0], "plane")
 
@@ -33,8 +33,8 @@ upper, lower = create_ground_face("upper"), create_ground_face("lower")
 tables = []
 for angle in ANGLES:
     rotated_upper = rotated(upper, angle)
-    corner = tuple((extent - MAP_SIDE_LENGTH) / 2 for extent in rotated_upper.extent)
-    upper_piece = cropped(rotated_upper, corner, tuple(start + MAP_SIDE_LENGTH for start in corner))
+    crop_corner = tuple((extent - MAP_SIDE_LENGTH) / 2 for extent in rotated_upper.extent)
+    upper_piece = cropped(rotated_upper, crop_corner, tuple(start + MAP_SIDE_LENGTH for start in crop_corner))
     faces = on_common_grid(upper_piece, cropped(lower, (0.0, 0.0), (MAP_SIDE_LENGTH, MAP_SIDE_LENGTH)))
     tables.append(pair(*faces, **PAIR_OPTIONS).at().isel(cut_off=0, load=0, mu0=0))
 
@@ -44,14 +44,14 @@ for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for axis, style, direction_text in ((0.0, "-", "across the lower grooves"), (90.0, "--", "along them")):
         # Average over both directions along an axis, which cancels the effect of a tilt.
         selection = {"sliding": "opposing", "tau0": tau0, "axis": axis}
-        mean_friction, lower_end, upper_end = np.transpose(
+        mean_friction, lower_limit, upper_limit = np.transpose(
             [table["friction_by_axis"].sel(selection) for table in tables]
         )
-        friction_axes.fill_between(ANGLES, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
+        friction_axes.fill_between(ANGLES, lower_limit, upper_limit, color=colour, alpha=0.15, linewidth=0)
         label = rf"{direction_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         friction_axes.plot(ANGLES, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
-area_percent, lower_end, upper_end = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
-area_axes.fill_between(ANGLES, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+area_percent, lower_limit, upper_limit = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
+area_axes.fill_between(ANGLES, lower_limit, upper_limit, color=AREA_COLOUR, alpha=0.2, linewidth=0)
 area_axes.plot(ANGLES, area_percent, "o-", markersize=3, color=AREA_COLOUR)
 friction_axes.set(ylabel=r"$\mu_s$, friction at opposing contacts", ylim=(0, None))
 area_axes.set(xlabel="angle between the lays (degrees)", ylabel="true area (%)", ylim=(0, None))

@@ -39,14 +39,16 @@ def create_map(heights):
     """
     spacing = PITCH / POINTS_PER_CAP
     displacements = spacing * np.random.default_rng(2).uniform(-0.5, 0.5, (2, heights.size))
-    offset = (np.arange(POINTS_PER_CAP) + 0.5) * spacing - PITCH / 2
+    cap_offsets = (np.arange(POINTS_PER_CAP) + 0.5) * spacing - PITCH / 2
     caps = [
-        height + np.sqrt(np.maximum(RADIUS**2 - (offset[:, None] - dy) ** 2 - (offset - dx) ** 2, 0.0)) - RADIUS
+        height
+        + np.sqrt(np.maximum(RADIUS**2 - (cap_offsets[:, None] - dy) ** 2 - (cap_offsets - dx) ** 2, 0.0))
+        - RADIUS
         for height, dy, dx in zip(heights.ravel(), *displacements, strict=True)
     ]
     rows, columns = heights.shape
-    tiles = np.reshape(caps, (rows, columns, POINTS_PER_CAP, POINTS_PER_CAP)).swapaxes(1, 2)
-    return Surface(tiles.reshape(rows * POINTS_PER_CAP, -1), spacing=(spacing, spacing))
+    cap_tiles = np.reshape(caps, (rows, columns, POINTS_PER_CAP, POINTS_PER_CAP)).swapaxes(1, 2)
+    return Surface(cap_tiles.reshape(rows * POINTS_PER_CAP, -1), spacing=(spacing, spacing))
 
 
 def compute_interacting_area(heights):

@@ -35,14 +35,14 @@ figure, (friction_axes, area_axes) = plt.subplots(1, 2, figsize=(6.2, 3.3), layo
 for tau0, colour in zip((0.0, 0.5), SHEAR_STRENGTH_COLOURS, strict=True):
     for rule, style, rule_text in (("opposing", "-", "opposing contacts"), ("all", "--", "all contacts")):
         # Average over all directions, which cancels the effect of a tilt.
-        mean_friction, lower_end, upper_end = np.transpose(
+        mean_friction, lower_limit, upper_limit = np.transpose(
             [table["mean_friction"].sel(sliding=rule, tau0=tau0) for table in tables]
         )
-        friction_axes.fill_between(UPPER_RMS_HEIGHTS, lower_end, upper_end, color=colour, alpha=0.15, linewidth=0)
+        friction_axes.fill_between(UPPER_RMS_HEIGHTS, lower_limit, upper_limit, color=colour, alpha=0.15, linewidth=0)
         label = rf"{rule_text}, $\tau_0$ = {1000 * tau0:.0f} MPa"
         friction_axes.plot(UPPER_RMS_HEIGHTS, mean_friction, style, color=colour, marker="o", markersize=3, label=label)
-area_percent, lower_end, upper_end = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
-area_axes.fill_between(UPPER_RMS_HEIGHTS, lower_end, upper_end, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+area_percent, lower_limit, upper_limit = 100 * np.transpose([table["contact_area_fraction"] for table in tables])
+area_axes.fill_between(UPPER_RMS_HEIGHTS, lower_limit, upper_limit, color=AREA_COLOUR, alpha=0.2, linewidth=0)
 area_axes.plot(UPPER_RMS_HEIGHTS, area_percent, "o-", markersize=3, color=AREA_COLOUR)
 friction_axes.set(ylabel=r"$\mu_s$, mean over directions", ylim=(0, None))
 area_axes.set(ylabel="true area (%)", ylim=(0, None))

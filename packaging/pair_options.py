@@ -82,8 +82,8 @@ def render_function_parameters() -> str:
         f"    {format_python_name(name)}: {types[name]}{render_default_assignment(name)},\n"
         for name in PYTHON_OPTION_NAMES
     ]
-    bodies = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
-    return "".join([*bodies, "    *,\n", *(line for line in lines if line not in bodies)])
+    body_parameters = [line for line in lines if line.lstrip().startswith(("first:", "second:"))]
+    return "".join([*body_parameters, "    *,\n", *(line for line in lines if line not in body_parameters)])
 
 
 def render_parameter_descriptions() -> str:
@@ -151,13 +151,13 @@ def render_reader_parameters() -> str:
     return "".join(lines)
 
 
-def replace_section(text: str, start: str, end: str, new: str) -> str:
+def replace_section(text: str, start: str, end: str, new_section: str) -> str:
     """Replace the section of a text between the lines `start` and `end`."""
-    head, result, text_after_start = text.partition(start)
+    text_before_start, found_start, text_after_start = text.partition(start)
     _, found_end, text_after_end = text_after_start.partition(end)
-    assert result, start
+    assert found_start, start
     assert found_end, end
-    return head + start + new + end + text_after_end
+    return text_before_start + start + new_section + end + text_after_end
 
 
 def generate_file_texts() -> dict[Path, str]:
@@ -191,8 +191,8 @@ def generate_file_texts() -> dict[Path, str]:
 def format_code(text: str) -> str:
     """Format a text with ruff."""
     ruff = Path(sys.executable).with_name("ruff")
-    line = [str(ruff), "format", "--stdin-filename", str(PAIR_FUNCTION_FILE), "-"]
-    return subprocess.run(line, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+    command = [str(ruff), "format", "--stdin-filename", str(PAIR_FUNCTION_FILE), "-"]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=True, cwd=ROOT).stdout
 
 
 def main() -> None:

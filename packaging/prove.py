@@ -80,9 +80,9 @@ def run_command(
 ) -> str:
     """Run a command, optionally inside a wrapper command, and return its output. If it fails, exit with the output."""
     full_command = [*wrapper_command, *map(str, command)]
-    message = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
+    output_options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if quiet else {}
     completed = subprocess.run(  # type: ignore[call-overload]
-        full_command, check=False, cwd=cwd, env=env, text=True, **message
+        full_command, check=False, cwd=cwd, env=env, text=True, **output_options
     )
     if completed.returncode != 0:
         text = f"{(completed.stdout or '').strip()}\n{shlex.join(map(str, command))} ended with {completed.returncode}"
@@ -104,7 +104,7 @@ def check_equal_names(description: str, actual: Iterable[str], expected: Iterabl
 
 def check_wheel(wheel: Path, directory: Path) -> None:
     """Check that the wheel contains only the package and its licences, and that its extension is self-contained."""
-    package = [
+    package_files = [
         str(path.relative_to(ROOT / "python"))
         for path in (ROOT / "python/stiction").rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
@@ -122,11 +122,11 @@ def check_wheel(wheel: Path, directory: Path) -> None:
         if len(extensions) != 1:
             exit_with_error(f"{wheel.name} holds {len(extensions)} extensions, not one")
         # auditwheel adds a bill of materials, which lists no libraries, because this wheel bundles none.
-        message = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
+        bill_of_materials = {name for name in names if name.startswith(f"{ARCHIVE_STEM}.dist-info/sboms/")}
         check_equal_names(
             "the wheel, of the package and its licences",
-            names - message,
-            [*package, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in metadata_files)],
+            names - bill_of_materials,
+            [*package_files, *extensions, *(f"{ARCHIVE_STEM}.dist-info/{name}" for name in metadata_files)],
         )
         check_metadata(archive.read(f"{ARCHIVE_STEM}.dist-info/METADATA"))
         extension = Path(archive.extract(extensions[0], directory))
@@ -202,8 +202,8 @@ class IsolatedEnvironment:
         tools_directory = directory / "tools"
         tools_directory.mkdir()
         for name in ("sh", "bash", "cat", "setsid", "mount", "umount"):  # The tests need these programs.
-            if result := shutil.which(name):
-                (tools_directory / name).symlink_to(result)
+            if program_path := shutil.which(name):
+                (tools_directory / name).symlink_to(program_path)
         inherited_variables = {
             name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))
         }
@@ -238,10 +238,12 @@ class IsolatedEnvironment:
             for path in Path(directory).rglob(name)
         ]
         files = {path.resolve() for path in (*programs, *libraries) if path.is_file()}
-        mount = shutil.which("mount")
-        lines = [f"{mount} -t tmpfs none {shlex.quote(str(path))}" for path in directories if path.is_dir()]
-        lines += [f"{mount} --bind /dev/null {shlex.quote(str(path))}" for path in sorted(files)]
-        return "\n".join(["set -e", *lines, 'exec "$@"'])
+        mount_program = shutil.which("mount")
+        mount_commands = [
+            f"{mount_program} -t tmpfs none {shlex.quote(str(path))}" for path in directories if path.is_dir()
+        ]
+        mount_commands += [f"{mount_program} --bind /dev/null {shlex.quote(str(path))}" for path in sorted(files)]
+        return "\n".join(["set -e", *mount_commands, 'exec "$@"'])
 
     def run_isolated(self, *command: str | Path, cwd: Path | None = None, quiet: bool = True) -> str:
         unshare, shell = shutil.which("unshare") or "", shutil.which("sh") or ""
@@ -309,16 +311,16 @@ class IsolatedEnvironment:
 
     def run_tests(self, selected_tests: Iterable[str]) -> None:
         """Run the tests from a copy of the tree without the sources of the package."""
-        tests = self.directory / "tests"
+        tree_copy = self.directory / "tests"
         ignored_names = shutil.ignore_patterns("build", ".*", "__pycache__")
-        shutil.copytree(ROOT, tests, ignore=ignored_names)
+        shutil.copytree(ROOT, tree_copy, ignore=ignored_names)
         for source_directory in ("python", "cpp"):
-            shutil.rmtree(tests / source_directory)
-        self.install_from_wheels("--group", f"{tests / 'pyproject.toml'}:test")
+            shutil.rmtree(tree_copy / source_directory)
+        self.install_from_wheels("--group", f"{tree_copy / 'pyproject.toml'}:test")
         self.check_installed()
         self.run_isolated(
             self.bin / "python", "-I", "-m", "pytest", "-q", "-p", "no:cacheprovider", "--numprocesses=2",
-            "--dist=worksteal", *selected_tests, cwd=tests, quiet=False,
+            "--dist=worksteal", *selected_tests, cwd=tree_copy, quiet=False,
         )  # fmt: skip
 
 

@@ -28,15 +28,15 @@ ReleaseCheck = Callable[[], str | None]
 RELEASE_CHECKS: list[tuple[str, ReleaseCheck]] = []
 
 
-def register_check(line: str) -> Callable[[ReleaseCheck], ReleaseCheck]:
+def register_check(item_text: str) -> Callable[[ReleaseCheck], ReleaseCheck]:
     """Return a decorator that registers a function as the check of an item in the release list.
 
     The check returns a description of the missing step, or None.
     """
 
-    def register(function: ReleaseCheck) -> ReleaseCheck:
-        RELEASE_CHECKS.append((line, function))
-        return function
+    def register(check_function: ReleaseCheck) -> ReleaseCheck:
+        RELEASE_CHECKS.append((item_text, check_function))
+        return check_function
 
     return register
 
@@ -62,24 +62,24 @@ def changelog_date_problem() -> str | None:
 
 @register_check("CITATION.cff has the version, the date and the address")
 def citation_problem() -> str | None:
-    message = read_file("CITATION.cff")
+    citation_text = read_file("CITATION.cff")
     version_heading = re.search(
         rf"^## {re.escape(RELEASE_VERSION)} \((\d.*)\)$", read_file("CHANGELOG.md"), re.MULTILINE
     )
-    expected = [
+    expected_lines = [
         f"version: {RELEASE_VERSION}",
         f"date-released: {version_heading[1] if version_heading else 'YYYY-MM-DD'}",
         "repository-code: http",
     ]
-    return missing_names_message("CITATION.cff has no", (line for line in expected if line not in message))
+    return missing_names_message("CITATION.cff has no", (line for line in expected_lines if line not in citation_text))
 
 
 @register_check("the addresses of the project are public ones")
 def project_url_problem() -> str | None:
-    missing = missing_names_message(
+    problem = missing_names_message(
         "[project.urls] has no", (name for name in PROJECT_URL_NAMES if name not in PROJECT_METADATA["urls"])
     )
-    return missing and f"{missing}: ./dev release --address URL"
+    return problem and f"{problem}: ./dev release --address URL"
 
 
 @register_check("links of README.md work on PyPI")
@@ -102,32 +102,36 @@ def missing_recipe_lines() -> Iterator[str]:
     lines = {line.strip() for line in read_file("packaging/conda/recipe.yaml").splitlines()}
     if f'version: "{RELEASE_VERSION}"' not in lines:
         yield f'version: "{RELEASE_VERSION}"'
-    python = f"python{PROJECT_METADATA['requires-python']}"
-    for item in (python, *PROJECT_METADATA["dependencies"]):
-        name, bound = re.fullmatch(r"([\w-]+)(>=.+)", item).groups()  # type: ignore[union-attr]
-        expected = f"- {'matplotlib-base' if name == 'matplotlib' else name} {bound}"
-        if expected not in lines:
-            yield expected
+    python_requirement = f"python{PROJECT_METADATA['requires-python']}"
+    for requirement in (python_requirement, *PROJECT_METADATA["dependencies"]):
+        name, version_bound = re.fullmatch(r"([\w-]+)(>=.+)", requirement).groups()  # type: ignore[union-attr]
+        expected_line = f"- {'matplotlib-base' if name == 'matplotlib' else name} {version_bound}"
+        if expected_line not in lines:
+            yield expected_line
 
 
 @register_check("packaging/tested.txt has a version of every dependency")
 def tested_versions_problem() -> str | None:
-    tested = {line.split("==")[0].lower() for line in read_file("packaging/tested.txt").splitlines() if "==" in line}
-    names = [re.split(">=", item)[0].lower() for item in PROJECT_METADATA["dependencies"]]
-    return missing_names_message("./dev tested, for it lacks", (name for name in names if name not in tested))
+    tested_packages = {
+        line.split("==")[0].lower() for line in read_file("packaging/tested.txt").splitlines() if "==" in line
+    }
+    required_packages = [re.split(">=", item)[0].lower() for item in PROJECT_METADATA["dependencies"]]
+    return missing_names_message(
+        "./dev tested, for it lacks", (name for name in required_packages if name not in tested_packages)
+    )
 
 
 @register_check("nothing is uncommitted")
 def uncommitted_changes_problem() -> str | None:
-    changed = run_command("git", "status", "--porcelain").splitlines()
-    return f"{len(changed)} files are changed or new" if changed else None
+    changed_files = run_command("git", "status", "--porcelain").splitlines()
+    return f"{len(changed_files)} files are changed or new" if changed_files else None
 
 
 @register_check("source distribution and wheels of this commit are built and proven, with the tests")
 def wheel_problem() -> str | None:
-    record = VERIFIED_COMMIT_FILE.read_text(encoding="utf-8") if VERIFIED_COMMIT_FILE.exists() else ""
-    if record != f"{describe_commit()} with the tests\n":
-        return f"./dev wheel, for {record.strip() or 'nothing'} was proven"
+    verification = VERIFIED_COMMIT_FILE.read_text(encoding="utf-8") if VERIFIED_COMMIT_FILE.exists() else ""
+    if verification != f"{describe_commit()} with the tests\n":
+        return f"./dev wheel, for {verification.strip() or 'nothing'} was proven"
     return None if list(DIST_DIRECTORY.glob("*.whl")) else f"{DIST_DIRECTORY.relative_to(ROOT)} is empty"
 
 
@@ -136,9 +140,9 @@ def find_tag_problem() -> str | None:
     return None if f"v{VERSION}" in tags else f"git tag v{VERSION}; this commit has {', '.join(tags) or 'none'}"
 
 
-def missing_names_message(what: str, missing: Iterator[str]) -> str | None:
-    names = ", ".join(missing)
-    return f"{what} {names}" if names else None
+def missing_names_message(description: str, missing_names: Iterator[str]) -> str | None:
+    joined_names = ", ".join(missing_names)
+    return f"{description} {joined_names}" if joined_names else None
 
 
 def run_checks(*, is_tagged: bool) -> bool:
@@ -149,16 +153,18 @@ def run_checks(*, is_tagged: bool) -> bool:
     checks = [item for item in RELEASE_CHECKS if not (is_tagged and item[1] is wheel_problem)]
     if is_tagged:
         checks.append((f"the tag v{VERSION} is on this commit", find_tag_problem))
-    num_open = 0
-    for line, function in checks:
-        problem = function()
-        num_open += problem is not None
-        print(f"[{' ' if problem else 'x'}] {line}{f': {problem}' if problem else ''}")
+    num_open_items = 0
+    for item_text, check_function in checks:
+        problem = check_function()
+        num_open_items += problem is not None
+        print(f"[{' ' if problem else 'x'}] {item_text}{f': {problem}' if problem else ''}")
     if not is_tagged:
         print(
-            f"then: git tag --sign v{VERSION}; git push origin v{VERSION}" if not num_open else f"{num_open} are open"
+            f"then: git tag --sign v{VERSION}; git push origin v{VERSION}"
+            if not num_open_items
+            else f"{num_open_items} are open"
         )
-    return num_open == 0
+    return num_open_items == 0
 
 
 def write_repository_address(url: str) -> None:

@@ -35,19 +35,19 @@ sys.exit(sys.version_info[:2] != (3, int(sys.argv[1])) or not os.path.exists(hea
 
 def find_interpreters() -> dict[str, Path]:
     """Return one suitable interpreter for each Python version, such as "3.11", from PATH or pyenv."""
-    result = {}
-    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    interpreters = {}
+    pyenv_directory = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
     for minor in range(MIN_PYTHON_MINOR, MAX_PYTHON_MINOR + 1):
         running_interpreter = [Path(sys.executable)] if sys.version_info[:2] == (3, minor) else []
         installed_interpreters = [
-            *sorted(pyenv.glob(f"3.{minor}.*/bin/python")),
+            *sorted(pyenv_directory.glob(f"3.{minor}.*/bin/python")),
             Path(shutil.which(f"python3.{minor}") or "/none"),
         ]
         for python in (*running_interpreter, *installed_interpreters):
             if python.exists() and can_build_wheel(python, minor):
-                result[f"3.{minor}"] = python
+                interpreters[f"3.{minor}"] = python
                 break
-    return result
+    return interpreters
 
 
 def can_build_wheel(python: Path, minor: int) -> bool:
@@ -70,11 +70,13 @@ def check_sdist(sdist: Path) -> int:
     patterns = [
         f":(top,glob){pattern.lstrip('/')}" for pattern in PYPROJECT["tool"]["scikit-build"]["sdist"]["include"]
     ]
-    tracked = run_command("git", "ls-files", "-z", "--", *patterns).split("\0")[:-1]
+    tracked_files = run_command("git", "ls-files", "-z", "--", *patterns).split("\0")[:-1]
     with tarfile.open(sdist) as archive:
-        names = [name.removeprefix(f"{ARCHIVE_STEM}/") for name in archive.getnames()]
-    check_equal_names("the source distribution, of the tracked files in sdist.include", names, [*tracked, "PKG-INFO"])
-    return len(tracked)
+        archived_files = [name.removeprefix(f"{ARCHIVE_STEM}/") for name in archive.getnames()]
+    check_equal_names(
+        "the source distribution, of the tracked files in sdist.include", archived_files, [*tracked_files, "PKG-INFO"]
+    )
+    return len(tracked_files)
 
 
 def build_wheel(sdist: Path, python: Path, directory: Path) -> Path:
@@ -133,10 +135,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="stiction-wheel-") as temporary_directory:
         directory = Path(temporary_directory).resolve()
         sdist = build_sdist(directory)
-        count = check_sdist(sdist)
+        num_files = check_sdist(sdist)
         run_command(sys.executable, "-m", "twine", "check", "--strict", sdist)
         print_message(
-            f"{sdist.name}: the {count} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB"
+            f"{sdist.name}: the {num_files} tracked files that it should hold, {sdist.stat().st_size / 1000:.0f} kB"
         )
         for version, python in interpreters.items():
             version_directory = directory / version
@@ -145,12 +147,12 @@ def main() -> None:
             wheel = repair_wheel(build_wheel(sdist, python, version_directory), version_directory)
             run_command(sys.executable, "-m", "twine", "check", "--strict", wheel)
             # The wheel is kept even if the verification fails, because building it takes a long time.
-            unproven_wheel = Path(shutil.copy(wheel, UNVERIFIED_DIRECTORY))
+            unverified_wheel = Path(shutil.copy(wheel, UNVERIFIED_DIRECTORY))
             with_tests = not options.quick and python == Path(sys.executable)
-            if verify_wheel(unproven_wheel, python, with_tests=with_tests):
-                shutil.move(unproven_wheel, DIST_DIRECTORY)
+            if verify_wheel(unverified_wheel, python, with_tests=with_tests):
+                shutil.move(unverified_wheel, DIST_DIRECTORY)
             else:
-                failed_versions.append(unproven_wheel.name)
+                failed_versions.append(unverified_wheel.name)
         shutil.copy(sdist, DIST_DIRECTORY)
     for archive in sorted(DIST_DIRECTORY.iterdir()):
         print_message(f"{archive.relative_to(ROOT)}")

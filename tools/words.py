@@ -49,12 +49,12 @@ SampledText = tuple[str, str]
 
 def read_commit_files() -> TextsByPath:
     """Return the contents of all text files in the current commit, by path."""
-    archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
+    archive_bytes = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True).stdout
     texts = {}
-    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
-        for member in tar:
+    with tarfile.open(fileobj=io.BytesIO(archive_bytes)) as tar_file:
+        for member in tar_file:
             if member.isfile() and (is_python(member.name) or member.name.endswith((".md", ".cpp", ".hpp", ".js"))):
-                file = tar.extractfile(member)
+                file = tar_file.extractfile(member)
                 assert file is not None
                 texts[member.name] = file.read().decode("utf-8")
     return texts
@@ -120,19 +120,19 @@ def comments(files: TextsByPath) -> Iterator[SampledText]:
                     is_whole_line = token.line.lstrip().startswith("#")
                     lines.append((token.start[0], is_whole_line, token.string.lstrip("#! ")))
         elif name.endswith((".cpp", ".hpp", ".js")):
-            for number, line in enumerate(text.splitlines(), 1):
+            for line_number, line in enumerate(text.splitlines(), 1):
                 if match := re.search(r"(?:^|[;{},]) *///?<? ?(.+)", line):
-                    lines.append((number, line.lstrip().startswith("//"), match[1]))
+                    lines.append((line_number, line.lstrip().startswith("//"), match[1]))
         joined_comments: list[tuple[int, int, str]] = []
-        for number, is_whole_line, comment in lines:
-            if is_whole_line and joined_comments and joined_comments[-1][1] == number - 1:
-                joined_comments[-1] = (joined_comments[-1][0], number, f"{joined_comments[-1][2]} {comment}")
+        for line_number, is_whole_line, comment in lines:
+            if is_whole_line and joined_comments and joined_comments[-1][1] == line_number - 1:
+                joined_comments[-1] = (joined_comments[-1][0], line_number, f"{joined_comments[-1][2]} {comment}")
             else:
-                joined_comments.append((number, number if is_whole_line else 0, comment))
-        for number, _, comment in joined_comments:
+                joined_comments.append((line_number, line_number if is_whole_line else 0, comment))
+        for line_number, _, comment in joined_comments:
             is_marker = re.search(r"----|^(type|fmt|noqa|ruff): ?|^namespace |NOLINT", comment)
             if len(comment) >= MIN_COMMENT_LENGTH and not is_marker:
-                yield f"{name}:{number}", comment
+                yield f"{name}:{line_number}", comment
 
 
 def exception_messages(files: TextsByPath) -> Iterator[SampledText]:
@@ -166,8 +166,8 @@ def documentation_sentences(files: TextsByPath) -> Iterator[SampledText]:
 
 def commit_subjects(files: TextsByPath) -> Iterator[SampledText]:
     """Yield the subjects of the newest commits."""
-    log = ["git", "log", f"-{MAX_COMMITS}", "--format=%h %s"]
-    for line in subprocess.run(log, cwd=ROOT, capture_output=True, check=True, text=True).stdout.splitlines():
+    log_command = ["git", "log", f"-{MAX_COMMITS}", "--format=%h %s"]
+    for line in subprocess.run(log_command, cwd=ROOT, capture_output=True, check=True, text=True).stdout.splitlines():
         commit, subject = line.split(" ", 1)
         yield commit, subject
 
@@ -218,9 +218,9 @@ def sample_rows(items_by_kind: Mapping[str, list[SampledText]], number: int, gen
     """Yield a table row for each of `number` random items, with equal numbers of each kind if possible."""
     yield "| mark | kind | place | text |\n|---|---|---|---|"
     for i, (kind, items) in enumerate(items_by_kind.items()):
-        count = number // len(items_by_kind) + (i < number % len(items_by_kind))
-        for place, text in generator.sample(items, min(count, len(items))):
-            yield f"|  | {kind} | {place} | {text[:MAX_SAMPLE_LENGTH].replace('|', chr(92) + '|')} |"
+        num_sampled = number // len(items_by_kind) + (i < number % len(items_by_kind))
+        for location, text in generator.sample(items, min(num_sampled, len(items))):
+            yield f"|  | {kind} | {location} | {text[:MAX_SAMPLE_LENGTH].replace('|', chr(92) + '|')} |"
 
 
 def sample_functions(files: TextsByPath, number: int, generator: random.Random) -> Iterator[str]:
@@ -280,9 +280,9 @@ def find_test_name_faults(files: TextsByPath, words_by_directory: Mapping[str, l
 
 
 def find_first_word_faults(files: TextsByPath, words_by_directory: Mapping[str, list[str]]) -> Iterator[str]:
-    for place, sentence in chain(docstring_summaries(files), comments(files)):
-        if sentence.split()[0] in rejected_words(words_by_directory, place.split(":")[0]):
-            yield f"{place}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
+    for location, sentence in chain(docstring_summaries(files), comments(files)):
+        if sentence.split()[0] in rejected_words(words_by_directory, location.split(":")[0]):
+            yield f"{location}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
 def modules_by_repeated_class(files: TextsByPath) -> dict[str, set[str]]:
