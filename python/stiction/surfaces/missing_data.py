@@ -133,8 +133,6 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
     robust standard deviation of rounded heights is at least that of rounding errors (`find_height_step`). The largest
     outliers are removed first and the test is repeated, so that outliers do not mask each other.
     """
-    from scipy.ndimage import label, maximum_filter
-
     is_measured, remaining_heights, is_outlier = np.isfinite(heights), heights.copy(), np.zeros(heights.shape, np.bool_)
     typical_deviations: list[_NeighbourDeviations] = []
     step = find_height_step(heights) if height_step is None else height_step
@@ -155,13 +153,18 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             [values[candidates] for values in deviations],
             [typical.at_points(candidates) for typical in typical_deviations],
         )
-        is_local_maximum = (ratio > _MIN_OUTLIER_RATIO) & (ratio >= maximum_filter(ratio, size=3))
-        if not is_local_maximum.any():
+        is_deviating = ratio > _MIN_OUTLIER_RATIO
+        if not is_deviating.any():
             break
+        from scipy.ndimage import maximum_filter  # takes 0.1 s, and most scans have no outliers
+
+        is_local_maximum = is_deviating & (ratio >= maximum_filter(ratio, size=3))
         is_outlier |= is_local_maximum
         remaining_heights[is_local_maximum] = np.nan
     if not is_outlier.any():
         return is_outlier
+    from scipy.ndimage import label
+
     group_numbers, _ = label(is_outlier, np.ones((3,) * heights.ndim))
     return np.asarray(is_outlier & (np.bincount(group_numbers.ravel())[group_numbers] <= MAX_OUTLIER_GROUP_SIZE))
 
@@ -208,13 +211,13 @@ def _find_neighbour_deviations(
     median of the rough regions. If heights are not rounded, flat regions were clipped or filled, and the median of the
     rough regions is used everywhere, provided that the rough regions are large enough.
     """
-    from scipy.ndimage import maximum_filter, median_filter
-
     is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
     is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
     resolution = 1.01 * max(step, round_off)  # deviations above this limit (µm) exceed one rounding step
     if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
+        from scipy.ndimage import maximum_filter, median_filter
+
         is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
         if step <= round_off and is_rough.sum() >= _MIN_ROUGH_FRACTION * is_known.sum():

@@ -224,8 +224,6 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     s² of their mean has a slope with the variance 12 s² over the length, and the logarithm of the rms slope has a
     quarter of the relative variance of the mean square.
     """
-    from scipy.fft import rfftn
-
     heights = body.heights
     if min(heights.shape) <= _NUM_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
@@ -235,7 +233,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
-    power = np.sum([np.square(np.abs(rfftn(gradient))) for gradient in gradients], axis=0)
+    power = np.sum([np.square(np.abs(np.fft.rfftn(gradient))) for gradient in gradients], axis=0)
     # A Fourier coefficient outside the first and the last column also represents its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
