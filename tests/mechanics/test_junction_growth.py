@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 from scipy.optimize import brentq
 from stiction import half_space, hardness_under_shear, self_affine_surface, tabor_friction
-from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.friction import FrictionLaw, _interpolate_table, _tabulate_limited_pressure_ratios
 
 ROUND_OFF = 1e-12
 
@@ -208,3 +209,14 @@ def test_friction_in_bulk_shear_agrees_with_quantiles_of_the_pressure_distributi
             assert onset.friction_fraction == pytest.approx(expected, abs=3e-4)
         elif expected > 0.951:
             assert onset.friction_fraction == 1
+
+
+def test_table_of_limited_pressures_is_interpolated_as_by_scipy():
+    table = _tabulate_limited_pressure_ratios()
+    last_row, last_column = (size - 1 for size in table.shape)
+    rows, columns = np.random.default_rng(3).uniform(0, [[last_row], [last_column]], (2, 1000))
+    rows[:3], columns[:3] = [0, last_row, last_row], [0, 0.5, last_column]
+    expected = map_coordinates(table, [rows, columns], order=1, mode="nearest")
+    assert _interpolate_table(table, rows, columns).tobytes() == expected.tobytes()
+    limits = _interpolate_table(table, np.array([-1.0, last_row + 1.0]), np.array([-2.0, last_column + 5.0]))
+    assert limits.tolist() == [table[0, 0], table[-1, -1]]

@@ -294,16 +294,34 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
-    from scipy.ndimage import map_coordinates
-
     table = _tabulate_limited_pressure_ratios()
     limit, mean = np.broadcast_arrays(limit, mean)
     fraction, is_limited = np.ones(limit.shape), ~(limit >= 1)
     limit, mean = limit[is_limited], mean[is_limited]
     positions = (mean - MIN_TABULATED_MEAN_PRESSURE) / (1 - MIN_TABULATED_MEAN_PRESSURE), limit / (limit + mean)
-    indices = [position * (size - 1) for position, size in zip(positions, table.shape, strict=True)]
-    fraction[is_limited] = map_coordinates(table, indices, order=1, mode="nearest")
+    rows, columns = (position * (size - 1) for position, size in zip(positions, table.shape, strict=True))
+    fraction[is_limited] = _interpolate_table(table, rows, columns)
     return fraction
+
+
+def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
+    """Interpolate a table linearly at fractional indices, which are limited to the rows and columns of the table.
+
+    The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
+    """
+    num_rows, num_columns = table.shape
+    rows, columns = np.clip(rows, 0.0, num_rows - 1), np.clip(columns, 0.0, num_columns - 1)
+    first_rows, first_columns = (
+        np.minimum(indices, size - 2).astype(np.intp) for indices, size in ((rows, num_rows), (columns, num_columns))
+    )
+    row_weights, column_weights = rows - first_rows, columns - first_columns
+    entries, first = table.ravel(), first_rows * num_columns + first_columns
+    return np.asarray(
+        entries[first] * (1 - row_weights) * (1 - column_weights)
+        + entries[first + 1] * (1 - row_weights) * column_weights
+        + entries[first + num_columns] * row_weights * (1 - column_weights)
+        + entries[first + num_columns + 1] * row_weights * column_weights
+    )
 
 
 @lru_cache(maxsize=1)
