@@ -40,6 +40,7 @@ from stiction.solve.store import (
     StoredResult,
     StoreError,
     export,
+    import_dataset_packages,
     open_result_to_complete,
     remove_result,
 )
@@ -162,6 +163,7 @@ def complete_result(
             progress=progress,
             announce=announce_blocks,
             update=print_remark,
+            meanwhile=_import_result_packages,
         )
         if part is not None:
             print_finished(
@@ -187,6 +189,13 @@ def complete_result(
             result, executor, onset, progress=progress, announce=announce, print_remark=print_remark
         )
         return result
+
+
+def _import_result_packages() -> None:
+    """Import the packages that store and evaluate a result in advance, while the workers compute."""
+    import_dataset_packages()
+    import scipy.fft
+    import scipy.special  # noqa: F401
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:

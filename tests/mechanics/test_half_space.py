@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ from stiction import (
     westergaard_gap,
     westergaard_pressure,
 )
+from stiction.mechanics.half_space_problem import solver_thread_count
 from stiction.study.members import pair_of
 from support.rough_surfaces import flat_like, periodic_body
 
@@ -957,6 +959,11 @@ def test_half_space_load_curve_and_onset_result_can_be_pickled_and_copied():
     for curve_copy in (pickle.loads(pickle.dumps(onset)), copy.deepcopy(onset)):
         assert (curve_copy.tangential_load == onset.tangential_load).all()
         assert curve_copy.energy_lost([0.5 * onset.sliding_load]) == onset.energy_lost([0.5 * onset.sliding_load])
+
+
+def test_solver_has_one_thread_while_another_thread_imports_scipy_fft(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.fft", types.ModuleType("scipy.fft"))
+    assert solver_thread_count() == 1
 
 
 LIMITED_THREADS_SCRIPT = """

@@ -77,8 +77,9 @@ copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_gri
 
 def solver_thread_count() -> int:
     """Return the number of threads that a solver uses, as configured by `scipy.fft.set_workers`."""
-    fft = sys.modules.get("scipy.fft")
-    return 1 if fft is None else int(fft.get_workers())
+    # The function is missing while another thread imports the package.
+    get_workers = getattr(sys.modules.get("scipy.fft"), "get_workers", None)
+    return 1 if get_workers is None else int(get_workers())
 
 
 @dataclass(frozen=True, eq=False)

@@ -403,6 +403,10 @@ def _submit_member_ranges(
     updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
     tasks.
     """
+    # Import the parent of SciPy's packages before tasks start: if two threads imported it at the same time, both
+    # imports could fail. Its packages may be imported by several threads.
+    import scipy  # noqa: F401
+
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
