@@ -7,6 +7,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+import xarray
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
@@ -43,6 +44,7 @@ from stiction.views.figures.ensemble import (
     friction_figure,
 )
 from stiction.views.figures.loads import cut_off_figure, format_log_axis
+from stiction.views.figures.onset import _densest_contact_window
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg, list_panels
@@ -52,6 +54,20 @@ from support.generated_studies import SMALL_STUDY, empty_dataset
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
 from support.synthetic_results import measured_result, measured_study
+
+
+@pytest.mark.parametrize(("rows", "columns"), [((30, 34), (90, 93)), ((0, 2), (0, 1)), ((63, 64), (120, 128))])
+def test_zoom_window_of_a_slip_map_contains_the_largest_group_of_contact_points(rows, columns):
+    slip = np.full((64, 128), np.nan)
+    slip[slice(*rows), slice(*columns)] = slip[10, 20] = 0.5
+    coordinates = {"slip_y": 0.5 * np.arange(64), "slip_x": 0.5 * np.arange(128)}
+    onset = xarray.Dataset({"slip": (("slip_y", "slip_x"), slip)}, coordinates)
+    window, (left, right, bottom, top) = _densest_contact_window(onset)
+    assert [part.stop - part.start for part in window] == [16, 16]
+    for part, group, size in zip(window, (rows, columns), slip.shape, strict=True):
+        centred_start = (group[0] + group[1]) / 2 - 8
+        assert abs(part.start - np.clip(centred_start, 0, size - 16)) <= 1
+    assert (top - bottom, right - left) == (8.0, 8.0)
 
 
 @pytest.fixture(scope="module")

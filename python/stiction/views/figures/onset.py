@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from stiction._checks import Floats
 from stiction._drawing import add_scale_bar
@@ -184,19 +185,31 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
     """Return rows, columns and edges (µm) of the magnified window of a map, around the densest contact points."""
-    from scipy.ndimage import gaussian_filter
-
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
-    contact_density = gaussian_filter(
-        is_contact.astype(np.float64), [width / 4 for width in window_shape], mode="constant"
-    )
+    contact_density = is_contact.astype(np.int64)
+    for axis, width in enumerate(window_shape):
+        contact_density = _sum_with_triangular_weights(contact_density, width // 2, axis)
     densest_index = np.unravel_index(int(contact_density.argmax()), contact_density.shape)
     rows, columns = (
         slice(start := int(np.clip(centre - width // 2, 0, length - width)), start + width)
         for centre, width, length in zip(densest_index, window_shape, is_contact.shape, strict=True)
     )
     return (rows, columns), map_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
+
+
+def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:
+    """Return weighted sums of counts within less than `width` of each element along an axis.
+
+    The weights fall from `width` to 1, so that a group of counts has its largest sum at its centre. Beyond the edges,
+    the counts are 0.
+    """
+    lines = np.moveaxis(counts, axis, 0)
+    sums = np.pad(lines, [(width, width - 1)] + [(0, 0)] * (lines.ndim - 1))
+    for num_zeros in (0, 1):  # summation over `width` elements, twice
+        cumulative = np.cumsum(np.pad(sums, [(num_zeros, 0)] + [(0, 0)] * (lines.ndim - 1)), axis=0)
+        sums = cumulative[width:] - cumulative[:-width]
+    return np.moveaxis(sums, 0, axis)
 
 
 # ---- Onset of sliding against fractal dimension ---------------------------------------------------------------------
