@@ -125,14 +125,14 @@ def test_verdict_on_a_part_of_a_claim_is_derived_from_its_interval():
 
 
 def test_verdict_on_a_claim_is_derived_from_verdicts_on_its_parts():
-    def claim_verdict_of_parts(*names):
+    def judge_claim_of_parts(*names):
         part = ClaimPart("4a", "", 0, 1, lambda _: np.zeros(1))
         return claim_verdict(4, [ClaimPartOutcome(part, 0, 0, 0, name, ()) for name in names])
 
-    assert claim_verdict_of_parts("true", "true") == "true"
-    assert claim_verdict_of_parts("true", "undecided") == "undecided"
-    assert claim_verdict_of_parts("undecided", "false", "true") == "false"
-    assert claim_verdict_of_parts("undefined", "true") == "undefined"
+    assert judge_claim_of_parts("true", "true") == "true"
+    assert judge_claim_of_parts("true", "undecided") == "undecided"
+    assert judge_claim_of_parts("undecided", "false", "true") == "false"
+    assert judge_claim_of_parts("undefined", "true") == "undefined"
 
 
 def test_parts_of_claims_have_unique_names():

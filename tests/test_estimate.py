@@ -99,5 +99,5 @@ def test_estimate_is_immutable():
     ],
 )
 def test_estimate_read_from_its_json_object_has_the_same_interval(estimate):
-    read = Estimate.from_record(json.loads(to_json(estimate.to_record())))
-    assert repr(read) == repr(estimate)  # compare texts, because two NaN limits are not equal
+    read_estimate = Estimate.from_record(json.loads(to_json(estimate.to_record())))
+    assert repr(read_estimate) == repr(estimate)  # compare texts, because two NaN limits are not equal

@@ -95,7 +95,7 @@ class CodeBlock(NamedTuple):
     text: str
 
 
-def code_blocks(page):
+def find_code_blocks(page):
     """Return all code blocks of a documentation page."""
     values = []
     for token in MarkdownIt().parse(page.read_text(encoding="utf-8")):
@@ -115,11 +115,11 @@ def parametrize_pages(pages):
 def test_documentation_page_contains_only_code_blocks_that_a_test_runs(page):
     unknown_blocks = [
         block
-        for block in code_blocks(page)
+        for block in find_code_blocks(page)
         if block.kind not in LANGUAGES_RUN_BY_TESTS | LANGUAGES_RUN_BY_DOCS_BUILD | LANGUAGES_WITHOUT_CODE
     ]
     assert not unknown_blocks, f"no test runs these blocks of {page.name}; use python, sh or {{code-cell}} blocks"
-    if any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in code_blocks(page)):
+    if any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in find_code_blocks(page)):
         assert page.is_relative_to(ROOT / "docs")
         assert "file_format: mystnb" in page.read_text(encoding="utf-8").split("---")[1], (
             "without this header, the code cells of the page would be shown but not run"
@@ -146,7 +146,7 @@ def find_prompt_error(code):
 
 @parametrize_pages(PAGE_FILES)
 def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
-    for block in code_blocks(page):
+    for block in find_code_blocks(page):
         if block.kind not in {"python", *LANGUAGES_RUN_BY_DOCS_BUILD} or re.search(r"^%%\w+", block.text, re.MULTILINE):
             continue
         prompt_error = find_prompt_error(re.sub(NOTEBOOK_CELL_OPTIONS, "", block.text))
@@ -155,7 +155,7 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
 
 @parametrize_pages(PAGE_FILES)
 def test_hidden_code_cell_starts_with_a_comment_that_it_only_serves_the_built_page(page):
-    for block in code_blocks(page):
+    for block in find_code_blocks(page):
         options = re.match(NOTEBOOK_CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):
             assert block.text[options.end() :].startswith("# for the built page only: ")
@@ -221,7 +221,7 @@ def run_command(line, cwd):
             for study in cwd.glob("*.toml"):
                 study.write_text(Study.from_toml(study).with_changes(SMALL_STUDY_CHANGES).to_toml(), encoding="utf-8")
         case ["./dev", command, *_]:
-            assert command in dev_commands() or not DEV_SCRIPT.exists()
+            assert command in list_dev_commands() or not DEV_SCRIPT.exists()
         case ["pip", "install", what]:
             package = re.fullmatch(r"(?:stiction(?:-[\w.*-]+\.(?:whl|tar\.gz))?|\.)(?:\[(\w+(?:,\w+)*)\])?", what)
             assert package, line
@@ -240,33 +240,33 @@ def run_command(line, cwd):
 DEV_SCRIPT = ROOT / "dev"
 
 
-def dev_commands():
+def list_dev_commands():
     """Return the commands in the usage of `dev`, or an empty set without this file, as in an installed package."""
     usage = ast.get_docstring(ast.parse(DEV_SCRIPT.read_text(encoding="utf-8"))) if DEV_SCRIPT.exists() else ""
     return set(re.findall(r"^\./dev (\w+)", usage, re.MULTILINE))
 
 
-def command_lines(block):
+def split_command_lines(block):
     return [line for line in block.text.replace("\\\n", " ").splitlines() if line.strip() and not line.startswith("#")]
 
 
 def run_page(page, cwd):
     """Run the blocks of a page in order, all in one directory."""
-    for block in code_blocks(page):
+    for block in find_code_blocks(page):
         if block.kind == "sh":
-            for line in command_lines(block):
+            for line in split_command_lines(block):
                 run_command(line, cwd)
         if block.kind == "python":
             exec(compile(block.text, page.name, "exec"), {})
 
 
 def has_code(page):
-    return any(block.kind in LANGUAGES_RUN_BY_TESTS for block in code_blocks(page))
+    return any(block.kind in LANGUAGES_RUN_BY_TESTS for block in find_code_blocks(page))
 
 
 def is_notebook(page):
     """Return whether the code cells of a page are run by the build of the documentation."""
-    return any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in code_blocks(page))
+    return any(block.kind in LANGUAGES_RUN_BY_DOCS_BUILD for block in find_code_blocks(page))
 
 
 LITERAL_PAGES = [
@@ -283,7 +283,7 @@ only the example scans.
 
 @parametrize_pages([page for page in LITERAL_PAGES if is_notebook(page)])
 def test_notebook_names_only_files_that_are_in_the_tree(page):
-    names = [name for block in code_blocks(page) for name in re.findall(r"examples/[\w./]+", block.text)]
+    names = [name for block in find_code_blocks(page) for name in re.findall(r"examples/[\w./]+", block.text)]
     assert [name for name in names if not (ROOT / name).exists()] == []
 
 
@@ -303,7 +303,7 @@ exec .venv/bin/stiction run "$@"
 def shell_script(page):
     """Return all shell and Python blocks of a page as one script."""
     parts = ["set -e"]
-    for block in code_blocks(page):
+    for block in find_code_blocks(page):
         if block.kind == "sh":
             parts.append(block.text)
         elif block.kind == "python":
@@ -347,7 +347,7 @@ def clone_after_readme(tmp_path_factory):
 def test_commands_of_readme_work_in_order_in_a_fresh_clone(clone_after_readme):
     _, completed = clone_after_readme
     assert completed.returncode == 0, completed.stderr
-    (shown_output,) = [block.text for block in code_blocks(ROOT / "README.md") if block.kind == "text"]
+    (shown_output,) = [block.text for block in find_code_blocks(ROOT / "README.md") if block.kind == "text"]
     assert shown_output in completed.stdout
 
 
@@ -403,7 +403,9 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
 def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script_once):
     table = run_script_once(ROOT / "examples/characterise_profile.py")
-    shown_outputs = [block.text for block in code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"]
+    shown_outputs = [
+        block.text for block in find_code_blocks(ROOT / "docs/howto/characterise.md") if block.kind == "text"
+    ]
     # Skip the line before the table, which states how the file was read.
     assert table in [text.partition("\n")[2] for text in shown_outputs]
 
@@ -415,12 +417,12 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
     monkeypatch.chdir(tmp_path)
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     pending_commands, num_compared = [], 0
-    for block in code_blocks(ROOT / "docs/howto/calibration.md"):
+    for block in find_code_blocks(ROOT / "docs/howto/calibration.md"):
         match block.kind:
             case "python":
                 exec(compile(block.text, "calibration.md", "exec"), {})
             case "sh":
-                pending_commands = command_lines(block)
+                pending_commands = split_command_lines(block)
             case "text":
                 outputs = [check_stiction(*shlex.split(line)[1:], cwd=tmp_path).stdout for line in pending_commands]
                 shown_words = block.text.split()
@@ -438,7 +440,7 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
 def test_usage_text_of_dev_lists_all_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
-    assert commands == dev_commands()
+    assert commands == list_dev_commands()
 
 
 SBATCH_SCRIPT = """#!/bin/sh
@@ -480,8 +482,8 @@ def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page
                 text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 
-        for block in code_blocks(page):
-            for part in command_lines(block) if block.kind == "sh" else [block.text]:
+        for block in find_code_blocks(page):
+            for part in split_command_lines(block) if block.kind == "sh" else [block.text]:
                 if block.kind == "sh":
                     run_command(replace_cluster_settings(part), tmp_path)
                 elif block.kind == "python":

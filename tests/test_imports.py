@@ -38,7 +38,7 @@ DEPENDENCIES_IMPORTED_BY_HELP = {"typer", "click", "shellingham", "annotated_doc
 """Third-party packages that `stiction --help` may import, none of which is numeric."""
 
 
-def imported_names(source):
+def list_imported_names(source):
     """Yield the full name of everything that a module imports from the package, also inside functions."""
     for node in ast.walk(parse_file(PACKAGE_DIRECTORY / source)):
         names = []
@@ -63,7 +63,7 @@ MODULES = {
 
 
 @functools.cache
-def imported_modules(module, *, only_top_level=False):
+def list_imported_modules(module, *, only_top_level=False):
     """Return the package's modules that a module imports, also inside functions and for type checkers."""
     tree = parse_file(MODULES[module])
     found = set()
@@ -78,7 +78,7 @@ def imported_modules(module, *, only_top_level=False):
     return frozenset(found & set(MODULES))
 
 
-def layer_of(module):
+def find_layer(module):
     """Return the layer of a module, or "" for a module that all layers may use."""
     top_level_name = module.split(".")[0]
     return "facade" if top_level_name in FACADE_MODULES else "" if top_level_name.startswith("_") else top_level_name
@@ -88,9 +88,9 @@ def layer_of(module):
 def test_layers_import_only_from_lower_layers(layer):
     """Check also that modules which all layers use do not import from any layer."""
     allowed_layers = {"", *(LAYERS[: LAYERS.index(layer) + 1] if layer else ())}
-    for module in (name for name in MODULES if layer_of(name) == layer and name != "__main__"):
-        for imported in imported_modules(module):
-            assert layer_of(imported) in allowed_layers, f"{module} imports {imported}"
+    for module in (name for name in MODULES if find_layer(name) == layer and name != "__main__"):
+        for imported in list_imported_modules(module):
+            assert find_layer(imported) in allowed_layers, f"{module} imports {imported}"
 
 
 def test_layers_of_the_package_include_all_of_its_directories():
@@ -100,7 +100,7 @@ def test_layers_of_the_package_include_all_of_its_directories():
     }
 
 
-def find_circles(imports):
+def find_circular_imports(imports):
     """Return the modules that import each other in a circle, found by removing modules without open imports."""
     open_imports = {name: set(imported) for name, imported in imports.items()}
     while finished_modules := {name for name, imported in open_imports.items() if not imported & set(open_imports)}:
@@ -109,35 +109,35 @@ def find_circles(imports):
 
 
 def test_import_check_reports_circular_imports():
-    assert set(find_circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()})) == {"a", "b", "c"}
+    assert set(find_circular_imports({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": set()})) == {"a", "b", "c"}
 
 
 def test_package_has_no_circular_imports():
     """Count imports inside functions and for type checkers, because both tie modules to each other."""
-    assert find_circles({name: imported_modules(name) - {name} for name in MODULES}) == {}
+    assert find_circular_imports({name: list_imported_modules(name) - {name} for name in MODULES}) == {}
 
 
 def find_slow_modules():
     """Return the modules of the package whose import loads a slow package."""
-    slow = set()
+    slow_modules = set()
     for name, path in MODULES.items():
         for node in parse_file(path).body:
             names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             if {module_name.split(".")[0] for module_name in names} & SLOW_PACKAGES:
-                slow.add(name)
+                slow_modules.add(name)
     while importing_modules := {
-        name for name in set(MODULES) - slow if imported_modules(name, only_top_level=True) & slow
+        name for name in set(MODULES) - slow_modules if list_imported_modules(name, only_top_level=True) & slow_modules
     }:
-        slow |= importing_modules
-    return slow
+        slow_modules |= importing_modules
+    return slow_modules
 
 
 def test_functions_import_only_modules_that_are_slow_to_import():
     """Exempt `cli`: its functions import what they run, so that help texts load none of it."""
     slow_modules = find_slow_modules()
     for module, path in MODULES.items():
-        if layer_of(module) == "cli":
+        if find_layer(module) == "cli":
             continue
         for function in ast.walk(parse_file(path)):
             if not isinstance(function, ast.FunctionDef):
@@ -151,7 +151,7 @@ def test_functions_import_only_modules_that_are_slow_to_import():
 
 def test_modules_import_other_modules_by_their_absolute_names():
     for source in (path.relative_to(PACKAGE_DIRECTORY) for path in MODULES.values()):
-        list(imported_names(source))
+        list(list_imported_names(source))
 
 
 MODULES_RESTRICTED_FOR_VIEWS = {
@@ -173,7 +173,7 @@ ALLOWED_IMPORTS_OF_VIEWS = {
 def test_views_import_no_modules_for_storage_or_reading_or_statistics():
     assert set(MODULES) >= MODULES_RESTRICTED_FOR_VIEWS
     for source in sorted(path.relative_to(PACKAGE_DIRECTORY) for path in (PACKAGE_DIRECTORY / "views").rglob("*.py")):
-        for name in imported_names(source):
+        for name in list_imported_names(source):
             module, _, imported = name.removeprefix("stiction.").rpartition(".")
             if module in MODULES_RESTRICTED_FOR_VIEWS:
                 assert imported.isupper() or f"{module}.{imported}" in ALLOWED_IMPORTS_OF_VIEWS, f"{source}: {name}"
@@ -185,7 +185,7 @@ def select_dependencies(modules):
     return {name for name in packages - set(sys.stdlib_module_names) - {"stiction"} if not name.startswith("_")}
 
 
-def loaded_dependencies(code):
+def list_loaded_dependencies(code):
     """Return the third-party packages that code loads in a new process."""
     code = f"import sys; before = set(sys.modules); {code}; print(*(set(sys.modules) - before))"
     message = subprocess.check_output([sys.executable, "-c", code], text=True).splitlines()[-1]
@@ -193,8 +193,8 @@ def loaded_dependencies(code):
 
 
 def test_importing_the_package_loads_no_dependencies():
-    assert loaded_dependencies("import stiction") == set()
-    assert loaded_dependencies("from stiction import *") <= ALLOWED_DEPENDENCIES
+    assert list_loaded_dependencies("import stiction") == set()
+    assert list_loaded_dependencies("from stiction import *") <= ALLOWED_DEPENDENCIES
 
 
 def test_command_line_module_imports_nothing_before_the_command_starts():
@@ -261,7 +261,7 @@ def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers(depen
 
 def test_sampling_uncertain_inputs_does_not_load_scipy_stats():
     code = "from stiction.study.input_distributions import generate_stratified_points; generate_stratified_points(10)"
-    assert "scipy" not in loaded_dependencies(code)
+    assert "scipy" not in list_loaded_dependencies(code)
 
 
 SMALL_STUDY_CHANGES = (

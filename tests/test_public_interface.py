@@ -236,8 +236,12 @@ def create_datasets(upper, lower, function_result, directory):
     options = {"mu0": 0.3, "effective_modulus": 10.0}
     areas = stiction.run(pair_study(upper, lower, load="1 mN", shifts=3, mechanics="asperities", **options))
     lines = stiction.run(pair_study(upper.row(0), lower.row(0), load="10 uN", positions=[0.0], **options))
-    small = {"ensemble.repetitions": 2, "surfaces.points": 3000, "contact.approach": ["5 nm", "20 nm", "40 nm"]}
-    generated_dataset = stiction.run(stiction.Study.named("quick").with_changes(small)).dataset
+    small_study_changes = {
+        "ensemble.repetitions": 2,
+        "surfaces.points": 3000,
+        "contact.approach": ["5 nm", "20 nm", "40 nm"],
+    }
+    generated_dataset = stiction.run(stiction.Study.named("quick").with_changes(small_study_changes)).dataset
     loads = [1e-3, 2e-3]
     datasets = [dataset for result in (areas, lines) for dataset in (result.at(), result.at(per_member=True))] + [
         generated_dataset
@@ -307,8 +311,8 @@ def test_contacts_method_of_a_result_returns_contacts_of_the_most_typical_pair_b
 
 
 def test_contacts_of_a_generated_result_equal_those_computed_directly():
-    small = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
-    study = stiction.Study.named("quick").with_changes(small)
+    small_study_changes = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
+    study = stiction.Study.named("quick").with_changes(small_study_changes)
     result = stiction.run(study).contacts(1e-3, members=[0, 1])
     member_contacts = result[(result["fractal_dimension"] == 1.4) & (result["member"] == 1)]
     upper, lower = stiction.pair_of(

@@ -712,7 +712,7 @@ def test_job_of_a_killed_command_fails_with_the_name_of_the_signal(tmp_path):
         with server.block_commands(0):
             server.post_json("/jobs", {"command": "pair", "upper": upper, "lower": lower, "options": options})
             wait_until(server.list_jobs, lambda jobs: jobs[0]["total"])
-            for process_id in _child_process_ids(server.process.pid):
+            for process_id in _list_child_process_ids(server.process.pid):
                 memory_bytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
                 assert resource.prlimit(process_id, resource.RLIMIT_DATA)[0] <= 0.5 * memory_bytes
                 os.kill(process_id, signal.SIGKILL)
@@ -720,7 +720,7 @@ def test_job_of_a_killed_command_fails_with_the_name_of_the_signal(tmp_path):
         assert "SIGKILL" in job["error"]
 
 
-def _child_process_ids(parent_id):
+def _list_child_process_ids(parent_id):
     process_ids = []
     for status_file in Path("/proc").glob("[0-9]*/stat"):
         with suppress(OSError):  # a listed process may have ended before its status is read

@@ -616,7 +616,7 @@ def load_curve_of_rough_surfaces(rms: float, hardness: float | None = None) -> H
     return half_space(*surfaces, loads, effective_modulus=60.0, boundary="periodic", hardness=hardness, sliding="all")
 
 
-def true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
+def compute_true_coefficient(body: Any, load: float, mu0: float, tau0: float) -> float:
     """Return the static friction coefficient of a ball or a load curve at a load (mN)."""
     if isinstance(body, Ball):
         return mu0 + tau0 * body.area_per_load(load)
@@ -660,7 +660,7 @@ def simulate_coverage(kind: str, count: int) -> np.ndarray:
         tau0 = settings.get("tau0", random.uniform(0.005, 0.05))
         common_factor, tests = 1 + 0.02 * random.standard_normal(), []
         for body, load in loaded_bodies:
-            y = true_coefficient(body, load, mu0, tau0) * common_factor
+            y = compute_true_coefficient(body, load, mu0, tau0) * common_factor
             coefficient = y * (1 + settings.get("noise", 0.03) * random.standard_normal())
             if random.random() < settings.get("outliers", 0.0):
                 coefficient *= random.choice([0.5, 1.5])

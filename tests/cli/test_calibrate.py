@@ -30,7 +30,7 @@ def write_table(path, rows, header="load (mN),coefficient,uncertainty (%)"):
     return path
 
 
-def ball_test_rows():
+def create_ball_test_rows():
     """Return the load, the exact coefficient and the uncertainty (%) of five friction tests on a ball."""
     ball = Ball("5 mm", "3 GPa")
     return [(load, TRUE_MU0 + TRUE_TAU0 * ball.area_per_load(load), 3) for load in (5.0, 20.0, 100.0, 500.0, 2000.0)]
@@ -79,7 +79,7 @@ def two_finishes_directory(tmp_path_factory):
 
 
 def test_calibrate_command_recovers_and_stores_mu0_and_tau0_of_ball_tests(tmp_path):
-    write_table(tmp_path / "forces.csv", ball_test_rows())
+    write_table(tmp_path / "forces.csv", create_ball_test_rows())
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "-o", "film", cwd=tmp_path)
     first_line, *other_lines = completed.stdout.splitlines()
     assert first_line.startswith("μ0 + τ0 A/F = ")
@@ -218,13 +218,13 @@ def test_calibrate_command_rejects_a_contradictory_table_of_friction_tests(tmp_p
     ],
 )
 def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, expected_words):
-    write_table(tmp_path / "forces.csv", ball_test_rows())
+    write_table(tmp_path / "forces.csv", create_ball_test_rows())
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
 def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
-        f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in ball_test_rows()
+        f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in create_ball_test_rows()
     )
     (tmp_path / "forces.csv").write_text(f"{text}\n50;0.1;0.01;0\n", encoding="utf-8")
     completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "--json", cwd=tmp_path)
@@ -233,8 +233,8 @@ def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_pat
 
 def test_calibration_record_has_no_chi_squared_if_tests_have_no_errors(tmp_path):
     for header, rows in (
-        ("load (mN),coefficient,uncertainty", ball_test_rows()),
-        ("load (mN),coefficient", [row[:2] for row in ball_test_rows()]),
+        ("load (mN),coefficient,uncertainty", create_ball_test_rows()),
+        ("load (mN),coefficient", [row[:2] for row in create_ball_test_rows()]),
     ):
         write_table(tmp_path / "forces.csv", rows, header)
         completed = check_stiction("calibrate", "forces.csv", *BALL_OPTIONS, "--json", cwd=tmp_path)
@@ -247,7 +247,7 @@ def test_calibration_record_has_no_chi_squared_if_tests_have_no_errors(tmp_path)
 def test_friction_tests_with_semicolons_and_decimal_commas_are_read_in_any_encoding(tmp_path, encoding):
     rows = [
         f"{1e3 * load:g};{load * coefficient:.6g};{0.03 * load * coefficient:.6g}"
-        for load, coefficient, _ in ball_test_rows()
+        for load, coefficient, _ in create_ball_test_rows()
     ]
     lines_with_points = ["load (uN);force (mN);uncertainty (mN)", *rows]
     lines_with_commas = [
@@ -326,7 +326,7 @@ def test_friction_test_at_a_pressure_rejects_an_uncertainty_of_the_force(two_fin
     ],
 )
 def test_calibrated_interval_of_tau0_contains_values_fitted_at_both_limits_of_the_modulus(tmp_path, ranges):
-    write_table(tmp_path / "forces.csv", ball_test_rows())
+    write_table(tmp_path / "forces.csv", create_ball_test_rows())
     arguments = ("calibrate", "forces.csv", "--ball", "5 mm", "--json", "--sliding", "all")
     completed = check_stiction(*arguments, *ranges, cwd=tmp_path, without_figures=True)
     interval = {value["name"]: value for value in json.loads(completed.stdout)["values"]}["tau0"]

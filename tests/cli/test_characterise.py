@@ -62,7 +62,7 @@ def run_characterise(*arguments, cwd):
     return [line[20:] for line in lines[:table_start]], "\n".join([*table_lines, ""]), written_paths[-1]
 
 
-def normalized_table(text):
+def normalize_table(text):
     return normalize_whitespace(text[text.index("points") :])
 
 
@@ -74,7 +74,7 @@ def normalize_whitespace(text):
 def test_characterise_command_and_library_give_equal_results_for_a_profile(scans_directory, profile):
     levelled_profile = levelled(profile, "line")
     history, output_table, figure = run_characterise("scan.csv", cwd=scans_directory)
-    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
+    assert normalize_whitespace(output_table) == normalize_table(characterisation_text(levelled_profile))
     assert history == [
         "read from scan.csv",
         "spacing 0.01 µm (header and positions agree)",
@@ -85,7 +85,7 @@ def test_characterise_command_and_library_give_equal_results_for_a_profile(scans
     history, output_table, figure = run_characterise(
         "heights.npy", "--unit", "um", "--spacing", "10 nm", cwd=scans_directory
     )
-    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled_profile))
+    assert normalize_whitespace(output_table) == normalize_table(characterisation_text(levelled_profile))
     assert history == ["read from heights.npy", levelled_profile.history[-1]]
 
 
@@ -120,13 +120,13 @@ def test_characterise_command_applies_options_for_units_and_levelling_and_band_a
         "heights.npy", "--unit", "um,nm", "--spacing", "0.01um", "--level", "quadratic", "--band", "0.1 um, 5000nm",
         "--output", "mine.PNG", cwd=scans_directory,
     )  # fmt: skip
-    assert normalize_whitespace(output_table) == normalized_table(
+    assert normalize_whitespace(output_table) == normalize_table(
         characterisation_text(levelled(profile_in_nm, "quadratic"), band=(0.1, 5.0))
     )
     assert history[-1] == "levelled by a parabola"
     assert figure == scans_directory / "mine.PNG"
     history, output_table, _ = run_characterise("scan.csv", "--level", "none", cwd=scans_directory)
-    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(profile))
+    assert normalize_whitespace(output_table) == normalize_table(characterisation_text(profile))
     assert not any("levelled" in step for step in history)
 
 
@@ -147,14 +147,14 @@ def test_characterise_command_fills_or_masks_missing_points_and_selects_the_give
     data_lines = [f"{index},{line},7" for index, line in enumerate(lines[header_index + 1 :])]
     (scans_directory / "wide.csv").write_text("\n".join(["n,x (um),z (um),t (s)", *data_lines]), encoding="utf-8")
     history, output_table, _ = run_characterise("wide.csv", "--columns", "x,z", cwd=scans_directory)
-    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
+    assert normalize_whitespace(output_table) == normalize_table(characterisation_text(levelled(profile, "line")))
     assert history[:2] == ["read from wide.csv", "columns 1 (x (um)), 2 (z (um))"]
 
 
 def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(scans_directory, surface):
     options = ["map.npy", "--unit", "um", "--spacing", "0.05 um,0.1 um"]
     history, output_table, figure = run_characterise(*options, cwd=scans_directory)
-    assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(surface, "plane")))
+    assert normalize_whitespace(output_table) == normalize_table(characterisation_text(levelled(surface, "plane")))
     assert history == ["read from map.npy", "levelled by a plane"]
     assert imread(figure).shape[1] == pytest.approx(170 / 25.4 * 300, abs=2)
     rows = {profile[:19].strip(): profile[20:].rstrip() for profile in output_table.splitlines()}
@@ -163,7 +163,7 @@ def test_characterise_command_prints_the_roughness_of_a_map_and_of_its_profiles(
     assert float(rows["Sq"].split()[0]) == pytest.approx(np.std(levelled(surface, "plane").heights), rel=1e-3)
     for option, profile in (("--row", surface.row(7)), ("--column", surface.column(7))):
         history, output_table, _ = run_characterise(*options, option, 7, cwd=scans_directory)
-        assert normalize_whitespace(output_table) == normalized_table(characterisation_text(levelled(profile, "line")))
+        assert normalize_whitespace(output_table) == normalize_table(characterisation_text(levelled(profile, "line")))
         assert history == ["read from map.npy", f"{option[2:]} 7", "levelled by a line"]
 
 
@@ -306,7 +306,7 @@ def test_characterise_command_filters_a_scan_at_a_cutoff_and_reports_a_blunt_tip
     filtered_profile = cut_off(levelled(profile, "line"), 0.5)
     history, output_table, _ = run_characterise("scan.csv", "--cutoff", "500 nm", "--tip", "1 um", cwd=scans_directory)
     assert history[-1] == filtered_profile.history[-1]
-    assert normalized_table(characterisation_text(filtered_profile, tip_radius=1.0)) == normalize_whitespace(
+    assert normalize_table(characterisation_text(filtered_profile, tip_radius=1.0)) == normalize_whitespace(
         output_table
     )
     _, table_of_blunt_tip, _ = run_characterise("scan.csv", "--tip", "100 um", cwd=scans_directory)

@@ -135,14 +135,14 @@ def test_shear_test_interrupted_while_solving_resumes_with_identical_results(tmp
     with pytest.raises(KeyboardInterrupt):
         shear_test(*create_faces(), directory=tmp_path / "test", progress=Interruption(7), **options)
     solved_contacts = count_solved_contacts(monkeypatch)
-    resumed = shear_test(*create_faces(), directory=tmp_path / "test", **options)
+    resumed_test = shear_test(*create_faces(), directory=tmp_path / "test", **options)
     assert 0 < len(solved_contacts) < 16
-    xarray.testing.assert_identical(resumed.drop_attrs(), uninterrupted_test.drop_attrs())
+    xarray.testing.assert_identical(resumed_test.drop_attrs(), uninterrupted_test.drop_attrs())
     assert [path.name for path in (tmp_path / "test").iterdir()] == ["shear.nc"]
     solved_contacts.clear()
-    opened = shear_test(*create_faces(), directory=tmp_path / "test", **options)
+    opened_test = shear_test(*create_faces(), directory=tmp_path / "test", **options)
     assert not solved_contacts
-    np.testing.assert_array_equal(opened.friction_coefficient, uninterrupted_test.friction_coefficient)
+    np.testing.assert_array_equal(opened_test.friction_coefficient, uninterrupted_test.friction_coefficient)
 
 
 def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical_results(tmp_path, monkeypatch):
@@ -159,10 +159,10 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     # Seven shear curves are computed: the test itself, the tests at two limits of the hardness, and four strips.
     assert sorted(set(counts.calls)) == list(range(3 * 7 + 1))
     solved_contacts = count_solved_contacts(monkeypatch)
-    resumed = shear_test(*faces, directory=tmp_path / "test", **options)
+    resumed_test = shear_test(*faces, directory=tmp_path / "test", **options)
     assert 0 < len(solved_contacts) < 20
-    xarray.testing.assert_identical(resumed.drop_attrs(), uninterrupted_test.drop_attrs())
-    assert {name: value for name, value in resumed.attrs.items() if name != "key"} == pytest.approx(
+    xarray.testing.assert_identical(resumed_test.drop_attrs(), uninterrupted_test.drop_attrs())
+    assert {name: value for name, value in resumed_test.attrs.items() if name != "key"} == pytest.approx(
         uninterrupted_test.attrs, nan_ok=True
     )
 

@@ -47,12 +47,12 @@ def scale_heights(bodies, upper, lower=None):
     return [body.changed(body.heights * factor, "scaled") for body, factor in zip(bodies, factors, strict=True)]
 
 
-def mean_values(table, rule="all"):
+def get_mean_values(table, rule="all"):
     table = table.sel(statistic="mean")
     return np.squeeze((table.sel(sliding=rule) if "sliding" in table.dims else table).values)
 
 
-def requested_loads(result):
+def get_requested_loads(result):
     return [float(load) for load in result.study.friction.load]
 
 
@@ -74,8 +74,8 @@ def result(bodies):
 
 
 def test_result_at_a_height_factor_of_1_equals_the_unscaled_result(result):
-    scaled_table = evaluate_at_height_factors(result.source, 1, requested_loads(result)).isel(height_scale=0)
-    expected = add_uncertainty(at_load(result.source, requested_loads(result)), result.source).isel(cut_off=0)
+    scaled_table = evaluate_at_height_factors(result.source, 1, get_requested_loads(result)).isel(height_scale=0)
+    expected = add_uncertainty(at_load(result.source, get_requested_loads(result)), result.source).isel(cut_off=0)
     for name in ("mean_friction", "friction_combined", "contact_area_fraction", "normal_stiffness", "rms_gradient"):
         assert np.array_equal(scaled_table[name], expected[name].transpose(*scaled_table[name].dims), equal_nan=True), (
             name
@@ -85,7 +85,7 @@ def test_result_at_a_height_factor_of_1_equals_the_unscaled_result(result):
 def test_area_of_plastic_contacts_equals_load_divided_by_hardness_at_every_height_factor(bodies):
     pair_result = pair(*bodies, **PAIR_OPTIONS | {"hardness": "0.1 GPa", "effective_modulus": "1000 GPa"})
     table = pair_result.at(height_scale=[0.5, 1, 4], compute=True)
-    assert mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
+    assert get_mean_values(table["contact_area_fraction"]) == pytest.approx(0.02 / 0.1, rel=0.02)
 
 
 @pytest.mark.parametrize("hardness", [{}, {"hardness": "0.2 GPa"}])
@@ -97,22 +97,24 @@ def test_scaling_heights_has_the_same_effect_as_scaling_modulus(hardness):
     table = pair(*flat_surfaces, **kwargs).at(height_scale=[0.5, 2], compute=True)
     for index, factor in enumerate((0.5, 2)):
         stiffer_table = pair(*flat_surfaces, **kwargs | {"effective_modulus": f"{80 * factor} GPa"}).at()
-        assert mean_values(table["contact_area"])[index] == pytest.approx(
-            mean_values(stiffer_table["contact_area"]), rel=SOLUTION_TOLERANCE
+        assert get_mean_values(table["contact_area"])[index] == pytest.approx(
+            get_mean_values(stiffer_table["contact_area"]), rel=SOLUTION_TOLERANCE
         )
-        stiffness = factor * mean_values(table["normal_stiffness"])[index]
-        assert stiffness == pytest.approx(mean_values(stiffer_table["normal_stiffness"]), rel=SOLUTION_TOLERANCE)
+        stiffness = factor * get_mean_values(table["normal_stiffness"])[index]
+        assert stiffness == pytest.approx(get_mean_values(stiffer_table["normal_stiffness"]), rel=SOLUTION_TOLERANCE)
 
 
 # ---- Against scaled bodies -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("scaled", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
-def test_result_at_a_stored_height_factor_equals_the_result_of_scaled_surfaces(bodies, result, scaled, factors):
-    table = evaluate_at_height_factors(result.source, [2], requested_loads(result), scaled=scaled).isel(height_scale=0)
+@pytest.mark.parametrize(("scaled_bodies", "factors"), [("both", (2, 2)), ("upper", (2, 1))])
+def test_result_at_a_stored_height_factor_equals_the_result_of_scaled_surfaces(bodies, result, scaled_bodies, factors):
+    table = evaluate_at_height_factors(result.source, [2], get_requested_loads(result), scaled=scaled_bodies).isel(
+        height_scale=0
+    )
     scaled_result = pair(*scale_heights(bodies, *factors), **PAIR_OPTIONS | HARDNESS_OPTION)
     expected = add_uncertainty(
-        at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
+        at_load(scaled_result.source, get_requested_loads(scaled_result)), scaled_result.source
     ).isel(cut_off=0)
     for name in ("mean_friction", "friction_combined", "contact_area", "normal_stiffness", "rms_gradient"):
         np.testing.assert_allclose(
@@ -142,8 +144,8 @@ def test_height_factor_scales_every_scan_of_each_face(bodies):
     expected = pair(
         [scan[0] for scan in scaled_scans], [scan[1] for scan in scaled_scans], **PAIR_OPTIONS | HARDNESS_OPTION
     )
-    assert mean_values(table["contact_area"]) == pytest.approx(
-        mean_values(expected.at()["contact_area"]), rel=SCALING_TOLERANCE
+    assert get_mean_values(table["contact_area"]) == pytest.approx(
+        get_mean_values(expected.at()["contact_area"]), rel=SCALING_TOLERANCE
     )
 
 
@@ -154,8 +156,8 @@ def test_power_spectrum_is_scaled_by_the_square_of_the_height_factor():
     kwargs = {name: value for name, value in kwargs.items() if value is not None}
     pair_result = pair(spectrum, spectrum, **kwargs)
     table = pair_result.at(height_scale=[1, 2], compute=True)
-    assert mean_values(table["rms_gradient"])[1] == pytest.approx(
-        2 * mean_values(table["rms_gradient"])[0], rel=SCALING_TOLERANCE
+    assert get_mean_values(table["rms_gradient"])[1] == pytest.approx(
+        2 * get_mean_values(table["rms_gradient"])[0], rel=SCALING_TOLERANCE
     )
     assert table["upper_rms"].values[1] == pytest.approx(2 * table["upper_rms"].values[0], rel=SCALING_TOLERANCE)
 
@@ -187,7 +189,7 @@ def test_pull_off_force_decreases_with_the_height_factor():
         *smooth_surfaces, load="2 MPa", mu0=0.3, effective_modulus=80.0, shifts=2, onset=0, work_of_adhesion="50 mJ/m^2"
     )
     table = pair_result.at(height_scale=[0.25, 1], compute=True)
-    pull_off = mean_values(table["pull_off"])
+    pull_off = get_mean_values(table["pull_off"])
     assert pull_off[0] > pull_off[1] > 0
 
 
@@ -204,9 +206,12 @@ def test_interpolation_between_height_factors_has_at_most_the_documented_error(h
         exact_table = pair(
             *scale_heights(create_smooth_maps(rms=0.01), factor), **PAIR_OPTIONS | hardness | {"load": "100 MPa"}
         ).at()
-        coefficient, area = mean_values(table["mean_friction"])[index], mean_values(table["contact_area"])[index]
-        assert coefficient == pytest.approx(mean_values(exact_table["mean_friction"]), rel=MAX_FRICTION_ERROR)
-        assert area == pytest.approx(mean_values(exact_table["contact_area"]), rel=MAX_AREA_ERROR)
+        coefficient, area = (
+            get_mean_values(table["mean_friction"])[index],
+            get_mean_values(table["contact_area"])[index],
+        )
+        assert coefficient == pytest.approx(get_mean_values(exact_table["mean_friction"]), rel=MAX_FRICTION_ERROR)
+        assert area == pytest.approx(get_mean_values(exact_table["contact_area"]), rel=MAX_AREA_ERROR)
     combined_intervals = table["friction_combined"]
     assert (combined_intervals.sel(statistic="lower") <= combined_intervals.sel(statistic="mean")).all()
     assert (combined_intervals.sel(statistic="mean") <= combined_intervals.sel(statistic="upper")).all()
@@ -364,13 +369,13 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
-    assert (mean_values(table["mean_friction"]) > 2 / 6.05).all()  # the softer body shears
+    assert (get_mean_values(table["mean_friction"]) > 2 / 6.05).all()  # the softer body shears
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)
     exact_table = pair(*scale_heights(bodies, 2), **kwargs | {"effective_modulus": "160 GPa"}).at()
-    assert mean_values(table["contact_area"]) == pytest.approx(
-        mean_values(exact_table["contact_area"]), rel=SCALING_TOLERANCE
+    assert get_mean_values(table["contact_area"]) == pytest.approx(
+        get_mean_values(exact_table["contact_area"]), rel=SCALING_TOLERANCE
     )
 
 
@@ -379,7 +384,7 @@ def test_interval_for_uncertain_hardness_at_a_height_factor_equals_that_for_scal
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
     expected = add_uncertainty(
-        at_load(scaled_result.source, requested_loads(scaled_result)), scaled_result.source
+        at_load(scaled_result.source, get_requested_loads(scaled_result)), scaled_result.source
     ).isel(cut_off=0)
     np.testing.assert_allclose(
         table["friction_combined"], expected["friction_combined"].transpose(*table["friction_combined"].dims)
@@ -419,7 +424,7 @@ def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):
     assert {"height_scale", "height_scale_upper"} <= set(result.figures())
     axes = result.figure("height_scale").axes
     assert axes[0].lines[0].get_xdata() == pytest.approx(
-        mean_values(result.at(height_scale=[0.5, 1, 2])["rms_gradient"])
+        get_mean_values(result.at(height_scale=[0.5, 1, 2])["rms_gradient"])
     )
     with disable_drawing():
         page = report_page(result.source)

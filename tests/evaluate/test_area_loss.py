@@ -29,20 +29,20 @@ def press_with_loss(area_loss):
     return press_rubber(area_loss=area_loss)
 
 
-def mean_value(result, name, **inputs):
+def get_mean(result, name, **inputs):
     values = result.at(**inputs)[name].sel(statistic="mean")
     return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
 
 
 def test_area_loss_under_shear_reduces_the_contribution_of_tau0():
     result_without_loss, result_with_loss = press_with_loss(0), press_with_loss(0.2)
-    mu0_part = mean_value(result_without_loss, "mean_friction", tau0=[0.0])
-    parts = [mean_value(result, "mean_friction") - mu0_part for result in (result_without_loss, result_with_loss)]
+    mu0_part = get_mean(result_without_loss, "mean_friction", tau0=[0.0])
+    parts = [get_mean(result, "mean_friction") - mu0_part for result in (result_without_loss, result_with_loss)]
     assert parts[1] == pytest.approx(0.8 * parts[0], rel=SLOPE_TOLERANCE)
-    area = mean_value(result_with_loss, "contact_area")
-    assert area == mean_value(result_without_loss, "contact_area")
-    assert mean_value(result_with_loss, "contact_area_at_onset") == pytest.approx(0.8 * area, rel=1e-12)
-    assert mean_value(result_with_loss, "mean_friction", tau0=[0.0]) == mu0_part
+    area = get_mean(result_with_loss, "contact_area")
+    assert area == get_mean(result_without_loss, "contact_area")
+    assert get_mean(result_with_loss, "contact_area_at_onset") == pytest.approx(0.8 * area, rel=1e-12)
+    assert get_mean(result_with_loss, "mean_friction", tau0=[0.0]) == mu0_part
 
 
 @pytest.mark.parametrize(("options", "text"), [
@@ -63,7 +63,7 @@ def test_friction_interval_of_soft_bodies_agrees_with_a_brute_force_calculation(
     coefficients = np.array(
         [
             [
-                mean_value(result_at_modulus, "mean_friction", mu0=[mu0], tau0=[tau0])
+                get_mean(result_at_modulus, "mean_friction", mu0=[mu0], tau0=[tau0])
                 for mu0, tau0 in ((0.1, 0.0), (0.0, 1e-4))
             ]
             for result_at_modulus in results

@@ -30,7 +30,7 @@ def rough_surfaces(rms=0.05, size=48):
     )
 
 
-def mean_coefficient(result, rule="all", **conditions):
+def get_mean_coefficient(result, rule="all", **conditions):
     point = result.at(**conditions) if conditions else result.at()
     return float(point["mean_friction"].sel(statistic="mean", sliding=rule).isel(cut_off=0, load=0, mu0=0, tau0=0))
 
@@ -50,7 +50,7 @@ def test_friction_of_fully_plastic_contacts_equals_tabor_friction():
         *rough_surfaces(0.01), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"effective_modulus": 1e4}, junction_growth=27
     )
     expected = float(tabor_friction(PLASTIC_OPTIONS["hardness"], **INTERFACE_STRENGTH, alpha=27))
-    assert mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
+    assert get_mean_coefficient(result) == pytest.approx(expected, rel=TABOR_TOLERANCE)
 
 
 @pytest.mark.parametrize("hardness", [0.5, 3.0])
@@ -61,7 +61,9 @@ def test_friction_with_junction_growth_equals_direct_solution_at_the_hardness_un
     direct_result = pair(*rough_surfaces(), **inputs | {"hardness": pressure}, junction_growth=0)
     result = pair(*rough_surfaces(), **inputs, junction_growth=27)
     for rule, tolerance in INTERPOLATION_TOLERANCES.items():
-        assert mean_coefficient(result, rule) == pytest.approx(mean_coefficient(direct_result, rule), rel=tolerance)
+        assert get_mean_coefficient(result, rule) == pytest.approx(
+            get_mean_coefficient(direct_result, rule), rel=tolerance
+        )
     area = result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze()
     assert float(area) == pytest.approx(
         float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02
@@ -79,7 +81,7 @@ def test_result_at_zero_junction_growth_equals_result_without_junction_growth(re
 
 
 def test_friction_at_zero_tau0_is_independent_of_junction_growth(growth_result, result_without_growth):
-    assert mean_coefficient(growth_result, tau0=[0.0]) == mean_coefficient(result_without_growth, tau0=[0.0])
+    assert get_mean_coefficient(growth_result, tau0=[0.0]) == get_mean_coefficient(result_without_growth, tau0=[0.0])
     table = growth_result.at(tau0=[0.0])
     assert (
         table["contact_area_at_onset"].sel(statistic="mean") > 1.1 * table["contact_area"].sel(statistic="mean")
@@ -97,8 +99,8 @@ def test_interval_at_zero_tau0_is_finite_although_larger_tau0_causes_seizure(gro
 
 def test_friction_with_junction_growth_at_other_mu0_and_tau0_agrees_with_direct_solution(growth_result):
     direct_result = pair(*rough_surfaces(), **PLASTIC_OPTIONS | {"mu0": 0.1, "tau0": 0.03}, junction_growth=27)
-    assert mean_coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(
-        mean_coefficient(direct_result), rel=5e-3
+    assert get_mean_coefficient(growth_result, mu0=[0.1], tau0=[0.03]) == pytest.approx(
+        get_mean_coefficient(direct_result), rel=5e-3
     )
 
 
@@ -117,8 +119,8 @@ def test_friction_interval_contains_results_at_both_limits_of_junction_growth():
     ]
     assert result.study.contact.junction_growth == 13.5
     lower, upper = result.interval
-    assert lower == pytest.approx(mean_coefficient(results_at_ends[0]), rel=0.02)
-    assert upper == pytest.approx(mean_coefficient(results_at_ends[1]), rel=0.02)
+    assert lower == pytest.approx(get_mean_coefficient(results_at_ends[0]), rel=0.02)
+    assert upper == pytest.approx(get_mean_coefficient(results_at_ends[1]), rel=0.02)
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
@@ -129,7 +131,7 @@ def test_range_of_junction_growth_above_zero_raises_only_the_upper_limit_of_the_
     result = Result.of(growth_result.with_study(study))
     assert result.value == pytest.approx(result_without_growth.value, rel=1e-12)
     assert result.interval[0] <= result_without_growth.value
-    assert result.interval[1] == pytest.approx(mean_coefficient(growth_result), rel=0.02)
+    assert result.interval[1] == pytest.approx(get_mean_coefficient(growth_result), rel=0.02)
     assert result.budget["input"].iloc[0] == "the junction growth α"
 
 
@@ -211,7 +213,7 @@ def test_junction_growth_after_a_dwell_uses_the_reduced_hardness():
     softer_result = pair(
         *rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": 0.5 * 100**-0.05}, junction_growth=27
     )
-    assert aged_coefficient == pytest.approx(mean_coefficient(softer_result), rel=0.01)
+    assert aged_coefficient == pytest.approx(get_mean_coefficient(softer_result), rel=0.01)
 
 
 @pytest.mark.parametrize(("options", "text"), [
@@ -254,7 +256,7 @@ WEAK_INTERFACE = {"mu0": 0.2, "tau0": 0.03}
 def test_slip_line_theory_gives_the_closed_form_friction_of_fully_plastic_contacts():
     options = PLASTIC_OPTIONS | WEAK_INTERFACE | {"effective_modulus": 1e4, "junction_growth": "slip-line 5.6"}
     expected = FrictionLaw(0.2, 0.03, 5.6, uses_slip_lines=True).plastic_coefficient(0.5)
-    assert mean_coefficient(pair(*rough_surfaces(0.01), **options)) == pytest.approx(float(expected), rel=0.01)
+    assert get_mean_coefficient(pair(*rough_surfaces(0.01), **options)) == pytest.approx(float(expected), rel=0.01)
 
 
 @pytest.mark.parametrize(("hardness", "mu0", "tau0"), [(2.0, 0.2, 0.1), (5.0, 0.1, 0.5)])
@@ -266,7 +268,7 @@ def test_slip_line_theory_agrees_with_solutions_of_sheared_contacts_at_the_hardn
         pair(*rough_surfaces(size=128), **options, hardness=given_hardness, junction_growth=growth)
         for given_hardness, growth in ((pressure, 0), (hardness, "slip-line 5.6"))
     )
-    assert mean_coefficient(result) == pytest.approx(mean_coefficient(direct_result), rel=0.02)
+    assert get_mean_coefficient(result) == pytest.approx(get_mean_coefficient(direct_result), rel=0.02)
     area = float(result.at()["contact_area_at_onset"].sel(statistic="mean").squeeze())
     assert area == pytest.approx(float(direct_result.at()["contact_area"].sel(statistic="mean").squeeze()), rel=0.02)
 

@@ -179,7 +179,7 @@ def test_dataset_of_values_at_each_position_has_units_and_inputs_and_version(res
 
 
 def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
-    def nondimensional_members(bodies, loads, length, **options):
+    def compute_nondimensional_members(bodies, loads, length, **options):
         members = run_pair(*bodies, loads, detection="gap-minimum", mu0=0.3, **options).at(per_member=True)
         names = [
             name for name in members.data_vars if members[name].attrs.get("units") in ("1", "mN", "um", "um^2", "GPa")
@@ -187,8 +187,8 @@ def test_nondimensional_values_are_invariant_under_scaling(profile_pair):
         return nondimensional(members[names], length=length)
 
     scaled_pair = [Profile(3 * item.heights, spacing=3 * item.spacing) for item in profile_pair]
-    original = nondimensional_members(profile_pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
-    scaled_members = nondimensional_members(
+    original = compute_nondimensional_members(profile_pair, [0.01], 1.0, positions=[0.0, 5.0], tau0=0.1)
+    scaled_members = compute_nondimensional_members(
         scaled_pair, [0.01 * 9 * 2], 3.0, positions=[0.0, 15.0], tau0=0.2, effective_modulus=20.0
     )
     assert set(original.variables) == set(scaled_members.variables)

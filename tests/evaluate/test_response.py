@@ -38,7 +38,7 @@ def press_rough_pair(hardness=HARDNESS, **options):
     return pair(*rough_pair(), **PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": hardness} | options)
 
 
-def mean_value(result, name):
+def get_mean(result, name):
     return float(result.at_study_loads[name].sel(statistic="mean").squeeze())
 
 
@@ -62,8 +62,8 @@ def test_true_area_follows_from_the_elastic_area_in_closed_form(result):
     elastic_area = solve_members(result, load, None).mean()
     expected = float(yielded_area(elastic_area, load, HARDNESS, 1.25))
     assert expected > 1.05 * solve_members(result, load, HARDNESS).mean()
-    assert mean_value(result, "contact_area") == pytest.approx(expected, rel=1e-9)
-    assert mean_value(result, "mean_pressure") == pytest.approx(load / expected, rel=0.02)
+    assert get_mean(result, "contact_area") == pytest.approx(expected, rel=1e-9)
+    assert get_mean(result, "mean_pressure") == pytest.approx(load / expected, rel=0.02)
 
 
 def test_adhesive_friction_is_proportional_to_the_true_area(result):
@@ -141,7 +141,7 @@ def test_area_evaluated_at_another_hardness_or_modulus_equals_that_of_a_direct_s
         load, hardness=changes.get("hardness", HARDNESS), modulus=changes.get("effective_modulus", MODULUS) / MODULUS,
         yield_exponent=changes.get("yield_exponent", 1.25),
     ) / area(load)  # fmt: skip
-    expected = mean_value(direct_result, "contact_area") / mean_value(result, "contact_area")
+    expected = get_mean(direct_result, "contact_area") / get_mean(result, "contact_area")
     # The tolerance is large because this pair has few contacts.
     assert float(ratio) == pytest.approx(expected, rel=0.01)
 
@@ -159,7 +159,7 @@ def test_interval_of_the_area_contains_the_areas_at_both_limits_of_the_hardness(
     value, lower, upper = (float(estimate.sel(statistic=name)) for name in ("mean", "lower", "upper"))
     sampling = result_of_range.at()["contact_count"].squeeze()
     assert sampling.sel(statistic="lower") < sampling.sel(statistic="mean")
-    areas = [mean_value(press_rough_pair(hardness, yield_exponent=1.25), "contact_area") for hardness in (0.8, 1.25)]
+    areas = [get_mean(press_rough_pair(hardness, yield_exponent=1.25), "contact_area") for hardness in (0.8, 1.25)]
     assert lower == pytest.approx(areas[1], rel=0.02)
     assert upper == pytest.approx(areas[0], rel=0.02)
     assert lower < areas[1] < value < areas[0] < upper
@@ -174,12 +174,12 @@ def test_limits_of_the_closure_interval_are_closures_at_the_limits_of_the_uncert
     options = {"hardness": 1.0, "effective_modulus": 80.0, "load": "50 MPa", "cutoff": "none", "onset": 0, "mu0": 0.2}
     options |= {"yield_exponent": 1.15, "junction_growth": 0}
     values_of_range = pair(gap=upper, **options | {name: f"{limits[0]}..{limits[1]} GPa"}).at()
-    central_closure = mean_value(pair(gap=upper, **options), "closure")
+    central_closure = get_mean(pair(gap=upper, **options), "closure")
     lower, upper_limit = (
         float(values_of_range["closure"].sel(statistic=statistic).squeeze()) / central_closure
         for statistic in ("lower", "upper")
     )
-    direct = [mean_value(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
+    direct = [get_mean(pair(gap=upper, **options | {name: limit}), "closure") for limit in limits]
     expected = np.array(sorted(direct)) / central_closure
     assert (lower, upper_limit) == pytest.approx(tuple(expected), abs=0.2 * np.ptp(expected))
 
@@ -267,7 +267,7 @@ def test_stiffness_evaluated_at_another_hardness_or_modulus_agrees_with_a_direct
     for name, ratio, tolerance in (
         ("unloading_stiffness", unloading, 0.1), ("normal_stiffness", loading, 0.2),
     ):  # fmt: skip
-        expected = mean_value(direct_result, name) / mean_value(result, name)
+        expected = get_mean(direct_result, name) / get_mean(result, name)
         assert float(ratio) == pytest.approx(expected, rel=tolerance)
 
 
@@ -304,7 +304,7 @@ def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yiel
 def test_missing_elastic_areas_of_an_unfinished_result_are_estimated(result):
     dataset = result.dataset
     unfinished_dataset = dataset.assign(elastic_area=dataset["elastic_area"] * np.nan)
-    areas = [mean_value(type(result)(pair_dataset), "contact_area") for pair_dataset in (dataset, unfinished_dataset)]
+    areas = [get_mean(type(result)(pair_dataset), "contact_area") for pair_dataset in (dataset, unfinished_dataset)]
     assert areas[1] == pytest.approx(areas[0], rel=0.25)
     table = type(result)(unfinished_dataset).at()
     assert np.isfinite(table["friction_combined"]).all()
@@ -315,8 +315,8 @@ def test_hardness_does_not_change_the_area_of_adhesive_contacts_that_do_not_yiel
     options = PAIR_OPTIONS | {"load": "0.2 MPa", "work_of_adhesion": "0.2 J/m^2", "adhesion_range": "2 nm"}
     result, softer_result = (pair(*maps, **options, hardness=hardness) for hardness in (3.0, 2.0))
     area, load = result.compute_once(build_area_functions)[0], float(result.study.friction.load[0])
-    assert mean_value(softer_result, "contact_area") == pytest.approx(mean_value(result, "contact_area"), rel=1e-3)
-    assert float(area(load)) == pytest.approx(mean_value(result, "contact_area"), rel=0.01)
+    assert get_mean(softer_result, "contact_area") == pytest.approx(get_mean(result, "contact_area"), rel=1e-3)
+    assert float(area(load)) == pytest.approx(get_mean(result, "contact_area"), rel=0.01)
     assert float(area(load, hardness=2.0)) == pytest.approx(float(area(load)), rel=1e-12)
 
 
@@ -324,11 +324,13 @@ def test_stiffness_of_scaled_heights_agrees_with_a_direct_solution(result):
     maps = rough_pair()
     scaled_maps = [type(surface)(1.1 * surface.heights, spacing=surface.spacing) for surface in maps]
     options = PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}
-    base, scaled = pair(*maps, **options), pair(*scaled_maps, **options)
+    unscaled_result, scaled_result = pair(*maps, **options), pair(*scaled_maps, **options)
     dims = ("cut_off", "sliding", "load", "mu0", "tau0")
-    _, intervals = next(_iterate_intervals(base, base.at_study_loads, dims, NO_UNCERTAIN_INPUTS, {}, {}))
+    _, intervals = next(
+        _iterate_intervals(unscaled_result, unscaled_result.at_study_loads, dims, NO_UNCERTAIN_INPUTS, {}, {})
+    )
     inputs = replace(intervals.response.central, height_factor=1.1)
     loading, *_ = intervals.response.stiffness_ratios(inputs, intervals.response.areas_before_shear(inputs).true)
     assert float(loading) == pytest.approx(
-        mean_value(scaled, "normal_stiffness") / mean_value(base, "normal_stiffness"), rel=0.05
+        get_mean(scaled_result, "normal_stiffness") / get_mean(unscaled_result, "normal_stiffness"), rel=0.05
     )

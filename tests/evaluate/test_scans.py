@@ -30,7 +30,7 @@ def rough_scan(seed: int, side: str, gradient: float = 1.0, points: int = 32) ->
     )  # fmt: skip
 
 
-def expected_scan_indices(upper: int, lower: int, times: int = 1):
+def list_expected_scan_indices(upper: int, lower: int, times: int = 1):
     """Return the indices of the upper and the lower scan of each member."""
     upper_scans, lower_scans = np.divmod(np.arange(upper * lower), lower)
     return np.tile(upper_scans, times), np.tile(lower_scans, times)
@@ -42,7 +42,7 @@ def expected_scan_indices(upper: int, lower: int, times: int = 1):
 def test_variance_of_the_mean_over_scans_is_computed_from_mean_squares() -> None:
     rng = np.random.default_rng(4)
     table = rng.standard_normal((4, 1)) * 3 + rng.standard_normal((1, 5)) * 2 + 0.3 * rng.standard_normal((4, 5))
-    result = average_scan_pairs(table.ravel(), *expected_scan_indices(4, 5))
+    result = average_scan_pairs(table.ravel(), *list_expected_scan_indices(4, 5))
     rows, columns = table.mean(axis=1), table.mean(axis=0)
     residuals = (table - rows[:, None] - columns + table.mean()).ravel()
     mean_squares = 5 * rows.var(ddof=1), 4 * columns.var(ddof=1), residuals @ residuals / 12
@@ -70,7 +70,7 @@ def test_mean_over_scans_of_one_face_has_a_student_t_interval() -> None:
 
 def test_mean_over_scans_omits_missing_values() -> None:
     rng = np.random.default_rng(1)
-    upper, lower = expected_scan_indices(3, 3, times=2)
+    upper, lower = list_expected_scan_indices(3, 3, times=2)
     values = rng.standard_normal(18)
     values[4] = np.nan
     result = average_scan_pairs(values, upper, lower)
@@ -93,7 +93,7 @@ def test_intervals_from_several_scans_contain_the_true_mean_and_a_single_frictio
     covered, covered_tests, times = [], [], 2
     for upper, lower in SCAN_COUNTS:
         for _ in range(200):
-            upper_scans, lower_scans = expected_scan_indices(upper, lower, times)
+            upper_scans, lower_scans = list_expected_scan_indices(upper, lower, times)
             coefficients = simulate_coefficient(
                 random_gradients(upper)[upper_scans], random_gradients(lower)[lower_scans]
             )

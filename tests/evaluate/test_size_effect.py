@@ -24,7 +24,7 @@ def press_metals(**options):
     return pair(*rough_maps(5, rms=0.05, shortest_wavelength=0.4), **METAL_OPTIONS | options)
 
 
-def mean_value(result, name):
+def get_mean(result, name):
     values = result.at()[name].sel(statistic="mean")
     return values.sel(sliding="all").item() if "sliding" in values.dims else values.item()
 
@@ -50,7 +50,7 @@ def test_contact_hardness_is_the_hardness_at_the_indentation_depth_of_the_contac
     without_indent, result = press_metals(), press_metals(indent="2 um")
     depth = estimate_indentation_depth(
         *(
-            mean_value(press_metals(yield_exponent=10.0), name)
+            get_mean(press_metals(yield_exponent=10.0), name)
             for name in ("contact_area", "contact_count", "rms_gradient")
         )
     )
@@ -61,14 +61,14 @@ def test_contact_hardness_is_the_hardness_at_the_indentation_depth_of_the_contac
         assert limit == pytest.approx(0.5 * factor, rel=0.05)
     harder_result = press_metals(hardness=float(value))
     for name, tolerance in (("mean_friction", 0.01), ("contact_area", 0.03), ("contact_area_at_onset", 0.03)):
-        assert mean_value(result, name) == pytest.approx(mean_value(harder_result, name), rel=tolerance)
-    assert mean_value(result, "mean_friction") < mean_value(without_indent, "mean_friction")
-    assert mean_value(result, "closure") == mean_value(without_indent, "closure")
+        assert get_mean(result, name) == pytest.approx(get_mean(harder_result, name), rel=tolerance)
+    assert get_mean(result, "mean_friction") < get_mean(without_indent, "mean_friction")
+    assert get_mean(result, "closure") == get_mean(without_indent, "closure")
 
 
 def test_hardness_test_as_shallow_as_the_contacts_leaves_friction_nearly_unchanged():
     depth = estimate_indentation_depth(
-        *(mean_value(press_metals(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
+        *(get_mean(press_metals(), name) for name in ("contact_area", "contact_count", "rms_gradient"))
     )
     result = press_metals(indent=float(depth))
     assert result.value == pytest.approx(press_metals().value, rel=5e-3)
@@ -87,7 +87,7 @@ def test_interval_with_an_indentation_agrees_with_results_at_the_limits_of_the_s
     )
     text = f"measured 2 µm deep, {value} [{lower}, {upper}] in the contacts"
     assert text in inputs_text(result.summary().first)
-    assert result.summary().first.hardness == pytest.approx(mean_value(result, "contact_hardness"))
+    assert result.summary().first.hardness == pytest.approx(get_mean(result, "contact_hardness"))
 
 
 UNCERTAIN_GROWTH_AND_HARDNESS = {"junction_growth": "slip-line 5.14..6.05", "hardness": "0.5 GPa ± 10 %"}
@@ -163,7 +163,7 @@ def test_caveat_about_the_size_effect_and_contact_hardness_use_the_same_depth():
     )
     depth = 1e-3 * float(text.split(" nm deep")[0].split()[-1])
     expected = 0.5 * size_effect_factor(np.sqrt(0.2), depth, 2.0)
-    assert mean_value(press_metals(yield_exponent=0.7, indent="2 um"), "contact_hardness") == pytest.approx(
+    assert get_mean(press_metals(yield_exponent=0.7, indent="2 um"), "contact_hardness") == pytest.approx(
         expected, rel=3e-3
     )
 

@@ -275,7 +275,7 @@ HYPOTHESIS_SETTINGS = settings(max_examples=25, derandomize=True)
 OPPOSITE_DIRECTIONS = {"+x": "-x", "-x": "+x"}
 
 
-def reversed_shear_options(choices):
+def reverse_shear_options(choices):
     return choices | {"shear": OPPOSITE_DIRECTIONS[choices["shear"]]}
 
 
@@ -299,7 +299,7 @@ class TestProfileScalingAndSymmetry:
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
         sums_of_transformed_pair = stack_sums(
-            press(*transform(pair), [approach], law=law, **reversed_shear_options(choices))
+            press(*transform(pair), [approach], law=law, **reverse_shear_options(choices))
         )
         assert_close(sums_of_transformed_pair, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
 

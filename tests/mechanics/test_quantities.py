@@ -45,7 +45,7 @@ def create_surfaces():
     return tuple(Surface(rough_heights((40, 40), seed), spacing=0.5) for seed in (3, 4))
 
 
-def small_named_study(name, **changes):
+def load_small_study(name, **changes):
     small_changes = {"ensemble.repetitions": 2, "surfaces.fractal_dimension": [1.2, 1.4]}
     return Study.named(name).with_changes(small_changes | changes)
 
@@ -56,10 +56,10 @@ def datasets_by_title(no_contact_pictures):
     areal_changes = {"surfaces.shape": [64, 64], "surfaces.extent": ["2 um", "2 um"]}
     half_space = {"shifts": 3, "mechanics": "half-space", "direction": [0, 180]}
     result = {
-        "generated": run(small_named_study("quick", **{"surfaces.points": 2000})).dataset,
-        "generated areas": run(small_named_study("figure6-areal", **areal_changes)).dataset,
-        "generated half-planes": run(small_named_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
-        "generated onset": run(small_named_study("presliding", **{"surfaces.points": 2000})).dataset,
+        "generated": run(load_small_study("quick", **{"surfaces.points": 2000})).dataset,
+        "generated areas": run(load_small_study("figure6-areal", **areal_changes)).dataset,
+        "generated half-planes": run(load_small_study("figure6-half-plane", **{"surfaces.points": 512})).dataset,
+        "generated onset": run(load_small_study("presliding", **{"surfaces.points": 2000})).dataset,
         "lines": pair(*create_profiles(), **PAIR_OPTIONS, mechanics="asperities", offsets=4).dataset,
         "half-planes": pair(
             *create_profiles(), **PAIR_OPTIONS, mechanics="half-space", offsets=4, hardness="1 GPa"
@@ -96,7 +96,7 @@ def iterate_variables(datasets):
             yield title, str(name), item
 
 
-def normalized_dims(name, dataset):
+def normalize_dims(name, dataset):
     """Return the dimensions of a variable as the table of quantities lists them, without cells and members."""
     omitted_dims = {"fractal_dimension", "amplitude", "cut_off", "repetition", "statistic"}
     renamed_dims = {"approach": "step", "load": "step"}
@@ -119,7 +119,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_listed_in_the_table_of_
             listed_dims = {
                 item for item in quantity.along if item not in ("sliding", "direction") or item in dataset.dims
             }
-            assert normalized_dims(name, dataset) == listed_dims, f"{name} of {title}"
+            assert normalize_dims(name, dataset) == listed_dims, f"{name} of {title}"
             assert dataset[name].dtype == np.dtype(quantity.dtype), f"{name} of {title}"
             assert quantity.stored, f"{name} of {title}"
 
@@ -128,13 +128,13 @@ def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantiti
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
             if name == "status":  # The status is that of the coefficient of friction, not of the contact.
-                assert normalized_dims(name, dataset) == normalized_dims("friction_coefficient", dataset)
+                assert normalize_dims(name, dataset) == normalize_dims("friction_coefficient", dataset)
             else:
                 # The mean load depends on the sliding rule, mu0 and tau0, and so do all quantities at this load.
                 extra_dims = {"sliding", "mu0", "tau0"} if dataset.attrs["load_definition"] == "mean" else set()
                 missing_dimensions = {"sliding", "direction"} - set(dataset.dims)
                 assert (
-                    normalized_dims(name, dataset) - extra_dims
+                    normalize_dims(name, dataset) - extra_dims
                     == {*QUANTITIES[name].along} - extra_dims - missing_dimensions
                 ), f"{name} of {title}"
 

@@ -65,8 +65,8 @@ def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angl
 def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
     result = run_shear_test(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
     assert result.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
-    smooth = run_shear_test(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
-    assert smooth.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
+    smooth_result = run_shear_test(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
+    assert smooth_result.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
 
 
 def test_sawtooth_slides_by_itself_after_its_tips_have_passed_each_other():
@@ -130,25 +130,28 @@ def test_shear_test_of_perfectly_mated_faces_starts_in_complete_contact():
 
 def test_mirrored_faces_have_the_same_shear_curve_in_the_opposite_direction():
     face = create_rough_map()
-    mirrored = Surface(face.heights[:, ::-1], spacing=face.spacing)
+    mirrored_face = Surface(face.heights[:, ::-1], spacing=face.spacing)
     options = {"path": "150 um", "steps": 5, "mu0": 0.6, "hardness": "200 MPa"}
-    forward, backward = run_shear_test(face, direction=0, **options), run_shear_test(mirrored, direction=180, **options)
+    forward_result, backward_result = (
+        run_shear_test(face, direction=0, **options),
+        run_shear_test(mirrored_face, direction=180, **options),
+    )
     for name in ("friction_coefficient", "dilation", "contact_area_fraction", "overlap_area"):
-        np.testing.assert_allclose(forward[name], backward[name], rtol=1e-4, atol=1e-6)
+        np.testing.assert_allclose(forward_result[name], backward_result[name], rtol=1e-4, atol=1e-6)
     assert not np.allclose(
-        forward.friction_coefficient, run_shear_test(face, direction=180, **options).friction_coefficient
+        forward_result.friction_coefficient, run_shear_test(face, direction=180, **options).friction_coefficient
     )
 
 
 def test_map_of_equal_rows_has_the_shear_curve_of_its_profile():
     """Compare coefficients: on a rigid-like map the rows touch at the same points as the profile."""
     profile = create_wavy_profile()
-    coarse = Profile(profile.heights[::16], spacing=profile.spacing * 16)
-    surface = Surface(np.tile(coarse.heights, (16, 1)), spacing=coarse.spacing)
+    coarse_profile = Profile(profile.heights[::16], spacing=profile.spacing * 16)
+    surface = Surface(np.tile(coarse_profile.heights, (16, 1)), spacing=coarse_profile.spacing)
     options = {"path": "20 um", "steps": 5, "mu0": 0.4, "boundary": "periodic"}
     np.testing.assert_allclose(
         run_shear_test(surface, **options).friction_coefficient,
-        run_shear_test(coarse, **options).friction_coefficient,
+        run_shear_test(coarse_profile, **options).friction_coefficient,
         rtol=1e-3,
     )
 
@@ -174,9 +177,9 @@ def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation()
 def test_shear_test_loses_contact_if_the_normal_stiffness_unloads_contracting_faces():
     x = 2 * np.pi * np.arange(256) / 256
     wave = Profile(5 * np.cos(x), spacing=1.0)
-    opposite = create_mate(Profile(-wave.heights, spacing=1.0))  # at the start, crests are in contact with crests
+    opposite_face = create_mate(Profile(-wave.heights, spacing=1.0))  # at the start, crests are in contact with crests
     result = shear_test(
-        opposite, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
+        opposite_face, wave, path="100 um", steps=4, mu0=0.3, normal_stiffness="10 GPa/mm", boundary="periodic",
         **LOAD_AND_MODULUS,
     )  # fmt: skip
     assert result.status.values[-1] == "no-contact"
@@ -208,18 +211,22 @@ def test_shear_test_has_at_most_one_step_per_grid_point():
 
 def test_hardness_limits_the_peak_and_the_dilation_of_a_sawtooth():
     options = {"path": "100 um", "steps": 5, "mu0": 0.6, "boundary": "periodic"}
-    soft, hard = (run_shear_test(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa"))
-    assert soft.attrs["peak"] < hard.attrs["peak"]
-    assert soft.dilation[-1] < hard.dilation[-1]
-    assert soft.load_fraction_at_hardness[-1] > 0.5
+    soft_result, hard_result = (
+        run_shear_test(create_rough_map(), hardness=value, **options) for value in ("20 MPa", "2 GPa")
+    )
+    assert soft_result.attrs["peak"] < hard_result.attrs["peak"]
+    assert soft_result.dilation[-1] < hard_result.dilation[-1]
+    assert soft_result.load_fraction_at_hardness[-1] > 0.5
 
 
 def test_free_tilt_changes_the_dilation_of_a_sheared_wedge():
     x = np.linspace(-1, 1, 401)
     wedge = Profile(20 * np.maximum(x, 0), spacing=0.25)
-    fixed, free = (run_shear_test(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free"))
-    assert (free.status == "ok").all()
-    assert not np.allclose(fixed.dilation, free.dilation)
+    fixed_tilt_result, free_tilt_result = (
+        run_shear_test(wedge, path="10 um", steps=2, mu0=0.3, tilt=tilt) for tilt in ("fixed", "free")
+    )
+    assert (free_tilt_result.status == "ok").all()
+    assert not np.allclose(fixed_tilt_result.dilation, free_tilt_result.dilation)
 
 
 # ---- Intervals -------------------------------------------------------------------------------------------------------
@@ -256,12 +263,14 @@ def test_shear_interval_has_no_upper_limit_if_more_than_2_5_percent_of_the_sampl
 def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     result = run_shear_test(create_rough_map(), hardness="50..400 MPa", **options)
-    soft, hard = (run_shear_test(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa"))
+    soft_result, hard_result = (
+        run_shear_test(create_rough_map(), hardness=value, **options) for value in ("50 MPa", "400 MPa")
+    )
     for name in ("peak", "end", "peak_shear_stress_GPa"):
-        assert result.attrs[f"{name}_lower"] == pytest.approx(soft.attrs[name], rel=0.01)
-        assert result.attrs[f"{name}_upper"] == pytest.approx(hard.attrs[name], rel=0.01)
-    np.testing.assert_allclose(result.dilation_interval[0], soft.dilation, rtol=0.01, atol=1e-3)
-    angles = sorted(shear_result.attrs["peak_dilation_angle_deg"] for shear_result in (soft, hard))
+        assert result.attrs[f"{name}_lower"] == pytest.approx(soft_result.attrs[name], rel=0.01)
+        assert result.attrs[f"{name}_upper"] == pytest.approx(hard_result.attrs[name], rel=0.01)
+    np.testing.assert_allclose(result.dilation_interval[0], soft_result.dilation, rtol=0.01, atol=1e-3)
+    angles = sorted(shear_result.attrs["peak_dilation_angle_deg"] for shear_result in (soft_result, hard_result))
     assert result.attrs["peak_dilation_angle_deg_lower"] == pytest.approx(angles[0], abs=0.3)
     assert result.attrs["peak_dilation_angle_deg_upper"] == pytest.approx(angles[1], abs=0.3)
     assert result.attrs["uncertain_inputs"] == "the hardness"
@@ -282,8 +291,8 @@ def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_li
 
 def test_shear_intervals_from_few_and_many_displacements_are_equal():
     """Compare intervals with fewer samples, which limit the memory, with those of the usual number."""
-    wavy = create_wavy_profile()
-    face = Profile(wavy.heights[::8], spacing=8 * wavy.spacing)
+    wavy_profile = create_wavy_profile()
+    face = Profile(wavy_profile.heights[::8], spacing=8 * wavy_profile.spacing)
     options = {"path": "80 um", "mu0": "0.5..0.7", "load": "10 MPa", "hardness": "2 GPa", "boundary": "periodic"}
     fine_result, coarse_result = (run_shear_test(face, steps=steps, **options) for steps in (200, 4))
     assert fine_result.sizes["displacement"] > 128
@@ -410,11 +419,19 @@ def test_strips_of_a_shear_test_are_parallel_to_the_motion():
     x = 2 * np.pi * np.arange(128) / 128
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
-    along = run_shear_test(ridges, **options)
+    result_along_ridges = run_shear_test(ridges, **options)
     # Equal strips have no scatter.
-    assert along.attrs["peak_upper"] - along.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
-    turned = run_shear_test(Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options)
-    assert turned.attrs["peak_upper"] - turned.attrs["peak_lower"] < 0.05 * along.attrs["peak"]
+    assert (
+        result_along_ridges.attrs["peak_upper"] - result_along_ridges.attrs["peak_lower"]
+        < 0.05 * result_along_ridges.attrs["peak"]
+    )
+    result_of_turned_ridges = run_shear_test(
+        Surface(ridges.heights.T.copy(), spacing=ridges.spacing), direction=90, **options
+    )
+    assert (
+        result_of_turned_ridges.attrs["peak_upper"] - result_of_turned_ridges.attrs["peak_lower"]
+        < 0.05 * result_along_ridges.attrs["peak"]
+    )
 
 
 def test_shear_test_of_small_maps_and_profiles_has_no_strips():
@@ -426,22 +443,22 @@ def test_strips_without_measured_points_are_omitted_from_a_shear_test():
     face = create_rough_map(128)
     is_missing = np.zeros(face.heights.shape, bool)
     is_missing[:26] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    face_with_holes = Surface(face.heights, spacing=face.spacing, missing=is_missing)
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "mean", "strips": 5} | LOAD_AND_MODULUS
-    assert shear_test(create_mate(face), holed, **options).attrs["strips"] == 4
+    assert shear_test(create_mate(face), face_with_holes, **options).attrs["strips"] == 4
 
 
 def test_shear_test_rejects_strips_if_only_one_strip_has_measured_points():
     face = create_rough_map(32)
     is_missing = np.zeros(face.heights.shape, bool)
     is_missing[:17] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    face_with_holes = Surface(face.heights, spacing=face.spacing, missing=is_missing)
     options = {"path": "40 um", "steps": 1, "mu0": "0.5..0.7", "level": "mean"} | LOAD_AND_MODULUS
     with pytest.raises(
         ValueError,
         match="strips must be 0, or a number of strips of which at least 2 have enough measured points, got 2",
     ):
-        shear_test(create_mate(face), holed, strips=2, **options)
+        shear_test(create_mate(face), face_with_holes, strips=2, **options)
 
 
 def test_shear_test_with_exact_inputs_has_no_interval():
@@ -501,8 +518,10 @@ def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
     face = create_rough_map()
     is_missing = np.zeros(face.heights.shape, bool)
     is_missing[:8, :8] = True
-    holed = Surface(face.heights, spacing=face.spacing, missing=is_missing)
-    result = shear_test(create_mate(face), holed, path="100 um", steps=2, mu0=0.5, level="mean", **LOAD_AND_MODULUS)
+    face_with_holes = Surface(face.heights, spacing=face.spacing, missing=is_missing)
+    result = shear_test(
+        create_mate(face), face_with_holes, path="100 um", steps=2, mu0=0.5, level="mean", **LOAD_AND_MODULUS
+    )
     assert (result.status == "ok").all()
     assert result.contact_area_fraction[0] == pytest.approx(1, abs=1e-3)
     assert result.overlap_area[0] == pytest.approx((64**2 - 64) * (1000 / 64) ** 2)
@@ -512,19 +531,19 @@ def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
 
 
 def test_shear_test_of_registered_faces_starts_at_their_best_fit():
-    large = create_rough_map(96)
+    large_map = create_rough_map(96)
     upper, lower = (
-        Surface(large.heights[row : row + 80, column : column + 80], spacing=large.spacing)
+        Surface(large_map.heights[row : row + 80, column : column + 80], spacing=large_map.spacing)
         for row, column in ((3, 9), (8, 2))
     )
     options = {"path": "50 um", "steps": 2, "mu0": 0.6, "hardness": "200 MPa"} | LOAD_AND_MODULUS
-    unregistered, registered = (
+    unregistered_result, registered_result = (
         shear_test(create_mate(upper), lower, register=is_registered, **options) for is_registered in (False, True)
     )
-    assert registered.attrs["registration_shift_x_um"] == pytest.approx(7 * large.spacing[1])
-    assert registered.attrs["registration_shift_y_um"] == pytest.approx(-5 * large.spacing[0])
-    assert registered.contact_area_fraction[0] > 0.99 > unregistered.contact_area_fraction[0]
-    assert registered.attrs["peak"] > unregistered.attrs["peak"]
+    assert registered_result.attrs["registration_shift_x_um"] == pytest.approx(7 * large_map.spacing[1])
+    assert registered_result.attrs["registration_shift_y_um"] == pytest.approx(-5 * large_map.spacing[0])
+    assert registered_result.contact_area_fraction[0] > 0.99 > unregistered_result.contact_area_fraction[0]
+    assert registered_result.attrs["peak"] > unregistered_result.attrs["peak"]
 
 
 def test_shear_test_does_not_register_flat_faces():
@@ -557,15 +576,15 @@ def test_bandis_law_is_undefined_if_closures_do_not_approach_a_maximum():
 def test_closure_at_the_start_follows_from_the_gap_and_is_zero_for_a_perfect_fit():
     face = create_rough_map()
     noise = np.random.default_rng(1).normal(0, 0.5, face.heights.shape)
-    rough = create_mate(face).changed(create_mate(face).heights + noise, "noise")
+    rough_mate = create_mate(face).changed(create_mate(face).heights + noise, "noise")
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "level": "none"} | LOAD_AND_MODULUS
-    attributes = shear_test(rough, face, **options).attrs
-    gap = flipped(rough).changed(flipped(rough).heights - face.heights, "gap")
+    attributes = shear_test(rough_mate, face, **options).attrs
+    gap = flipped(rough_mate).changed(flipped(rough_mate).heights - face.heights, "gap")
     flat = gap.changed(np.zeros_like(gap.heights), "flat")
     curve = half_space(gap, flat, ["1 MPa"], effective_modulus=30.0)
     pressure, maximum = 1e-3, attributes["maximum_closure_um"]
     law = pressure * maximum / (attributes["closure_initial_stiffness_GPa_per_um"] * maximum + pressure)
     assert law == pytest.approx(float(curve.closure[0]), rel=attributes["closure_misfit"] + 1e-3)
     assert attributes["closure_misfit"] < 0.3
-    perfect = shear_test(create_mate(face), face, **options)
-    assert np.isnan(perfect.attrs["closure_misfit"])
+    result_of_perfect_fit = shear_test(create_mate(face), face, **options)
+    assert np.isnan(result_of_perfect_fit.attrs["closure_misfit"])

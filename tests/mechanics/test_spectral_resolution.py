@@ -15,12 +15,12 @@ def create_rough_surfaces(points=256):
     return rough_maps(6, hurst_exponent=0.6, rms=0.01, points=points, spacing=0.02, **wavelengths)
 
 
-def roughness_of_bodies(bodies):
+def measure_roughness_of_bodies(bodies):
     return [scale_dependent_roughness(body, periodic=True) for body in bodies]
 
 
 def test_elastic_pressure_in_the_spectral_estimate_is_limited_to_the_hardness():
-    upper, lower = roughness_of_bodies(create_rough_surfaces())
+    upper, lower = measure_roughness_of_bodies(create_rough_surfaces())
     result = spectral_resolution(upper, lower, **PAIR_OPTIONS)
     gradient = np.hypot(upper.gradient_at(result.wavelength), lower.gradient_at(result.wavelength))
     assert result.rms_gradient.values == pytest.approx(gradient)
@@ -46,7 +46,7 @@ def test_elastic_pressure_in_the_spectral_estimate_is_limited_to_the_hardness():
 
 def test_spectral_estimate_of_the_effect_of_scan_resolution_agrees_with_half_space_model():
     bodies = create_rough_surfaces()
-    upper, lower = roughness_of_bodies(bodies)
+    upper, lower = measure_roughness_of_bodies(bodies)
     load = 0.05 * (256 * 0.02) ** 2
     half_space_result = resolution(
         *bodies, [load], hardness=4.0, mu0=0.2, tau0=0.2, effective_modulus=115.0, boundary="periodic", cut_offs=[]
@@ -64,7 +64,7 @@ def test_spectral_estimate_of_the_effect_of_scan_resolution_agrees_with_half_spa
 
 
 def test_spectral_estimate_for_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
-    upper = roughness_of_bodies(create_rough_surfaces(64))[0]
+    upper = measure_roughness_of_bodies(create_rough_surfaces(64))[0]
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
     # The flat has no slope, so contacts on it are level.
@@ -86,7 +86,7 @@ def test_spectral_estimate_for_a_surface_on_a_flat_uses_only_slopes_of_the_surfa
     ],
 )
 def test_spectral_resolution_function_rejects_invalid_arguments(changes, message):
-    upper, lower = roughness_of_bodies(create_rough_surfaces(32))
+    upper, lower = measure_roughness_of_bodies(create_rough_surfaces(32))
     with pytest.raises(ValueError, match=message):
         spectral_resolution(upper, lower, **PAIR_OPTIONS | changes)
     profile_roughness = scale_dependent_roughness(Profile(np.sin(np.arange(99.0)), spacing=0.1))

@@ -15,7 +15,7 @@ def create_rough_surfaces(seed, shape=(48, 64)):
     return rough_maps(seed, shape=shape)
 
 
-def resultant_offset(curve, index, missing=None):
+def compute_resultant_offset(curve, index, missing=None):
     """Return the distance of the resultant force from the middle of the measured area, divided by its length."""
     contact = curve.contact(index)
     is_measured = np.ones(contact.pressure.shape) if missing is None else 1.0 * ~missing
@@ -36,8 +36,10 @@ def test_free_tilt_centres_the_force_and_preserves_stiffness_as_the_derivative_o
     fixed_curve, free_curve = (
         half_space(upper, lower, loads, tilt=tilt, hardness=hardness) for tilt in ("fixed", "free")
     )
-    assert np.abs([resultant_offset(fixed_curve, index, is_missing) for index in range(5)]).max() > 0.05
-    assert np.abs([resultant_offset(free_curve, index, is_missing) for index in range(5)]).max() < MAX_FORCE_OFFSET
+    assert np.abs([compute_resultant_offset(fixed_curve, index, is_missing) for index in range(5)]).max() > 0.05
+    assert (
+        np.abs([compute_resultant_offset(free_curve, index, is_missing) for index in range(5)]).max() < MAX_FORCE_OFFSET
+    )
     assert not fixed_curve.tilt.any()
     assert free_curve.tilt.shape == (5, 2)
     area = (~is_missing).sum() * 0.01
@@ -104,7 +106,7 @@ def test_free_tilt_centres_the_resultant_force_on_a_single_contact_point():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")
-    assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
+    assert np.abs(compute_resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
 
 
 def find_rigid_contact(gap):
@@ -127,8 +129,8 @@ def find_rigid_contact(gap):
 @pytest.mark.parametrize("is_areal", [True, False])
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_free_tilt_at_vanishing_load_touches_at_the_convex_hull_facet_below_the_centre(seed, is_areal):
-    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
-    upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
+    roughness_options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
+    upper, lower = (self_affine_surface(seed, side=side, **roughness_options) for side in ("upper", "lower"))
     upper, lower = (upper, lower) if is_areal else (upper.row(0), lower.row(0))
     curve = half_space(upper, lower, [1e-7], tilt="free")
     corners, fractions = find_rigid_contact(upper.heights - lower.heights)
@@ -140,14 +142,14 @@ def test_free_tilt_at_vanishing_load_touches_at_the_convex_hull_facet_below_the_
 @pytest.mark.parametrize("hardness", [None, 0.05])
 @pytest.mark.parametrize("relative_pressure", [1e-6, 1e-5, 1e-4])
 def test_free_tilt_centres_the_resultant_force_even_at_low_loads(relative_pressure, hardness):
-    rough = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
+    roughness_options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     for seed in range(6):
-        upper, lower = (self_affine_surface(seed, side=side, **rough) for side in ("upper", "lower"))
+        upper, lower = (self_affine_surface(seed, side=side, **roughness_options) for side in ("upper", "lower"))
         load = relative_pressure * 50 * 0.1 * 4.8**2  # h' of the gap is about 0.1, E* is 50 GPa, the side is 4.8 µm
         curve = half_space(upper, lower, [load], effective_modulus=50.0, tilt="free", hardness=hardness)
         contact = curve.contact(0)
         assert contact.pressure.sum() * 0.1**2 == pytest.approx(load)
-        assert np.abs(resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
+        assert np.abs(compute_resultant_offset(curve, 0)).max() < MAX_FORCE_OFFSET
         # Points whose pressure equals the hardness yield.
         assert contact.gap.min() > (-1e-6 * 0.02 if hardness is None else -1)
 

@@ -78,8 +78,8 @@ def compute_displacement(pressure, spacing, modulus, *, periodic):
         influence = np.diff(np.diff(integral, axis=0), axis=1) / (np.pi * modulus)
     for axis, n in enumerate(shape):
         influence = np.roll(influence, -n, axis)
-    padded = np.pad(pressure, [(0, n) for n in shape])
-    padded_displacement = np.fft.ifftn(np.fft.fftn(padded) * np.fft.fftn(influence)).real
+    padded_pressure = np.pad(pressure, [(0, n) for n in shape])
+    padded_displacement = np.fft.ifftn(np.fft.fftn(padded_pressure) * np.fft.fftn(influence)).real
     return padded_displacement[tuple(slice(n) for n in shape)]
 
 

@@ -215,7 +215,7 @@ class WriterKillTest:
             assert name.endswith(f"-{zlib.crc32(content):08x}.nc"), f"{name} is torn"
             members = decode_members(content)
             for member_index, number in enumerate(members.numbers.tolist()):
-                block_checksum = checksum([values[:, :, member_index] for values in members.arrays.values()])
+                block_checksum = compute_checksum([values[:, :, member_index] for values in members.arrays.values()])
                 assert self.checksums.setdefault(number, block_checksum) == block_checksum, "other bits than before"
         self.known_files |= current_files
         assert self.checksums.keys() <= set(self.read_finished_repetitions())
@@ -230,7 +230,9 @@ class WriterKillTest:
         self.check_blocks()
         for number in self.random.sample(sorted(self.checksums), min(MAX_CHECKED_REPETITIONS, len(self.checksums))):
             sums = member_solution.compute_member_arrays(STUDY, number)
-            assert checksum(list(sums.values())) == self.checksums[number], f"repetition {number} has other bits"
+            assert compute_checksum(list(sums.values())) == self.checksums[number], (
+                f"repetition {number} has other bits"
+            )
         for process in self.dask_processes:
             process.kill()
             process.wait()
@@ -248,7 +250,7 @@ class WriterKillTest:
         )
 
 
-def checksum(values: list[np.ndarray]) -> int:
+def compute_checksum(values: list[np.ndarray]) -> int:
     return zlib.crc32(b"".join(np.ascontiguousarray(value).tobytes() for value in values))
 
 

@@ -357,8 +357,8 @@ def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstru
     scan = levelled(blunt_tip_scans[0], "plane")
     reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
     np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)
-    doubled = sharpened(scan, TIP_RADIUS, 2.0).heights
-    np.testing.assert_allclose(doubled, 2 * reconstruction.heights - scan.heights, atol=1e-12)
+    doubly_sharpened_heights = sharpened(scan, TIP_RADIUS, 2.0).heights
+    np.testing.assert_allclose(doubly_sharpened_heights, 2 * reconstruction.heights - scan.heights, atol=1e-12)
 
 
 def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves():

@@ -189,9 +189,9 @@ def test_estimated_solution_time_of_large_maps_is_doubled_by_a_free_boundary(tmp
 
 
 def test_estimated_number_of_iterations_for_soft_adhesive_maps_does_not_depend_on_the_grid_size(tmp_path, monkeypatch):
-    soft = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
+    soft_adhesion_options = {"work_of_adhesion": "50 mJ/m^2", "effective_modulus": "1 kPa"}
     iterations = [
-        estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft))
+        estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2, **soft_adhesion_options))
         for side in (128, 256, 512, 1024)
     ]
     assert iterations == pytest.approx(iterations[:1] * 4, rel=0.01)

@@ -122,14 +122,14 @@ def change_at_random(content, random):
 
 @pytest.mark.parametrize("kind", ["maps", "profiles", "generated"])
 def test_randomly_changed_block_is_rejected_or_gives_finite_output(result_directories, tmp_path, kind):
-    random, content, accepted = np.random.default_rng(7), read_first_block(result_directories[kind]), []
+    random, content, num_accepted = np.random.default_rng(7), read_first_block(result_directories[kind]), []
     for _ in range(24):
         changed_content, name = change_at_random(content, random)
         with contextlib.suppress(DamagedFileError):
             decode_members(changed_content)
-            accepted.append((name, changed_content))
-    assert 2 < len(accepted) < 22
-    for name, changed_content in accepted[:1]:
+            num_accepted.append((name, changed_content))
+    assert 2 < len(num_accepted) < 22
+    for name, changed_content in num_accepted[:1]:
         directory = tmp_path / name
         shutil.copytree(result_directories[kind], directory)
         for block in (directory / BLOCKS_DIRECTORY).iterdir():

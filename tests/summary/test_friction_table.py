@@ -223,15 +223,15 @@ def test_table_command_accepts_materials_and_hardness_and_interface(tmp_path):
     check_stiction("table", *materials, *COMMAND_OPTIONS[2:], "--output", "soft", cwd=tmp_path)
     interface = ["--hardness", "5 GPa", "--interface", "rock on rock, below 200 MPa", "--output", "hard"]
     check_stiction("table", *materials, *interface, *COMMAND_OPTIONS[2:], cwd=tmp_path)
-    soft, hard = (pandas.read_csv(tmp_path / name / "table.csv") for name in ("soft", "hard"))
+    soft_table, hard_table = (pandas.read_csv(tmp_path / name / "table.csv") for name in ("soft", "hard"))
     hardness = {name: open_result(tmp_path / name).study.contact.hardness for name in ("soft", "hard")}
     brass = material("brass").hardness
     assert float(hardness["soft"]) == pytest.approx(float(brass), rel=1e-5)
     assert float(hardness["hard"]) == 5.0
-    areas = [table.groupby("pressure (MPa)")["A/A0 (%)"].first() for table in (soft, hard)]
+    areas = [table.groupby("pressure (MPa)")["A/A0 (%)"].first() for table in (soft_table, hard_table)]
     assert (areas[0] > areas[1]).all()
-    assert sorted(soft["mu0"].unique()) == [0.2, 0.4, 0.6]
-    assert hard["mu0"].nunique() == hard["tau0 (MPa)"].nunique() == 1
+    assert sorted(soft_table["mu0"].unique()) == [0.2, 0.4, 0.6]
+    assert hard_table["mu0"].nunique() == hard_table["tau0 (MPa)"].nunique() == 1
 
 
 @pytest.mark.parametrize("rule", ["all", "opposing"])

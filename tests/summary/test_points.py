@@ -98,9 +98,9 @@ def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_prepa
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     assert summarize_point(dataset, study).bracket is not None
-    faulty = dataset.copy(deep=True)
-    faulty["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0
-    assert summarize_point(faulty, study).bracket is None
+    faulty_dataset = dataset.copy(deep=True)
+    faulty_dataset["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0
+    assert summarize_point(faulty_dataset, study).bracket is None
 
     single, wide = measured_result(half_width_ratio=0.02), measured_result(half_width_ratio=0.9)
     assert summarize_point(single).bracket is not None

@@ -178,12 +178,16 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
     for default_point, explicit_point in zip(default_summary.points, explicit_summary.points, strict=True):
         assert default_point.assessment == explicit_point.assessment
         assert default_point.caveats == explicit_point.caveats
-        default, explicit = (
+        default_interval, explicit_interval = (
             summary_point.quantities["friction_combined"] for summary_point in (default_point, explicit_point)
         )
-        limits = [explicit.value, *explicit.interval]
-        np.testing.assert_allclose([default.value, *default.interval], limits, rtol=1e-12)
-        assert (default.name, default.kind) == (explicit.name, explicit.kind) == ("friction_combined", "combined")
+        limits = [explicit_interval.value, *explicit_interval.interval]
+        np.testing.assert_allclose([default_interval.value, *default_interval.interval], limits, rtol=1e-12)
+        assert (
+            (default_interval.name, default_interval.kind)
+            == (explicit_interval.name, explicit_interval.kind)
+            == ("friction_combined", "combined")
+        )
     assert (result.value, result.interval) == (
         default_summary.first.value,
         (default_summary.first.lower, default_summary.first.upper),

@@ -26,12 +26,12 @@ def self_affine_map(seed, hurst, shape=(128, 160), *, spacing=(0.5, 0.5), longes
     The map is cut from a periodic map that is `whole` times larger along both axes.
     """
     rows, columns = whole * shape[0], whole * shape[1]
-    white = np.random.default_rng(seed).normal(size=(rows, columns))
+    white_noise = np.random.default_rng(seed).normal(size=(rows, columns))
     q_y, q_x = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip((rows, columns), spacing, strict=True))
     q = np.hypot(stretch * q_y[:, np.newaxis], q_x)
     amplitude = np.maximum(q, max(2 * np.pi / longest, q_x[1] / 4)) ** (-1 - hurst)
     amplitude[0, 0] = 0
-    heights = np.fft.ifft2(amplitude * np.fft.fft2(white)).real[: shape[0], : shape[1]]
+    heights = np.fft.ifft2(amplitude * np.fft.fft2(white_noise)).real[: shape[0], : shape[1]]
     return Surface(heights / heights.std(), spacing=spacing)
 
 

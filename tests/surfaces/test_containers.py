@@ -23,7 +23,7 @@ def write_arrays(path, **arrays):
     return path
 
 
-def error_message(path, **options):
+def get_error_message(path, **options):
     with pytest.raises(FormatError) as error_info:
         read_measurement(path, unit="um", **options)
     return str(error_info.value)
@@ -45,7 +45,7 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
     pytest.importorskip("SurfaceTopography")
     x, y = np.meshgrid(np.arange(9.0), np.arange(6.0))
     path = write_arrays(tmp_path / f"map.{suffix}", X=x, Y=y, Z=HEIGHTS)
-    assert "contains the channels 0 (X), 1 (Y), 2 (Z); choose one" in error_message(path, spacing="1 um")
+    assert "contains the channels 0 (X), 1 (Y), 2 (Z); choose one" in get_error_message(path, spacing="1 um")
     assert np.array_equal(read_surface(path, unit="um", spacing="1 um", channel="Z").heights, HEIGHTS)
 
 
@@ -57,14 +57,14 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
 def test_array_with_a_name_of_another_quantity_is_read_only_if_it_is_chosen(tmp_path, suffix, name):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", **{name: HEIGHTS})
-    assert f"contains the channels 0 ({name}); choose one" in error_message(path, spacing="1 um")
+    assert f"contains the channels 0 ({name}); choose one" in get_error_message(path, spacing="1 um")
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
 def test_array_of_zeros_and_ones_is_not_read_as_heights(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", z=(HEIGHTS > 0).astype(np.uint8))
-    assert "has an array 0 (z) of 0 and 1, like a mask" in error_message(path, spacing="1 um")
+    assert "has an array 0 (z) of 0 and 1, like a mask" in get_error_message(path, spacing="1 um")
 
 
 def test_two_columns_of_an_array_in_a_container_are_read_as_a_profile(tmp_path):
@@ -78,7 +78,7 @@ def test_two_columns_of_an_array_in_a_container_are_read_as_a_profile(tmp_path):
 def test_container_without_an_array_of_heights_is_rejected(tmp_path):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / "map.h5", z=HEIGHTS[0])
-    assert "contains no matrix of numbers that may be heights" in error_message(path, spacing="1 um")
+    assert "contains no matrix of numbers that may be heights" in get_error_message(path, spacing="1 um")
 
 
 @pytest.mark.parametrize("suffix", [".bin", ".xls", ".dat", ".raw"])
@@ -86,7 +86,7 @@ def test_file_without_a_format_signature_is_not_read_as_a_map(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     path = tmp_path / f"scan{suffix}"
     path.write_bytes(np.random.default_rng(2).integers(0, 256, 2 * 32 * 32, dtype=np.uint8).tobytes())
-    assert "is not a profile or surface in a known format" in error_message(path, spacing="1 um")
+    assert "is not a profile or surface in a known format" in get_error_message(path, spacing="1 um")
 
 
 def test_elevation_model_is_read_if_its_extension_declares_the_format(tmp_path):
@@ -116,9 +116,9 @@ def test_workbook_column_of_unevaluated_formulas_is_rejected(tmp_path):
     rows = [["x (um)", "raw", "z (um)"]]
     rows += [[index / 2, z, f"=B{index + 2}*2"] for index, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=rows)
-    assert "has words in column 2 (z (um)): 'unevaluated formula' (54)" in error_message(path)
+    assert "has words in column 2 (z (um)): 'unevaluated formula' (54)" in get_error_message(path)
     only_formulas = write_workbook(tmp_path / "b.xlsx", one=[["z (um)"], *([row[2]] for row in rows[1:])])
-    assert "has formulas without values, so save it in a spreadsheet program" in error_message(only_formulas)
+    assert "has formulas without values, so save it in a spreadsheet program" in get_error_message(only_formulas)
 
 
 @pytest.mark.parametrize("cutoff_sheet", ["Certificate", "DATA"])
@@ -138,4 +138,4 @@ def test_material_ratio_curves_of_a_mitutoyo_workbook_are_not_read_as_heights(tm
 def test_channel_is_selected_by_its_complete_name_including_a_remark_in_brackets(tmp_path):
     rows = [[index / 2, z, -z, 2 * z] for index, z in enumerate(HEIGHTS.ravel().tolist())]
     path = write_workbook(tmp_path / "a.xlsx", one=[["x (um)", "z (trace)", "z (retrace)", "phase"], *rows])
-    assert "has no column named 'z (backward)'" in error_message(path, columns="z (backward)")
+    assert "has no column named 'z (backward)'" in get_error_message(path, columns="z (backward)")

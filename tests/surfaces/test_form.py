@@ -11,11 +11,11 @@ def grid_coordinates(rows=60, columns=80, spacing=0.5):
     return spacing * np.arange(rows)[:, np.newaxis], spacing * np.arange(columns)
 
 
-def noise_heights(shape, seed=1):
+def create_noise_heights(shape, seed=1):
     return NOISE_RMS * np.random.default_rng(seed).normal(size=shape)
 
 
-def radius_from_history(body):
+def parse_radius_from_history(body):
     words = body.history[-1].split()
     return float(words[-2]), words[3]
 
@@ -47,9 +47,9 @@ def test_levelling_subtracts_the_polynomial_of_a_direct_least_squares_fit(trend)
 def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
     y, x = grid_coordinates()
     spherical_heights = sign * np.sqrt(300.0**2 - (x - 5) ** 2 - (y - 25) ** 2)
-    noise = noise_heights(spherical_heights.shape)
+    noise = create_noise_heights(spherical_heights.shape)
     result = levelled(Surface(spherical_heights + noise, spacing=0.5), "sphere")
-    assert radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
+    assert parse_radius_from_history(result) == (pytest.approx(300, rel=1e-3), word)
     # Levelling reduces the noise slightly, because a sphere with four parameters is fitted to 4800 points.
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
     assert result.heights.mean() == pytest.approx(0, abs=1e-12)
@@ -58,18 +58,18 @@ def test_levelling_removes_a_sphere_and_leaves_the_noise(sign, word):
 def test_levelling_removes_a_tilted_cylinder_and_leaves_the_noise():
     y, x = grid_coordinates()
     x_across, x_along = (x - 12) * 0.6 + (y - 20) * 0.8, 0.8 * x - 0.6 * y
-    noise = noise_heights((60, 80))
+    noise = create_noise_heights((60, 80))
     result = levelled(Surface(np.sqrt(200.0**2 - x_across**2) + 0.02 * x_along + noise, spacing=0.5), "cylinder")
     # The expected radius of the cylinder is that of a vertical section, because its axis rises by 2 %.
-    assert radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
+    assert parse_radius_from_history(result)[0] == pytest.approx(200, rel=2e-3)
     assert result.heights.std() == pytest.approx(noise.std(), rel=2e-3)
 
 
 def test_levelling_removes_a_circle_and_leaves_the_noise():
     x = np.arange(1000.0)
-    noise = noise_heights(1000)
+    noise = create_noise_heights(1000)
     result = levelled(Profile(np.sqrt(2000.0**2 - (x - 700) ** 2) + noise, spacing=1.0), "circle")
-    assert radius_from_history(result)[0] == pytest.approx(2000, rel=1e-4)
+    assert parse_radius_from_history(result)[0] == pytest.approx(2000, rel=1e-4)
     assert result.heights.std() == pytest.approx(noise.std(), rel=3e-3)
 
 
@@ -84,7 +84,7 @@ def test_form_removal_ignores_missing_points():
 
 
 def test_form_removal_changes_the_heights_of_pure_noise_only_slightly():
-    noise = noise_heights((60, 80))
+    noise = create_noise_heights((60, 80))
     for trend in ("sphere", "cylinder"):
         result = levelled(Surface(noise, spacing=0.5), trend).heights
         assert result.std() == pytest.approx(noise.std(), rel=5e-3)
@@ -94,4 +94,4 @@ def test_levelling_rejects_a_sphere_for_profiles_and_a_circle_for_surfaces():
     with pytest.raises(ValueError, match="trend must be one of"):
         levelled(Profile(np.arange(9.0), spacing=1.0), "sphere")
     with pytest.raises(ValueError, match="trend must be one of"):
-        levelled(Surface(noise_heights((9, 9)), spacing=1.0), "circle")
+        levelled(Surface(create_noise_heights((9, 9)), spacing=1.0), "circle")

@@ -89,9 +89,11 @@ class TestFractalProfile:
     def test_classical_fractal_dimension_d_equals_1_plus_d_over_2_in_the_convention_of_the_paper(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
-            classical = weierstrass_mandelbrot(phases, dimension, convention="classical", **SMALL_GRID_ARGUMENTS)
-            paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID_ARGUMENTS)
-            assert np.allclose(classical.heights, paper.heights, rtol=0, atol=1e-12)
+            classical_profile = weierstrass_mandelbrot(
+                phases, dimension, convention="classical", **SMALL_GRID_ARGUMENTS
+            )
+            profile_of_paper = weierstrass_mandelbrot(phases, 1 + dimension / 2, **SMALL_GRID_ARGUMENTS)
+            assert np.allclose(classical_profile.heights, profile_of_paper.heights, rtol=0, atol=1e-12)
 
     def test_batch_of_profiles_equals_single_profiles_bit_for_bit(self):
         phases = random_phases(6)

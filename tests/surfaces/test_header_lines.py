@@ -24,13 +24,13 @@ def read_text(tmp_path):
     return read
 
 
-def error_message(read_text, text, **options):
+def get_error_message(read_text, text, **options):
     with pytest.raises(FormatError) as error_info:
         read_text(text, **options)
     return str(error_info.value)
 
 
-def caveat_names(reading):
+def read_caveat_names(reading):
     return [caveat.name for caveat in reading.caveats]
 
 
@@ -62,7 +62,7 @@ def test_header_line_that_can_only_mean_the_spacing_is_used_without_a_caveat(rea
 )
 def test_header_length_that_may_describe_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
-    assert caveat_names(reading) == ["spacing"]
+    assert read_caveat_names(reading) == ["spacing"]
     assert repr(line) in reading.caveats[0].text
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}", spacing="2 um")
     assert reading.body.spacing == 2.0
@@ -75,7 +75,7 @@ def test_header_length_that_may_describe_the_specimen_has_a_caveat_unless_the_sp
      "Spacing: 0.5 um (between tracks)", "Step 0.18 um high", "Spacing 2 mm, 20 tracks apart"],
 )  # fmt: skip
 def test_header_line_with_other_words_after_a_length_is_not_used_as_spacing(read_text, line):
-    message = error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
+    message = get_error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert "contains heights only; give the spacing" in message
     assert f"its header line {line!r}" in message
     assert read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}", spacing="0.5 um").body.spacing == 0.5
@@ -83,7 +83,7 @@ def test_header_line_with_other_words_after_a_length_is_not_used_as_spacing(read
 
 @pytest.mark.parametrize("line", ["Resolution 0.1 um/digit", "Resolution: 10 nm/bit", "Resolution: 5 nm per LSB"])
 def test_resolution_of_heights_is_not_used_as_spacing(read_text, line):
-    assert "contains heights only" in error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
+    assert "contains heights only" in get_error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
 
 
 TWO_SPACINGS = [
@@ -102,8 +102,8 @@ HEADER_LINES_WITH_TWO_SPACINGS = [
 @pytest.mark.parametrize("line", TWO_SPACINGS)
 def test_two_header_spacings_without_axes_are_rejected_unless_both_spacings_are_given(read_text, line):
     text = f"{line}\nZ unit: um\n{MAP_TEXT}"
-    assert f"its header line {line!r} does not name the axes of its spacings" in error_message(read_text, text)
-    message = error_message(read_text, text, spacing="0.5 um")
+    assert f"its header line {line!r} does not name the axes of its spacings" in get_error_message(read_text, text)
+    message = get_error_message(read_text, text, spacing="0.5 um")
     assert f"declares two spacings in its header line {line!r}, which differ from the option spacing, 0.5" in message
     assert read_text(text, spacing=("10 um", "0.5 um")).body.spacings == (10.0, 0.5)
 
@@ -124,7 +124,7 @@ def test_equal_header_spacings_along_both_axes_are_used(read_text, line):
     "lines", ["Track distance = 0.002 mm\nPixel size: 0.5 um\n", "Pixel size: 0.5 um\ndy = 2 um\n"]
 )
 def test_pixel_size_that_contradicts_the_spacing_of_rows_is_not_used(read_text, lines):
-    assert "contains no spacing" in error_message(read_text, lines + MAP_TEXT, unit="um")
+    assert "contains no spacing" in get_error_message(read_text, lines + MAP_TEXT, unit="um")
     options = {"unit": "um", "spacing": ("2 um", "0.5 um")}
     assert read_text(lines + MAP_TEXT, **options).body.spacings == pytest.approx((2.0, 0.5))
 
@@ -153,13 +153,13 @@ def test_pixel_size_that_agrees_with_the_spacing_of_rows_is_used(read_text, line
 )  # fmt: skip
 def test_header_line_that_describes_a_height_factor_in_words_adds_a_caveat(read_text, line):
     reading = read_text(f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
-    assert caveat_names(reading) == ["scale"]
+    assert read_caveat_names(reading) == ["scale"]
 
 
 @pytest.mark.parametrize("factor", ["1.0e-03", "1.0e+03"])
 def test_height_factor_in_a_line_above_a_matrix_adds_a_caveat(read_text, factor):
     reading = read_text(f"z =\n\n   {factor} *\n\n{MAP_TEXT}", unit="um", spacing="0.5 um")
-    assert caveat_names(reading) == ["scale"]
+    assert read_caveat_names(reading) == ["scale"]
     assert reading.body.heights.tolist() == MAP.tolist()
 
 
@@ -188,7 +188,7 @@ UNKNOWN_UNITS = ["ft", "mils", "thou", "dm", "LSB", "bar", "a. u.", "0.1 um", "x
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS)
 @pytest.mark.parametrize("names", ["x (mm);z ({})\n", "x [mm];z [{}]\n", "x;z\n(mm);({})\n"])
 def test_unit_option_does_not_replace_an_unknown_unit_of_a_column(read_text, names, unit):
-    message = error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
+    message = get_error_message(read_text, names.format(unit) + ROWS, unit=("mm", "um"))
     shown_unit = "inch" if unit == '"' else unit
     assert f"has heights in {shown_unit!r}, which is not a supported unit of length" in message
 
@@ -197,13 +197,15 @@ def test_unit_option_does_not_replace_an_unknown_unit_of_a_column(read_text, nam
     "names", ['x/mm;z/"\n', 'x_mm;z_"\n', 'x;z\nmm;"\n', 'x in mm;z in "\n', 'x (mm);z\nZ unit = "\n', 'x/mm;"z/"\n']
 )
 def test_inch_mark_after_a_column_name_is_rejected_as_an_unknown_unit(read_text, names):
-    message = error_message(read_text, names + ROWS, unit=("mm", "um"))
+    message = get_error_message(read_text, names + ROWS, unit=("mm", "um"))
     assert "has heights in 'inch', which is not a supported unit of length" in message
 
 
 @pytest.mark.parametrize("names", ["k/1/um;z/um\n", "elapsed/1/um;z (um)\n", "x 1/um;z um\n"])
 def test_positions_in_a_reciprocal_length_are_rejected(read_text, names):
-    assert "has positions in '1/um', which is not a supported unit of length" in error_message(read_text, names + ROWS)
+    assert "has positions in '1/um', which is not a supported unit of length" in get_error_message(
+        read_text, names + ROWS
+    )
 
 
 def test_quotation_marks_around_column_names_are_not_inch_marks(read_text):
@@ -213,7 +215,7 @@ def test_quotation_marks_around_column_names_are_not_inch_marks(read_text):
 @pytest.mark.parametrize("unit", UNKNOWN_UNITS[:-1])
 @pytest.mark.parametrize("line", ["Unit: {}", "Z-axis unit = {}", "Einheit: {}", "z ({})", "Heights in {}"])
 def test_unit_option_does_not_replace_an_unknown_unit_in_a_header_line(read_text, line, unit):
-    message = error_message(read_text, f"{line.format(unit)}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    message = get_error_message(read_text, f"{line.format(unit)}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
 
@@ -237,7 +239,7 @@ def test_unit_with_a_power_of_ten_or_with_unusual_characters_is_read(read_text, 
     ],
 )
 def test_unit_option_does_not_replace_an_unsupported_unit_at_the_end_of_a_column_name(read_text, name):
-    message = error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
+    message = get_error_message(read_text, f"x (mm);{name}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
 
@@ -250,7 +252,7 @@ def test_unit_option_does_not_replace_an_unsupported_unit_at_the_end_of_a_column
      ("Distance;Height\nmm;foo", "foo"), ("x_mm;z_foo", "foo")],
 )  # fmt: skip
 def test_unit_option_does_not_replace_an_unsupported_column_unit_without_brackets(read_text, names, unit):
-    message = error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
+    message = get_error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 
 
@@ -258,7 +260,7 @@ def test_unit_option_does_not_replace_an_unsupported_column_unit_without_bracket
     "names", ["X_my;Z_my", "x pollici;z pollici", "X_10nm;Z_10nm", "Position, \\mum;Height, \\mum"]
 )
 def test_unit_option_does_not_replace_an_unknown_header_unit_that_applies_to_all_columns(read_text, names):
-    assert "which is not a supported unit of length" in error_message(read_text, f"{names}\n{ROWS}", unit="um")
+    assert "which is not a supported unit of length" in get_error_message(read_text, f"{names}\n{ROWS}", unit="um")
 
 
 @pytest.mark.parametrize("name", ["height_1e-6m", "z 10⁻⁶ m", "z 10^-6 m", "z_1e-3mm", "z mm/1000", "z.um", "Z - um"])
@@ -273,7 +275,7 @@ def test_words_after_a_column_name_are_ignored_unless_they_are_units(read_text, 
 
 @pytest.mark.parametrize("line", ["Z: MM", "z_my", "Height foo", "Z: 10 nm", "z 1e-4 m", "z = x10 nm", "Y unit: V"])
 def test_unit_option_does_not_replace_an_unsupported_unit_above_the_heights(read_text, line):
-    message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    message = get_error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "which is not a supported unit of length" in message
 
 
@@ -290,7 +292,7 @@ def test_header_unit_of_y_is_not_used_for_the_heights_of_a_map(read_text):
 @pytest.mark.parametrize("names", ["x (um);z (raw)", "x um;Height raw", "x;z\num;raw"])
 def test_column_of_raw_heights_without_a_unit_has_a_caveat(read_text, names):
     rows = "".join(f"{index / 2:.1f};{z}\n" for index, z in enumerate(PROFILE))
-    assert caveat_names(read_text(f"{names}\n{rows}", unit="um")) == ["scale"]
+    assert read_caveat_names(read_text(f"{names}\n{rows}", unit="um")) == ["scale"]
 
 
 @pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
@@ -308,12 +310,12 @@ def test_unit_with_a_power_of_ten_after_the_column_names_is_read(read_text):
 def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_text):
     rows = "".join(f"{index / 2000:.4f}\t{z}\n" for index, z in enumerate(PROFILE))
     names = "x (mm)\tslope error (urad)\tx (mm)\tHGT error (nm)\tHGT (um)"
-    assert "has heights in 'urad'" in error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
+    assert "has heights in 'urad'" in get_error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
     assert read_text(f"x (mm)\tz (nm)\tslope (urad)\n{rows}").body.heights == pytest.approx(PROFILE / 1000)
 
 
 def test_single_letter_after_a_column_name_is_a_unit_if_another_column_has_a_unit(read_text):
-    assert "has heights in 's'" in error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
+    assert "has heights in 's'" in get_error_message(read_text, f"Position mm;Height s\n{ROWS}", unit=("mm", "um"))
 
 
 def test_html_entity_in_a_unit_is_decoded(read_text):
@@ -322,13 +324,13 @@ def test_html_entity_in_a_unit_is_decoded(read_text):
 
 
 def test_unit_option_does_not_replace_a_unit_that_contains_a_number(read_text):
-    message = error_message(read_text, f"Height unit 10 nm\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    message = get_error_message(read_text, f"Height unit 10 nm\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert "has heights in '10 nm'" in message
 
 
 @pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
 def test_unit_after_z_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text, line, unit):
-    message = error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
+    message = get_error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}" in message
     assert read_text(f"Z: nm\n{PROFILE_TEXT}", spacing="0.5 um").unit == "nm"
 
@@ -337,11 +339,11 @@ def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit
     header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
     reading = read_text(header + MAP_TEXT)
     assert reading.body.heights == pytest.approx(MAP / 1000)
-    assert "declares its heights in nm, but the option unit is um" in error_message(
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(
         read_text, header + MAP_TEXT, unit="um"
     )
     other_range = header.replace(f"{np.ptp(MAP):.4f}", f"{1.5 * np.ptp(MAP):.4f}")
-    assert "does not contain the unit of its heights" in error_message(read_text, other_range + MAP_TEXT)
+    assert "does not contain the unit of its heights" in get_error_message(read_text, other_range + MAP_TEXT)
 
 
 @pytest.mark.parametrize(
@@ -352,7 +354,7 @@ def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit
 def test_heights_that_contradict_their_declared_range_have_a_caveat(read_text, name, factor, unit, has_caveat):
     header = f"{name}: {factor * np.ptp(MAP):.4g} {unit}\nUnit: um\n"
     reading = read_text(header + MAP_TEXT, spacing="0.5 um")
-    assert caveat_names(reading) == ["range"] * has_caveat
+    assert read_caveat_names(reading) == ["range"] * has_caveat
     assert not read_text(header + MAP_TEXT, spacing="0.5 um", accept="range").caveats
 
 
@@ -363,7 +365,7 @@ def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
 
 def test_unit_of_positions_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text):
     assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
-    assert "has positions in 's', which is not" in error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
+    assert "has positions in 's', which is not" in get_error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
 
 
 # ---- Units of several quantities ------------------------------------------------------------------------------------
@@ -383,7 +385,7 @@ def test_column_units_in_a_line_separate_from_the_column_names_are_read(read_tex
 def test_units_between_names_separated_by_blanks_are_read(read_text):
     rows = ROWS.replace(";", " ")
     assert read_text(f"DISTANCE mm DEPTH nm\n{rows}").unit == "nm"
-    assert "has heights in 'FEET'" in error_message(read_text, f"DISTANCE mm DEPTH FEET\n{rows}", unit=("mm", "um"))
+    assert "has heights in 'FEET'" in get_error_message(read_text, f"DISTANCE mm DEPTH FEET\n{rows}", unit=("mm", "um"))
 
 
 @pytest.mark.parametrize(
@@ -392,19 +394,19 @@ def test_units_between_names_separated_by_blanks_are_read(read_text):
      "units.z: V\nx;z", "figure units: z = V\nx;z", "Channel unit: 1/mm\nx;z", "unit_z = V\nx;z"],
 )  # fmt: skip
 def test_unit_option_does_not_replace_an_unsupported_unit_in_a_header_of_several_quantities(read_text, header):
-    message = error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
+    message = get_error_message(read_text, f"{header}\n{ROWS}", unit=("mm", "um"))
     assert "which is not a supported unit of length" in message
 
 
 def test_header_unit_that_contradicts_the_unit_of_a_column_has_a_caveat(read_text):
     reading = read_text(f"Units: nm\nx (mm);z (um)\n{ROWS}")
-    assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
+    assert (reading.unit, read_caveat_names(reading)) == ("um", ["scale"])
 
 
 @pytest.mark.parametrize("line", ["unit: 0.1 um", "Z unit: 10 um", "Units: x 10 um", "z in 0.1 um"])
 def test_header_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, line):
     reading = read_text(f"{line}\nx (mm);z (um)\n{ROWS}")
-    assert (reading.unit, caveat_names(reading)) == ("um", ["scale"])
+    assert (reading.unit, read_caveat_names(reading)) == ("um", ["scale"])
 
 
 @pytest.mark.parametrize("line", ["unit: 1 um", "unit: um", "units: metric"])
@@ -414,7 +416,7 @@ def test_header_unit_that_agrees_with_the_unit_of_a_column_has_no_caveat(read_te
 
 @pytest.mark.parametrize("name", ["Profile (nmi)", "Depth [nmi]", "Signal (nmi)", "Height (nmi)"])
 def test_unit_option_does_not_replace_an_unknown_unit_of_a_single_column(read_text, name):
-    assert "has heights in 'nmi', which is not a supported unit" in error_message(
+    assert "has heights in 'nmi', which is not a supported unit" in get_error_message(
         read_text, f"{name}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um"
     )
 
@@ -435,7 +437,7 @@ def test_remark_after_the_name_of_a_single_column_is_not_a_unit(read_text, name)
 )  # fmt: skip
 @pytest.mark.parametrize("columns", [None, (0, 1)])
 def test_column_of_slopes_is_rejected_even_if_a_unit_of_length_is_given(read_text, header, columns):
-    message = error_message(read_text, f"{header}\n{ROWS.replace(';', ' ')}", unit=("mm", "nm"), columns=columns)
+    message = get_error_message(read_text, f"{header}\n{ROWS.replace(';', ' ')}", unit=("mm", "nm"), columns=columns)
     assert "slope" in message or "has heights in 'urad'" in message
 
 
@@ -472,7 +474,7 @@ def test_third_header_line_after_names_and_units_is_ignored(read_text, third_lin
     body = read_text(f"Position;Height\nmm;um\n{third_line}\n{ROWS}").body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
-    message = error_message(read_text, f"Position;Height\nmm;um\n{third_line}\n{ROWS}", unit=("mm", "nm"))
+    message = get_error_message(read_text, f"Position;Height\nmm;um\n{third_line}\n{ROWS}", unit=("mm", "nm"))
     assert "declares its heights in um, but the option unit is nm" in message
 
 
@@ -482,11 +484,11 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
     body = read_text(text).body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
-    assert "but the option unit is nm" in error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
+    assert "but the option unit is nm" in get_error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
 
 
 @pytest.mark.parametrize("columns", [None, (0,)])
 def test_heights_with_different_units_beside_the_numbers_are_rejected(read_text, columns):
     text = "".join(f"{z};um\n" if index % 9 else f"{1000 * z:.1f};nm\n" for index, z in enumerate(PROFILE))
-    message = error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
+    message = get_error_message(read_text, text, unit="um", spacing="0.5 um", columns=columns)
     assert "has numbers in several units in column 1: 'um' (106) and 'nm' (14)" in message

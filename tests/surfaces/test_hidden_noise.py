@@ -119,9 +119,9 @@ def test_hidden_noise_is_not_estimated_for_turned_profiles_with_feed_marks():
 
 def test_hidden_noise_is_not_reported_for_straight_grooves_with_aliased_edges():
     surfaces = [
-        Surface(turned_surface(np.random.default_rng(seed), 2, rough=rough), spacing=SPACING)
+        Surface(turned_surface(np.random.default_rng(seed), 2, rough=texture_roughness), spacing=SPACING)
         for seed in range(8)
-        for rough in (0.05, 0.3)
+        for texture_roughness in (0.05, 0.3)
     ]
     assert [find_hidden_noise(surface) for surface in surfaces] == [None] * len(surfaces)
 

@@ -139,8 +139,8 @@ class TestProfileHurstExponent:
             estimate_hurst_exponent(rough_profile(), **invalid_arguments)
 
     def test_hurst_estimate_raises_an_error_if_there_is_no_self_affine_band(self):
-        white = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
-        for profile in (white, sinusoid(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
+        white_noise = rough_profile(hurst_exponent=1e-9, longest_wavelength=0.021)
+        for profile in (white_noise, sinusoid(16), Profile([0.0, 1.0, 0.0, 0.0], spacing=1.0)):
             with pytest.raises(ValueError, match="no self-affine band"):
                 estimate_hurst_exponent(profile)
         for heights, match in (

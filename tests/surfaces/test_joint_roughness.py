@@ -26,11 +26,11 @@ def test_z2_and_jrc_of_a_ramp_follow_from_its_slope():
 
 def test_rising_slope_depends_on_the_sense_of_the_motion_and_z2_does_not():
     tooth = create_sawtooth(0.1, 0.3)
-    forward, backward = (measure_joint_roughness(tooth, angle) for angle in (0, 180))
-    assert forward.rising_slope == pytest.approx(0.1, rel=0.06)
-    assert backward.rising_slope == pytest.approx(0.3, rel=0.15)  # less exact: some differences span a tip
-    assert forward.rising_slope == backward.falling_slope
-    assert forward.z2 == backward.z2
+    forward_roughness, backward_roughness = (measure_joint_roughness(tooth, angle) for angle in (0, 180))
+    assert forward_roughness.rising_slope == pytest.approx(0.1, rel=0.06)
+    assert backward_roughness.rising_slope == pytest.approx(0.3, rel=0.15)  # less exact: some differences span a tip
+    assert forward_roughness.rising_slope == backward_roughness.falling_slope
+    assert forward_roughness.z2 == backward_roughness.z2
 
 
 @pytest.mark.parametrize("slope", [0.05, 0.6])
@@ -54,8 +54,8 @@ def test_map_is_sampled_along_any_direction_without_missing_points():
         assert roughness.sampling_interval == pytest.approx(1270, rel=0.05)
     is_missing = np.zeros((80, 80), bool)
     is_missing[:, 40:] = True
-    bent = Surface(np.where(is_missing, 1e5, plane.heights), spacing=127.0, missing=is_missing)
-    assert measure_joint_roughness(bent, 0).z2 == pytest.approx(0.2)
+    surface_with_missing_points = Surface(np.where(is_missing, 1e5, plane.heights), spacing=127.0, missing=is_missing)
+    assert measure_joint_roughness(surface_with_missing_points, 0).z2 == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize(("angle", "slope"), [(45, 0.3), (135, -0.1), (225, -0.3), (0, 0.2 * math.sqrt(2))])
@@ -67,8 +67,8 @@ def test_map_shorter_than_the_sampling_interval_is_sampled_along_the_given_direc
 
 
 def test_isotropic_map_has_similar_roughness_along_all_directions():
-    rough = self_affine_surface(
+    rough_map = self_affine_surface(
         1, hurst_exponent=0.8, rms=700.0, shape=(256, 256), spacing=400.0, longest_wavelength=30_000.0
     )
-    values = [measure_joint_roughness(rough, angle).z2 for angle in (0, 30, 90)]
+    values = [measure_joint_roughness(rough_map, angle).z2 for angle in (0, 30, 90)]
     assert max(values) < 1.25 * min(values)

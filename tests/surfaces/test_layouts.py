@@ -300,7 +300,7 @@ def read_scan_or_none(path, **options):
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_encoding(tmp_path, name, encoding):
     write, options, variants = EXPORT_FORMATS[name]
-    accepted = 0
+    num_accepted = 0
     for variant in variants:
         try:
             file_bytes = write(**variant).encode(encoding)
@@ -311,14 +311,14 @@ def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_enco
         body = read_scan_or_none(path, **options)
         if body is None:
             continue
-        accepted += 1
+        num_accepted += 1
         heights = body.heights if body.missing is None else np.where(body.missing, np.nan, body.heights)
         expected = HEIGHTS if name == "tencor" else HEIGHTS_WITH_HOLES
         assert heights.shape == expected.shape, (variant, body.history)
         assert np.allclose(heights, expected, rtol=0, atol=1e-6, equal_nan=True), (variant, body.history)
         assert body.spacing == pytest.approx((0.5, 0.5), rel=1e-2 if variant.get("jitter") else 1e-6)
     if encoding in ("utf-8", "utf-8-sig", "utf-16", "utf-16-le"):
-        assert accepted == len(variants)
+        assert num_accepted == len(variants)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)

@@ -133,10 +133,10 @@ def test_line_roughness_rejects_invalid_arguments(surface, options, message):
 
 def two_scale_surface(seed=1, points=160):
     """Return a surface whose power law (H = 0.8) extends to 16 µm along rows and to 160 µm along columns."""
-    white = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
+    white_noise = np.random.default_rng(seed).normal(size=(2 * points, 2 * points))
     q = 2 * np.pi * np.fft.fftfreq(2 * points)
     stretched_wave_numbers = np.hypot(np.maximum(np.abs(q), 0.4), q[:, np.newaxis])
-    heights = np.fft.ifft2(stretched_wave_numbers**-1.8 * np.fft.fft2(white)).real[:points, :points]
+    heights = np.fft.ifft2(stretched_wave_numbers**-1.8 * np.fft.fft2(white_noise)).real[:points, :points]
     return Surface(heights / heights.std(), spacing=1.0)
 
 

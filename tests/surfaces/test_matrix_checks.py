@@ -36,7 +36,7 @@ def to_text(columns, separator=" "):
     return "".join(separator.join(f"{value:.6g}" for value in row) + "\n" for row in np.asarray(columns))
 
 
-def error_message(path, **options):
+def get_error_message(path, **options):
     with pytest.raises(FormatError) as error_info:
         read_measurement(path, **options)
     return str(error_info.value)
@@ -47,7 +47,7 @@ def error_message(path, **options):
 def test_point_list_with_extra_columns_is_rejected_unless_x_y_and_z_are_chosen(tmp_path, kind, separator):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([X, Y, HEIGHTS.ravel(), COLUMNS_BESIDE_XYZ[kind]]), separator))
-    assert "columns 0 and 1 are the coordinates of a grid; choose x, y and z (--columns 0,1,2)" in error_message(
+    assert "columns 0 and 1 are the coordinates of a grid; choose x, y and z (--columns 0,1,2)" in get_error_message(
         path, **READ_OPTIONS
     )
     surface = read_surface_of_columns(path, (0, 1, 2))
@@ -63,14 +63,14 @@ def read_surface_of_columns(path, columns):
 def test_error_about_a_point_list_with_row_numbers_lists_the_columns_to_choose(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([POINT_NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
-    assert "(--columns 1,2,3)" in error_message(path, **READ_OPTIONS)
+    assert "(--columns 1,2,3)" in get_error_message(path, **READ_OPTIONS)
     assert np.allclose(read_surface_of_columns(path, (1, 2, 3)).heights, HEIGHTS, atol=1e-5)
 
 
 def test_array_of_points_on_a_grid_is_not_read_as_a_map_of_three_columns(tmp_path):
     path = tmp_path / "a.npy"
     np.save(path, np.column_stack([X, Y, HEIGHTS.ravel()]))
-    assert "choose x, y and z (--columns 0,1,2)" in error_message(path, **READ_OPTIONS)
+    assert "choose x, y and z (--columns 0,1,2)" in get_error_message(path, **READ_OPTIONS)
     assert np.array_equal(read_surface_of_columns(path, (0, 1, 2)).heights, HEIGHTS)
 
 
@@ -85,7 +85,7 @@ def test_scattered_points_with_extra_columns_are_not_read_as_a_map(tmp_path, kin
     normals[:, 2] = np.sqrt(1 - (normals[:, :2] ** 2).sum(axis=1)) * np.where(POINT_NUMBERS % 5, 1, -1)
     other_columns = normals if kind == "normals" else COLUMNS_BESIDE_XYZ[kind]
     path.write_text(to_text(np.column_stack([positions, HEIGHTS.ravel(), other_columns])))
-    assert message in error_message(path, **READ_OPTIONS)
+    assert message in get_error_message(path, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("decimals", [0, 1, 4])
@@ -104,7 +104,7 @@ def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
 def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_path, rows_below):
     path = tmp_path / "a.txt"
     path.write_text(to_text(HEIGHTS) + "\n" + to_text(2 * create_map(rows_below, 20, seed=8)))
-    message = error_message(path, **READ_OPTIONS)
+    message = get_error_message(path, **READ_OPTIONS)
     assert f"has 2 blocks of rows with empty lines between them (15 from line 1, {rows_below} from line 17)" in message
 
 
@@ -112,7 +112,7 @@ def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_
 def test_numbers_below_an_empty_line_are_not_appended_to_a_profile(tmp_path, numbers_below):
     path, line = tmp_path / "a.txt", HEIGHTS.ravel()[:150, None]
     path.write_text(to_text(line) + "\n" + to_text(line[:numbers_below] / 2))
-    assert f"150 from line 1, {numbers_below} from line 152" in error_message(path, **READ_OPTIONS)
+    assert f"150 from line 1, {numbers_below} from line 152" in get_error_message(path, **READ_OPTIONS)
 
 
 def test_empty_lines_between_all_rows_are_ignored(tmp_path):
@@ -143,7 +143,7 @@ def test_row_or_column_of_statistics_beside_a_matrix_is_not_read_as_heights(tmp_
     lines = [HEIGHTS, np.expand_dims(FUNCTIONS_BY_STATISTIC[kind](HEIGHTS, axis), axis)]
     path = tmp_path / "a.csv"
     path.write_text(to_text(np.round(np.concatenate(lines if side[:4] == "last" else lines[::-1], axis=axis), 4), ","))
-    assert f"has {kind} in its {side}; leave only heights" in error_message(path, **READ_OPTIONS)
+    assert f"has {kind} in its {side}; leave only heights" in get_error_message(path, **READ_OPTIONS)
 
 
 def test_several_rows_of_statistics_are_not_read_as_heights(tmp_path):
@@ -151,7 +151,7 @@ def test_several_rows_of_statistics_are_not_read_as_heights(tmp_path):
     path.write_text(
         to_text(np.vstack([HEIGHTS, *(statistic(HEIGHTS, 0) for statistic in FUNCTIONS_BY_STATISTIC.values())]), ",")
     )
-    assert "in its last rows; leave only heights" in error_message(path, **READ_OPTIONS)
+    assert "in its last rows; leave only heights" in get_error_message(path, **READ_OPTIONS)
 
 
 @pytest.mark.parametrize("heights", [np.tile(HEIGHTS[0], (12, 1)), np.pad(HEIGHTS, 2), np.eye(12), np.zeros((9, 9))])
@@ -194,11 +194,11 @@ def test_grid_coordinates_are_found_among_columns_of_other_quantities(tmp_path, 
     )
     path = tmp_path / "a.txt"
     path.write_text(to_text(columns[:, order]))
-    shuffled = np.random.default_rng(4).permutation(POINT_NUMBERS)
-    (tmp_path / "b.txt").write_text(to_text(columns[shuffled][:, order]))
-    assert "are the coordinates of a grid" in error_message(tmp_path / "b.txt", **READ_OPTIONS)
+    shuffled_indices = np.random.default_rng(4).permutation(POINT_NUMBERS)
+    (tmp_path / "b.txt").write_text(to_text(columns[shuffled_indices][:, order]))
+    assert "are the coordinates of a grid" in get_error_message(tmp_path / "b.txt", **READ_OPTIONS)
     x, y, z = (order.index(place) for place in (0, 1, 2))
-    message = error_message(path, **READ_OPTIONS)
+    message = get_error_message(path, **READ_OPTIONS)
     assert f"columns {min(x, y)} and {max(x, y)} are the coordinates of a grid" in message
     assert np.array_equal(read_measurement(path, unit="um", columns=(x, y, z)).heights, HEIGHTS)
 
@@ -210,7 +210,7 @@ def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected
     numbers = np.arange(heights.shape[axis])
     path.write_text(to_text(np.insert(heights, heights.shape[1 - axis], numbers, axis=1 - axis)))
     name, number_name = ("column", "row") if axis == 0 else ("row", "column")
-    message = error_message(path, **READ_OPTIONS)
+    message = get_error_message(path, **READ_OPTIONS)
     assert f"of which the last {name} has equal steps, like positions or {number_name} numbers; remove that" in message
 
 
@@ -222,7 +222,7 @@ def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, 
         *([first_number + index, *row] for index, row in enumerate(HEIGHTS.tolist())),
     ]
     path.write_text("".join(",".join(map(str, row)) + "\n" for row in rows))
-    assert "contains no spacing" in error_message(path, unit="um")
+    assert "contains no spacing" in get_error_message(path, unit="um")
     assert np.array_equal(read_surface(path, **READ_OPTIONS).heights, HEIGHTS)
 
 
@@ -232,7 +232,7 @@ def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
     path.write_text(
         f"Columns 1 through 8\n\n{to_text(heights[:, :8])}\nColumns 9 through 19\n\n{to_text(heights[:, 8:])}"
     )
-    assert "15 more lines of numbers do not belong to the same table as lines 22 to 37" in error_message(
+    assert "15 more lines of numbers do not belong to the same table as lines 22 to 37" in get_error_message(
         path, **READ_OPTIONS
     )
 
@@ -244,7 +244,7 @@ def test_profile_row_above_a_line_of_words_is_rejected_instead_of_skipped(tmp_pa
     rows = [f"{x:.1f} {z:.4f}\n" for x, z in zip(X[:20], HEIGHTS[0], strict=True)]
     path.write_text(names + rows[0] + words + "".join(rows[1:]))
     line = names.count("\n") + 1
-    message = error_message(path, unit="um")
+    message = get_error_message(path, unit="um")
     assert f"line {line} (" in message
     assert f"a point of the profile that starts in line {line + 1 + words.count(chr(10))}, but there is text" in message
 
@@ -313,7 +313,7 @@ def test_map_with_lay_along_its_rows_has_no_caveat_about_a_wrapped_profile(tmp_p
 def test_rows_of_coordinates_above_a_row_of_heights_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.stack([X, Y, HEIGHTS.ravel()])))
-    assert "has 3 rows, of which rows 0 and 1, counted from 0, are the coordinates" in error_message(
+    assert "has 3 rows, of which rows 0 and 1, counted from 0, are the coordinates" in get_error_message(
         path, **READ_OPTIONS
     )
 
@@ -323,13 +323,13 @@ def test_column_of_coordinates_and_then_heights_is_rejected(tmp_path, order):
     path = tmp_path / "a.txt"
     columns = [column.reshape(HEIGHTS.shape).ravel(order) for column in (X, Y, HEIGHTS)]
     path.write_text(to_text(np.concatenate(columns)[:, np.newaxis]))
-    assert "lists all x, then all y and all z" in error_message(path, **READ_OPTIONS)
+    assert "lists all x, then all y and all z" in get_error_message(path, **READ_OPTIONS)
 
 
 def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 2, HEIGHTS.ravel()[:120]])[:, np.newaxis]))
-    assert "lists all x and then all z" in error_message(path, **READ_OPTIONS)
+    assert "lists all x and then all z" in get_error_message(path, **READ_OPTIONS)
 
 
 def test_profile_that_starts_with_a_ramp_is_read_completely(tmp_path):

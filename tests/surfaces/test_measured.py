@@ -47,7 +47,7 @@ def write_file(tmp_path):
     return write
 
 
-def error_message(path, read=read_profile, **options):
+def get_error_message(path, read=read_profile, **options):
     """Return the error message about a file, which must be one sentence that begins with the name of the file."""
     with pytest.raises(FormatError) as error_info:
         read(path, **options)
@@ -61,7 +61,7 @@ def error_message(path, read=read_profile, **options):
 
 
 @functools.cache
-def long_map():
+def create_long_map():
     """Return the cells and the heights of a map so long that it is converted in several parts."""
     random = np.random.default_rng(4)
     values = (random.normal(size=(200, 300)) * 10.0 ** random.integers(-3, 3, size=(200, 300))).tolist()
@@ -82,7 +82,7 @@ def write_long_map(write_file, cells, separator="\t", line_end="\n"):
 @pytest.mark.parametrize(("separator", "line_end"), [("\t", "\n"), (";", "\r\n"), (" ", "\n")])
 def test_long_map_has_the_same_heights_for_any_number_of_threads(write_file, monkeypatch, threads, separator, line_end):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
-    cells, heights = long_map()
+    cells, heights = create_long_map()
     if separator != " ":
         cells = [[cell.replace("NaN", "") for cell in row] for row in cells]
     path = write_long_map(write_file, cells, separator, line_end)
@@ -97,17 +97,17 @@ def test_error_in_a_long_map_states_the_line_and_the_cell_for_any_number_of_thre
     write_file, monkeypatch, threads, row
 ):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
-    cells = [list(row_cells) for row_cells in long_map()[0]]
+    cells = [list(row_cells) for row_cells in create_long_map()[0]]
     cells[row][7] = "1.2.3"
-    message = error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    message = get_error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
     assert f"line {row + 3} (" in message
     assert "has '1.2.3' in cell 8, which is not a number" in message
 
 
 def test_row_with_too_many_cells_in_a_long_map_is_rejected(write_file):
-    cells = [list(row_cells) for row_cells in long_map()[0]]
+    cells = [list(row_cells) for row_cells in create_long_map()[0]]
     cells[150].append("5")
-    message = error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    message = get_error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
     assert "line 153 (" in message
     assert "has 301 cells, but most lines have 300" in message
 
@@ -153,14 +153,16 @@ def test_profile_written_in_any_text_format_is_read_with_equal_heights_and_spaci
 
 def test_reader_requires_unit_and_spacing_options_for_a_file_that_does_not_state_them(write_file):
     file_without_units = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert 'does not contain the unit of its heights; give the unit, as in "um"' in error_message(file_without_units)
+    assert 'does not contain the unit of its heights; give the unit, as in "um"' in get_error_message(
+        file_without_units
+    )
     assert read_profile(file_without_units, unit="um").heights.tolist() == HEIGHTS
     assert read_profile(file_without_units, unit=("mm", "um")).spacing == pytest.approx(100)
     file_without_position_unit = write_file("x,z (um)\n0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
-    assert "the unit of its positions" in error_message(file_without_position_unit)
+    assert "the unit of its positions" in get_error_message(file_without_position_unit)
     assert read_profile(file_without_position_unit, unit="um").spacing == pytest.approx(0.1)
     single_column_file = write_file("0.5\n-0.25\n1\n0.125\n2\n")
-    assert 'give the spacing of its points, as in "0.5 um"' in error_message(single_column_file, unit="um")
+    assert 'give the spacing of its points, as in "0.5 um"' in get_error_message(single_column_file, unit="um")
     assert read_profile(single_column_file, unit="um", spacing="100 nm").spacing == 0.1
 
 
@@ -173,23 +175,25 @@ def test_reader_requires_unit_and_spacing_options_for_a_file_that_does_not_state
 )  # fmt: skip
 def test_units_of_other_quantities_in_the_header_do_not_apply_to_columns(write_file, text_above):
     rows_text = "0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n"
-    assert "does not contain the unit of its heights" in error_message(write_file(text_above + rows_text))
+    assert "does not contain the unit of its heights" in get_error_message(write_file(text_above + rows_text))
     if "z (um)" not in text_above:
         column = "\n".join(line.split(",")[1] for line in rows_text.split())
-        message = error_message(write_file(text_above + column), spacing="1 um")
+        message = get_error_message(write_file(text_above + column), spacing="1 um")
         assert "does not contain the unit of its heights" in message
 
 
 def test_reader_rejects_options_that_contradict_the_file(write_file):
     path = write_file(TEXTS_BY_FORMAT["brackets, nm"])
-    assert "declares its heights in nm, but the option unit is um" in error_message(path, unit="um")
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
-    assert "has positions with a spacing of 0.1 µm, but the option spacing is 0.2 um" in error_message(
+    assert "has positions with a spacing of 0.1 µm, but the option spacing is 0.2 um" in get_error_message(
         path, spacing="0.2 um"
     )
     assert read_profile(path, spacing="100 nm").spacing == 0.1
     column = write_file(TEXTS_BY_FORMAT["one column"])
-    assert "declares a spacing of 0.1 µm, but the option spacing is 0.3 um" in error_message(column, spacing="0.3 um")
+    assert "declares a spacing of 0.1 µm, but the option spacing is 0.3 um" in get_error_message(
+        column, spacing="0.3 um"
+    )
 
 
 @pytest.mark.parametrize(
@@ -240,7 +244,7 @@ def test_reader_rejects_options_that_contradict_the_file(write_file):
     ],
 )
 def test_text_files_without_a_profile_are_rejected(write_file, text, message):
-    assert message in error_message(write_file(text))
+    assert message in get_error_message(write_file(text))
 
 
 @pytest.mark.parametrize("rows", [(0,), (1, 3)])
@@ -264,7 +268,7 @@ def test_positions_are_accepted_if_only_rounding_or_truncation_makes_their_spaci
         assert abs(profile.spacing - 0.156245) < 0.1 / 9599
     printed_positions = [f"{x:.1f}" for x in true_positions]
     printed_positions[5000] = f"{float(printed_positions[5000]) + 0.2:.1f}"
-    assert "point 5000, counted from 0, is at" in error_message(
+    assert "point 5000, counted from 0, is at" in get_error_message(
         write_file("x (um),z (um)\n" + "".join(f"{x},1.5\n" for x in printed_positions))
     )
 
@@ -297,27 +301,27 @@ def test_matrix_in_a_text_file_is_read_as_a_surface(write_file):
     surface = read_surface(path, spacing=("2 um", "0.5 um"))
     assert surface.heights.tolist() == [[0.001, 0.002, 0.003, 0], [0.004, 0.005, 0.006, 0]]
     assert surface.spacing == (2.0, 0.5)
-    assert "contains no spacing" in error_message(path, read_surface)
+    assert "contains no spacing" in get_error_message(path, read_surface)
     for table in (
         "x (um),y (um),z (um)\n" + "0,1,2\n" * 5,
         "0,1,2\n" * 5,
         "x (um),a (um),b (um),c (um)\n" + "0,1,2,3\n" * 5,
     ):
-        assert "may be positions and several heights" in error_message(
+        assert "may be positions and several heights" in get_error_message(
             write_file(table), read_surface, unit="um", spacing="1 um"
         )
-    assert "read profiles with read_profile()" in error_message(write_file(TEXTS_BY_FORMAT["comma"]), read_surface)
+    assert "read profiles with read_profile()" in get_error_message(write_file(TEXTS_BY_FORMAT["comma"]), read_surface)
 
 
 def test_reading_a_measurement_returns_a_profile_or_a_surface(write_file):
     profile = read_measurement(write_file(TEXTS_BY_FORMAT["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
-    assert "which has one spacing, but the option spacing has two lengths" in error_message(
+    assert "which has one spacing, but the option spacing has two lengths" in get_error_message(
         write_file(TEXTS_BY_FORMAT["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
     surface = read_measurement(
-        write_file(npy_bytes(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um")
+        write_file(create_npy_bytes(np.arange(6.0).reshape(2, 3)), "a.npy"), unit="nm", spacing=("2 um", "1 um")
     )
     assert isinstance(surface, Surface)
     assert surface.heights.tolist() == [[0, 0.001, 0.002], [0.003, 0.004, 0.005]]
@@ -326,10 +330,10 @@ def test_reading_a_measurement_returns_a_profile_or_a_surface(write_file):
 
 @pytest.mark.parametrize("shape", [(5, 1), (1, 5)])
 def test_matrix_of_one_row_or_column_is_read_as_a_profile(write_file, shape):
-    path = write_file(npy_bytes(np.reshape(HEIGHTS, shape)), "a.npy")
+    path = write_file(create_npy_bytes(np.reshape(HEIGHTS, shape)), "a.npy")
     for read in (read_profile, read_measurement):
         assert read(path, unit="um", spacing="1 um").heights.tolist() == HEIGHTS
-    assert "contains a profile of 5 points" in error_message(path, read_surface, unit="um", spacing="1 um")
+    assert "contains a profile of 5 points" in get_error_message(path, read_surface, unit="um", spacing="1 um")
 
 
 def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
@@ -345,21 +349,21 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
             "of which the first row and column have equal steps, like positions; leave only heights in the file",
         ),
     ):
-        assert message in error_message(write_file(npy_bytes(matrix), "a.npy"), **options)
+        assert message in get_error_message(write_file(create_npy_bytes(matrix), "a.npy"), **options)
         text = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in matrix)
         if matrix.shape[1] > 3:
-            assert message in error_message(write_file(text, "a.txt"), **options)
+            assert message in get_error_message(write_file(text, "a.txt"), **options)
     heights_with_x_row = heights.copy()
     heights_with_x_row[0] = x
-    assert "of which the first row has equal steps" in error_message(
-        write_file(npy_bytes(heights_with_x_row), "a.npy"), **options
+    assert "of which the first row has equal steps" in get_error_message(
+        write_file(create_npy_bytes(heights_with_x_row), "a.npy"), **options
     )
     heights_with_equal_row = heights.copy()
     heights_with_equal_row[0] = 0.5
     # a plane with small roughness, like a scan before levelling
     tilted_heights = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
     for matrix in (heights, heights_with_equal_row, tilted_heights, x + y[:, np.newaxis]):
-        path = write_file(npy_bytes(matrix), "a.npy")
+        path = write_file(create_npy_bytes(matrix), "a.npy")
         surface = read_surface(path, unit="um", spacing="1 um", accept="repeated-height")
         assert np.array_equal(surface.heights, matrix)
 
@@ -367,7 +371,7 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
 def test_spacing_option_that_disagrees_with_the_header_of_a_matrix_is_rejected(write_file):
     path = write_file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
-    assert "declares a spacing of 0.5 µm, but the option spacing is 2 µm along y and 1 µm along x" in error_message(
+    assert "declares a spacing of 0.5 µm, but the option spacing is 2 µm along y and 1 µm along x" in get_error_message(
         path, read_surface, spacing=("2 um", "1 um")
     )
 
@@ -381,7 +385,7 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(write_file):
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
     # The position 0.600 may stand for 0.6004, but a specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
-    assert "a size that implies a spacing of 0.15 µm, but the option spacing is 0.16 um" in error_message(
+    assert "a size that implies a spacing of 0.15 µm, but the option spacing is 0.16 um" in get_error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
     )
 
@@ -391,14 +395,14 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(write_file):
 POSITIONS = [0, 0.1, 0.2, 0.3, 0.4]
 
 
-def columns_text(*columns, header=""):
+def format_columns(*columns, header=""):
     return header + "".join(",".join(f"{value}" for value in row) + "\n" for row in zip(*columns, strict=True))
 
 
 def test_columns_can_be_selected_by_name_or_number(write_file):
-    text = columns_text([0.5, 1, 1.5, 2, 2.5], POSITIONS, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
+    text = format_columns([0.5, 1, 1.5, 2, 2.5], POSITIONS, [7] * 5, HEIGHTS, header="t (s),x (um),F (mN),z (um)\n")
     path = write_file(text)
-    message = error_message(path, read_measurement)
+    message = get_error_message(path, read_measurement)
     assert "has 4 columns of numbers that may be positions and several heights: 0 (t (s)), 1 (x (um)), 2" in message
     for columns in (("x", "z"), ("X (um)", 3), (1, 3), ["1", "3"]):
         profile = read_measurement(path, columns=columns)
@@ -412,14 +416,14 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
         (("t", "z"), "has positions in 's', which is not a supported unit of length"),
         (("x", "F"), "has heights in 'mN', which is not a supported unit of length"),
     ):
-        assert expected_message in error_message(path, columns=columns)
-    file_with_repeated_name = write_file(columns_text(POSITIONS, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
-    assert "has more than one column named 'z'; choose by number: 0 (x (um))," in error_message(
+        assert expected_message in get_error_message(path, columns=columns)
+    file_with_repeated_name = write_file(format_columns(POSITIONS, HEIGHTS, HEIGHTS, header="x (um),z (um),z (nm)\n"))
+    assert "has more than one column named 'z'; choose by number: 0 (x (um))," in get_error_message(
         file_with_repeated_name, columns=("x", "z")
     )
     assert read_profile(file_with_repeated_name, columns=("x", "Z (um)")).heights.tolist() == HEIGHTS
-    assert "has no columns, but columns were selected" in error_message(
-        write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
+    assert "has no columns, but columns were selected" in get_error_message(
+        write_file(create_x3p_bytes(HEIGHTS_IN_METRES), "a.x3p"), columns=("x", "z")
     )
 
 
@@ -430,7 +434,9 @@ def test_rounded_positions_in_any_column_are_accepted_as_uniform(write_file):
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true_positions))
     profile = read_profile(write_file(lines), columns=(1, 2), unit="um")
     assert profile.spacing == pytest.approx(0.156245, rel=1e-3)
-    assert "is not uniform" in error_message(write_file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um")
+    assert "is not uniform" in get_error_message(
+        write_file(lines.replace(",31.2,", ",31.5,")), columns=(1, 2), unit="um"
+    )
 
 
 @pytest.mark.parametrize("separator", [",", ";", "|", "\t"])
@@ -439,7 +445,7 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     frame = pandas.DataFrame({"x (um)": POSITIONS, "z (um)": [*HEIGHTS[:4], np.nan]})
     for table in (frame, frame.rename_axis("index")):
         path = write_file(table.to_csv(sep=separator))
-        assert "lacks 1 of 5 heights, the first at point 4, counted from 0" in error_message(path)
+        assert "lacks 1 of 5 heights, the first at point 4, counted from 0" in get_error_message(path)
         profile = read_profile(path, missing="interpolate")
         assert profile.heights.tolist() == HEIGHTS[:4]
         assert profile.history[1] == "the first column, which numbers the rows, removed"
@@ -448,26 +454,26 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
     # A first column that does not contain row numbers contains data.
-    assert "has 3 columns" in error_message(
-        write_file(columns_text(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
+    assert "has 3 columns" in get_error_message(
+        write_file(format_columns(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
     )
 
 
 def test_array_of_two_columns_is_read_as_positions_and_heights(write_file):
-    path = write_file(npy_bytes(np.c_[POSITIONS, HEIGHTS]), "a.npy")
+    path = write_file(create_npy_bytes(np.c_[POSITIONS, HEIGHTS]), "a.npy")
     for read in (read_profile, read_measurement):
         profile = read(path, unit=("mm", "nm"))
         assert profile.spacing == pytest.approx(100)
         assert profile.heights.tolist() == pytest.approx([z / 1000 for z in HEIGHTS])
     assert read_profile(path, unit="um", columns=1, spacing="1 um").heights.tolist() == HEIGHTS
     uneven_file = write_file(
-        npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
+        create_npy_bytes(np.c_[[0, 0.1, 0.25, 0.3, 0.4], HEIGHTS]), "b.npy"
     )  # Unless columns are chosen, the array may be a map with two columns.
     assert read_measurement(uneven_file, unit="um", spacing="1 um").heights.shape == (5, 2)
-    assert "is not uniform: point 2, counted from 0" in error_message(uneven_file, unit="um", columns=(0, 1))
+    assert "is not uniform: point 2, counted from 0" in get_error_message(uneven_file, unit="um", columns=(0, 1))
 
 
-def workbook_bytes(*sheets, **changes):
+def create_workbook(*sheets, **changes):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()
     book.remove(book.active)
@@ -485,25 +491,25 @@ SHEET_ROWS += [[None, x, z, None, "a note"] for x, z in zip(POSITIONS, HEIGHTS, 
 
 
 def test_profiles_and_surfaces_are_read_from_workbooks(write_file):
-    profile = read_profile(write_file(workbook_bytes(("one", SHEET_ROWS), ("empty", [])), "a.xlsx"))
+    profile = read_profile(write_file(create_workbook(("one", SHEET_ROWS), ("empty", [])), "a.xlsx"))
     assert profile.heights.tolist() == HEIGHTS
     assert profile.spacing == pytest.approx(0.1)
     assert profile.history[0] == "read from a.xlsx"
     two_channel_file = write_file(
-        workbook_bytes(("raw", SHEET_ROWS), ("Filtered", [[*row[1:3], 5] for row in SHEET_ROWS])), "b.xlsx"
+        create_workbook(("raw", SHEET_ROWS), ("Filtered", [[*row[1:3], 5] for row in SHEET_ROWS])), "b.xlsx"
     )
-    assert "contains the channels 0 (raw), 1 (Filtered); choose one with" in error_message(two_channel_file)
+    assert "contains the channels 0 (raw), 1 (Filtered); choose one with" in get_error_message(two_channel_file)
     assert read_profile(two_channel_file, channel="raw").history[1] == "channel 0 (raw) of 0 (raw), 1 (Filtered)"
-    assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in error_message(
+    assert "has no channel named 'rough'; the file has 0 (raw), 1 (Filtered)" in get_error_message(
         two_channel_file, channel="rough"
     )
     heights = np.random.default_rng(3).normal(size=(6, 9))
-    area = read_surface(write_file(workbook_bytes(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
+    area = read_surface(write_file(create_workbook(("map", heights.tolist())), "c.xlsx"), unit="um", spacing="1 um")
     # The tolerance is that of 16 digits, which openpyxl writes.
     assert np.allclose(area.heights, heights, rtol=1e-15, atol=0)
     gaps = [row if index != 6 else [None, row[1], None] for index, row in enumerate(SHEET_ROWS)]
-    assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in error_message(
-        write_file(workbook_bytes(("one", gaps)), "d.xlsx")
+    assert "lacks 1 of 5 heights, the first at point 2, counted from 0" in get_error_message(
+        write_file(create_workbook(("one", gaps)), "d.xlsx")
     )
 
 
@@ -521,8 +527,8 @@ def test_words_in_a_workbook_cause_the_same_error_as_in_a_text_file(write_file, 
     names, cells = WORD_TABLES[table]
     rows = [names, *([index / 4, *cells(z)] for index, z in enumerate(HEIGHTS_OF_LONG_PROFILE))]
     text = "".join(",".join("" if cell is None else str(cell) for cell in row) + "\n" for row in rows)
-    workbook, text = write_file(workbook_bytes(("one", rows)), "a.xlsx"), write_file(text, "a.csv")
-    messages = [re.sub(r"\('.*'\) ", "", error_message(path)).split(": ", 1)[1] for path in (workbook, text)]
+    workbook, text = write_file(create_workbook(("one", rows)), "a.xlsx"), write_file(text, "a.csv")
+    messages = [re.sub(r"\('.*'\) ", "", get_error_message(path)).split(": ", 1)[1] for path in (workbook, text)]
     assert messages[0] == messages[1]
     assert ("NG" in messages[0]) == (table != "empty cells")
     profiles = [read_profile(path, missing="mask", missing_value="NG") for path in (workbook, text)]
@@ -536,21 +542,21 @@ def test_workbook_columns_are_numbered_as_in_the_sheet(write_file):
         [None, None, *row]
         for row in (names, *([index / 4, *cells(z)] for index, z in enumerate(HEIGHTS_OF_LONG_PROFILE)))
     ]
-    path = write_file(workbook_bytes(("one", rows)), "a.xlsx")
-    message = error_message(path)
+    path = write_file(create_workbook(("one", rows)), "a.xlsx")
+    message = get_error_message(path)
     assert "has words in column 4 (state)" in message
     assert "(--columns 2,3)" in message
     assert read_profile(path, columns=(2, 3)).heights.tolist() == HEIGHTS_OF_LONG_PROFILE
 
 
 def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
-    workbook = workbook_bytes(("one", SHEET_ROWS))
-    assert "is a workbook without a column of numbers" in error_message(
-        write_file(workbook_bytes(("one", [])), "a.xlsx")
+    workbook = create_workbook(("one", SHEET_ROWS))
+    assert "is a workbook without a column of numbers" in get_error_message(
+        write_file(create_workbook(("one", [])), "a.xlsx")
     )
-    assert "is a damaged workbook" in error_message(write_file(workbook[:-60], "a.xlsx"))
-    assert "is a damaged workbook" in error_message(write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
-    assert "extension .xlsx, but its content is not a zip archive" in error_message(write_file("1,2\n", "a.xlsx"))
+    assert "is a damaged workbook" in get_error_message(write_file(workbook[:-60], "a.xlsx"))
+    assert "is a damaged workbook" in get_error_message(write_file(create_x3p_bytes(HEIGHTS_IN_METRES), "a.xlsx"))
+    assert "extension .xlsx, but its content is not a zip archive" in get_error_message(write_file("1,2\n", "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_WORKBOOK_TAGS", 300_000)
     large_workbook = io.BytesIO()
     with (
@@ -559,15 +565,15 @@ def test_damaged_and_oversized_workbooks_are_rejected(write_file, monkeypatch):
     ):
         for name in source.namelist():
             copy.writestr(name, source.read(name).replace(b"<sheetData>", b"<sheetData>" + b"<row>" * 300_000))
-    assert "XML tags" in error_message(write_file(large_workbook.getvalue(), "a.xlsx"))
+    assert "XML tags" in get_error_message(write_file(large_workbook.getvalue(), "a.xlsx"))
     monkeypatch.setattr(excel, "MAX_TEXT_BYTES", 5000)
-    assert "at most" in error_message(write_file(workbook, "a.xlsx"))
+    assert "at most" in get_error_message(write_file(workbook, "a.xlsx"))
     monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-    assert "pip install openpyxl" in error_message(write_file(workbook, "a.xlsx"))
+    assert "pip install openpyxl" in get_error_message(write_file(workbook, "a.xlsx"))
 
 
 def test_channel_option_is_rejected_for_files_in_formats_without_channels(write_file):
-    assert "has no channels, but channel 1 was selected" in error_message(
+    assert "has no channels, but channel 1 was selected" in get_error_message(
         write_file(TEXTS_BY_FORMAT["comma"]), channel=1
     )
 
@@ -580,15 +586,17 @@ def test_channel_of_an_instrument_file_can_be_selected(find_measured_file):
     assert surface.history[1] == f"channel 0 (ZSensor) of {channels}"
     assert np.array_equal(read_surface(path, channel="zsensor").heights, surface.heights)
     assert read_surface(path, channel=1).history[1] == f"channel 1 (AmplitudeError) of {channels}"
-    assert "a channel 2 (Phase) that does not contain heights" in error_message(path, read_surface, channel="Phase")
-    assert "has no channel 3; the channel numbers are 0 to 2" in error_message(path, read_surface, channel=3)
+    assert "a channel 2 (Phase) that does not contain heights" in get_error_message(path, read_surface, channel="Phase")
+    assert "has no channel 3; the channel numbers are 0 to 2" in get_error_message(path, read_surface, channel=3)
 
 
 def test_units_of_a_text_file_with_an_unknown_file_name_extension_are_read_from_the_header(write_file):
     text = "x (um),z (nm)\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n"
     file_with_unknown_suffix = write_file(text, "scan.v2")
     assert read_profile(file_with_unknown_suffix).heights.tolist() == HEIGHTS
-    assert "declares its heights in nm, but the option unit is um" in error_message(file_with_unknown_suffix, unit="um")
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(
+        file_with_unknown_suffix, unit="um"
+    )
 
 
 def test_custom_reader_is_used_for_files_with_the_registered_suffix(write_file, monkeypatch):
@@ -643,21 +651,25 @@ def test_map_three_points_wide_is_written_only_to_formats_that_can_store_it(tmp_
 
 def test_metadata_after_the_array_of_an_npy_file_are_read_only_if_written_by_stiction(write_file):
     spacing = np.array((0.5, 0.25), dtype=[("spacing_y_um", float), ("spacing_x_um", float)])
-    own_content = npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.array(["made up\x1b[31m"]))
+    own_content = (
+        create_npy_bytes(np.eye(4)) + create_npy_bytes(spacing) + create_npy_bytes(np.array(["made up\x1b[31m"]))
+    )
     assert read_surface(write_file(own_content, "a.npy")).history == ("read from a.npy", "made up\\x1b[31m")
     for foreign_content in (
-        npy_bytes(np.eye(4)) + npy_bytes(spacing),
-        npy_bytes(np.eye(4)) + npy_bytes(np.eye(2)) + npy_bytes(np.array(["no"])),
-        npy_bytes(np.eye(4)) + npy_bytes(spacing) + npy_bytes(np.arange(3)),
-        npy_bytes(np.eye(4)) + b"anything",
-        npy_bytes(np.arange(9.0)) + npy_bytes(spacing) + npy_bytes(np.array(["of another shape"])),
+        create_npy_bytes(np.eye(4)) + create_npy_bytes(spacing),
+        create_npy_bytes(np.eye(4)) + create_npy_bytes(np.eye(2)) + create_npy_bytes(np.array(["no"])),
+        create_npy_bytes(np.eye(4)) + create_npy_bytes(spacing) + create_npy_bytes(np.arange(3)),
+        create_npy_bytes(np.eye(4)) + b"anything",
+        create_npy_bytes(np.arange(9.0)) + create_npy_bytes(spacing) + create_npy_bytes(np.array(["of another shape"])),
         own_content[:-3],
     ):
         with pytest.raises(FormatError, match="neither the unit of its heights"):
             read_measurement(write_file(foreign_content, "b.npy"))
-    negative_spacing = npy_bytes(np.array((-0.5, 0.25), dtype=spacing.dtype))
+    negative_spacing = create_npy_bytes(np.array((-0.5, 0.25), dtype=spacing.dtype))
     with pytest.raises(FormatError, match="has a spacing of -0"):
-        read_surface(write_file(npy_bytes(np.eye(4)) + negative_spacing + npy_bytes(np.array([""])), "c.npy"))
+        read_surface(
+            write_file(create_npy_bytes(np.eye(4)) + negative_spacing + create_npy_bytes(np.array([""])), "c.npy")
+        )
 
 
 def test_writing_a_scan_does_not_overwrite_files_or_leave_partial_files(tmp_path, monkeypatch):
@@ -679,7 +691,7 @@ def test_writing_a_scan_does_not_overwrite_files_or_leave_partial_files(tmp_path
     assert [path.name for path in tmp_path.iterdir()] == ["a.csv"]
 
 
-def npy_bytes(array):
+def create_npy_bytes(array):
     stream = io.BytesIO()
     np.save(stream, array)
     return stream.getvalue()
@@ -688,43 +700,51 @@ def npy_bytes(array):
 @pytest.mark.parametrize(
     ("content", "name", "message"),
     [
-        (npy_bytes(np.zeros(9)), "a.npy", "neither the unit of its heights"),
-        (npy_bytes(np.array([1, None])), "a.npy", "damaged .npy file, or contains Python objects instead of numbers"),
-        (npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
-        (npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
-        (npy_bytes(np.zeros(9, complex)), "a.npy", "array of type complex128"),
-        (npy_bytes(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
-        (npy_bytes(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
-        (npy_bytes(np.zeros(9)), "a.csv", "has the file name extension .csv, but its content is a NumPy array (.npy)"),
+        (create_npy_bytes(np.zeros(9)), "a.npy", "neither the unit of its heights"),
+        (
+            create_npy_bytes(np.array([1, None])),
+            "a.npy",
+            "damaged .npy file, or contains Python objects instead of numbers",
+        ),
+        (create_npy_bytes(np.ones((1, 9))).replace(b"(1, 9), }   ", b"(True, 9), }"), "a.npy", "damaged .npy file"),
+        (create_npy_bytes(np.zeros(9))[:-5], "a.npy", "damaged"),
+        (create_npy_bytes(np.zeros(9, complex)), "a.npy", "array of type complex128"),
+        (create_npy_bytes(np.zeros((2, 2, 2))), "a.npy", "shape (2, 2, 2)"),
+        (create_npy_bytes(np.zeros((5, 5))), "a.npy", "5 rows of 5 columns"),
+        (
+            create_npy_bytes(np.zeros(9)),
+            "a.csv",
+            "has the file name extension .csv, but its content is a NumPy array (.npy)",
+        ),
         (b"0,1\n", "a.npy", "has the file name extension .npy, but its content is not a NumPy array (.npy)"),
         (b"0,1\n", "a.x3p", "has the file name extension .x3p, but its content is not a zip archive"),
         (bytes(range(256)) * 9, "a.csv", "is binary, not text"),
         (b"\x93NUMPY\x01\x00" + b"\xff" * 300, "a.npy", "damaged"),
         (b"\x93NUMPY\x01\x00" + (9002).to_bytes(2, "little") + b"(" * 9000 + b" \n", "a.npy", "damaged"),
-        (npy_bytes(np.zeros(9)).replace(b"(9,)", b"(-9,)").replace(b" \n", b"\n"), "a.npy", "damaged"),
+        (create_npy_bytes(np.zeros(9)).replace(b"(9,)", b"(-9,)").replace(b" \n", b"\n"), "a.npy", "damaged"),
         (b"PK\x03\x04" + b"\xff" * 300, "a.x3p", "damaged X3P"),
         (b"no such format", "a.abc", "a known format"),
     ],
 )
 def test_scan_files_with_content_that_is_not_a_scan_are_rejected(write_file, content, name, message):
-    assert message in error_message(write_file(content, name))
+    assert message in get_error_message(write_file(content, name))
 
 
 def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path):
-    assert "No such file" in error_message(tmp_path / "none.csv")
-    assert "is a directory" in error_message(tmp_path)
+    assert "No such file" in get_error_message(tmp_path / "none.csv")
+    assert "is a directory" in get_error_message(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # a program that reads this pipe would block
-    assert "is not a file" in error_message(tmp_path / "pipe.csv")
+    assert "is not a file" in get_error_message(tmp_path / "pipe.csv")
 
 
 def test_oversized_files_are_rejected_before_reading(tmp_path, monkeypatch):
     for name, size in (("a.csv", raw.MAX_TEXT_BYTES + 1), ("a.npy", raw.MAX_FILE_BYTES + 1)):
         with (tmp_path / name).open("wb") as file:
             file.truncate(size)  # The file has a hole, so it occupies no disk space.
-        assert f"has {size} bytes" in error_message(tmp_path / name)
+        assert f"has {size} bytes" in get_error_message(tmp_path / name)
     monkeypatch.setattr(npy_files, "MAX_POINTS", 8)
-    (tmp_path / "b.npy").write_bytes(npy_bytes(np.zeros(9)))
-    assert "contains 9 points; at most 8" in error_message(tmp_path / "b.npy")
+    (tmp_path / "b.npy").write_bytes(create_npy_bytes(np.zeros(9)))
+    assert "contains 9 points; at most 8" in get_error_message(tmp_path / "b.npy")
 
 
 def test_reading_of_a_large_map_does_not_copy_its_text(write_file):
@@ -735,7 +755,7 @@ def test_reading_of_a_large_map_does_not_copy_its_text(write_file):
     surface = read_surface(path, unit="um", spacing="1 um")
     np.testing.assert_allclose(surface.heights, heights, rtol=0, atol=5.1e-7)
     # The text, the heights and temporary arrays take 2.3 times the size of the file, and 3.1 times with two copies.
-    assert peak_memory(lambda: read_surface(path, unit="um", spacing="1 um")) < 2.7 * path.stat().st_size
+    assert measure_peak_memory(lambda: read_surface(path, unit="um", spacing="1 um")) < 2.7 * path.stat().st_size
 
 
 def test_missing_points_are_found_in_all_pieces_of_a_long_text(write_file):
@@ -757,8 +777,8 @@ def test_text_file_with_more_lines_or_cells_than_the_limit_is_rejected(write_fil
     monkeypatch.setattr(split_files, "MAX_CELLS_PER_LINE", 10)
     wide_row = separator.join(["1.5"] * 5) + "\n"
     assert read_surface(write_file(20 * wide_row), unit="um", spacing="1 um").heights.shape == (20, 5)
-    assert "has 21 lines; at most 20" in error_message(write_file("1.5\n" * 21))
-    assert "cells; at most 10 can be read" in error_message(write_file(separator.join(["1.5"] * 11)))
+    assert "has 21 lines; at most 20" in get_error_message(write_file("1.5\n" * 21))
+    assert "cells; at most 10 can be read" in get_error_message(write_file(separator.join(["1.5"] * 11)))
 
 
 @pytest.mark.parametrize(
@@ -785,13 +805,13 @@ def test_readers_reject_invalid_arguments(write_file, options, message):
 
 def test_missing_instrument_package_is_reported_with_its_install_command(write_file, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography", None)
-    assert "pip install SurfaceTopography" in error_message(write_file(b"?File list", "a.di"), read_surface)
+    assert "pip install SurfaceTopography" in get_error_message(write_file(b"?File list", "a.di"), read_surface)
 
 
 # ---- X3P ------------------------------------------------------------------------------------------------------------
 
 
-def x3p_bytes(
+def create_x3p_bytes(
     heights,
     *,
     spacing=(2e-6, 1e-6),
@@ -848,29 +868,35 @@ HEIGHTS_IN_METRES = 1e-6 * np.random.default_rng(5).normal(size=(6, 9))
 @pytest.mark.parametrize(("data_type", "max_error"), [("D", 1e-15), ("F", 1e-6), ("L", 1e-6), ("I", 1e-3)])
 def test_x3p_surfaces_and_profiles_are_read(write_file, data_type, max_error):
     options = {"data_type": data_type, "increment": {"L": 1e-12, "I": 1e-9}.get(data_type, 1.0)}
-    surface = read_surface(write_file(x3p_bytes(HEIGHTS_IN_METRES, **options), "a.x3p"))
+    surface = read_surface(write_file(create_x3p_bytes(HEIGHTS_IN_METRES, **options), "a.x3p"))
     assert np.abs(surface.heights - 1e6 * HEIGHTS_IN_METRES).max() <= max_error
     assert surface.spacing == pytest.approx((2.0, 1.0))
-    profile = read_profile(write_file(x3p_bytes(HEIGHTS_IN_METRES[0], **options), "b.x3p"), unit="m", spacing="1 um")
+    profile = read_profile(
+        write_file(create_x3p_bytes(HEIGHTS_IN_METRES[0], **options), "b.x3p"), unit="m", spacing="1 um"
+    )
     assert np.abs(profile.heights - 1e6 * HEIGHTS_IN_METRES[0]).max() <= max_error
     x = 3e-6 + 5e-7 * np.arange(9)
-    profile_with_positions = read_profile(write_file(x3p_bytes(HEIGHTS_IN_METRES[0], positions=x, **options), "c.x3p"))
+    profile_with_positions = read_profile(
+        write_file(create_x3p_bytes(HEIGHTS_IN_METRES[0], positions=x, **options), "c.x3p")
+    )
     assert np.array_equal(profile_with_positions.heights, profile.heights)
     assert profile_with_positions.spacing == pytest.approx(0.5)
 
 
 def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
-    integers_without_increment = x3p_bytes(
+    integers_without_increment = create_x3p_bytes(
         HEIGHTS_IN_METRES, data_type="I", increment=1e-9, replacements=[("<Increment>1e-09</Increment>", "")]
     )
-    assert "stores Z as integers, but has no Increment" in error_message(
+    assert "stores Z as integers, but has no Increment" in get_error_message(
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
     # Replacements that put all elements, instead of only the root element, into the XML namespace of X3P.
     default_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
     for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
         path = write_file(
-            x3p_bytes(HEIGHTS_IN_METRES, replacements=[("<Increment>1.0</Increment>", increment), *default_namespace]),
+            create_x3p_bytes(
+                HEIGHTS_IN_METRES, replacements=[("<Increment>1.0</Increment>", increment), *default_namespace]
+            ),
             "a.x3p",
         )
         assert np.abs(read_surface(path).heights - 1e6 * HEIGHTS_IN_METRES).max() < 1e-15
@@ -880,17 +906,17 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
 def test_x3p_file_with_an_impossible_height_factor_is_rejected(write_file, increment):
     new_xml = f"<DataType>L</DataType><Increment>{increment!r}</Increment>"
     replacements = [("<DataType>D</DataType><Increment>1.0</Increment>", new_xml)]
-    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, replacements=replacements), "a.x3p")
-    assert "for Record1/Axes/CZ/Increment; it must be a number from" in error_message(path, read_surface)
+    path = write_file(create_x3p_bytes(HEIGHTS_IN_METRES, replacements=replacements), "a.x3p")
+    assert "for Record1/Axes/CZ/Increment; it must be a number from" in get_error_message(path, read_surface)
 
 
 def test_file_that_is_too_small_for_its_declared_number_of_points_is_rejected(tmp_path, write_file):
-    zeros = x3p_bytes(np.zeros((1100, 1000)), data_type="I", increment=1e-9)
+    zeros = create_x3p_bytes(np.zeros((1100, 1000)), data_type="I", increment=1e-9)
     path = write_file(zeros, "a.x3p")
-    assert "declares 1100000 points, but has only" in error_message(path, read_surface)
+    assert "declares 1100000 points, but has only" in get_error_message(path, read_surface)
     heights = 1e-6 * np.random.default_rng(3).normal(size=(1100, 1000))
     heights[np.random.default_rng(4).random(heights.shape) < 0.3] = np.nan
-    surface = read_surface(write_file(x3p_bytes(heights), "b.x3p"), missing="mask")
+    surface = read_surface(write_file(create_x3p_bytes(heights), "b.x3p"), missing="mask")
     assert np.array_equal(surface.missing, np.isnan(heights))
 
 
@@ -900,7 +926,7 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     points_xml = "".join(
         f"<Datum>{1e-6 * i!r};{y!r};{z!r}</Datum>" for i, (y, z) in enumerate((1e-6 * np.eye(9)[:, :2]).tolist())
     )
-    file_bytes = x3p_bytes(
+    file_bytes = create_x3p_bytes(
         HEIGHTS_IN_METRES[0], as_list=True, positions=np.arange(9.0), replacements=[(old_axis_xml, y_axis)]
     )
     with zipfile.ZipFile(io.BytesIO(file_bytes)) as archive:
@@ -908,12 +934,12 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("main.xml", main[: main.index("<Datum>")] + points_xml + main[main.index("</DataList>") :])
-    assert "y coordinate varies" in error_message(write_file(stream.getvalue(), "a.x3p"))
+    assert "y coordinate varies" in get_error_message(write_file(stream.getvalue(), "a.x3p"))
 
 
 def test_heights_read_from_an_x3p_file_agree_with_surfacetopography(write_file):
     topography = pytest.importorskip("SurfaceTopography")
-    path = write_file(x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
+    path = write_file(create_x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:
         topography_read = reader.topography()
     surface = read_surface(path)
@@ -925,20 +951,22 @@ def test_heights_read_from_an_x3p_file_agree_with_surfacetopography(write_file):
 def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(write_file):
     is_valid = np.ones(HEIGHTS_IN_METRES.shape, dtype=bool)
     is_valid[2, 4] = False
-    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, is_valid=is_valid.ravel()), "a.x3p")
-    assert "lacks 1 of 54 heights, the first at row 2, column 4, counted from 0" in error_message(path, read_surface)
+    path = write_file(create_x3p_bytes(HEIGHTS_IN_METRES, is_valid=is_valid.ravel()), "a.x3p")
+    assert "lacks 1 of 54 heights, the first at row 2, column 4, counted from 0" in get_error_message(
+        path, read_surface
+    )
     surface = read_surface(path, missing="interpolate")
     assert surface.heights[2, 4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[2, 3] + HEIGHTS_IN_METRES[2, 5]) / 2)
     assert surface.history[-1].startswith(
         "1 missing points interpolated, 1.9 % of all points; the largest gap has 1 point, at x "
     )
     gaps = np.where(np.arange(9) == 4, np.nan, HEIGHTS_IN_METRES[0])
-    for file_bytes in (x3p_bytes(gaps), x3p_bytes(gaps, as_list=True)):
+    for file_bytes in (create_x3p_bytes(gaps), create_x3p_bytes(gaps, as_list=True)):
         profile = read_profile(write_file(file_bytes, "b.x3p"), missing="interpolate")
         assert profile.heights[4] == pytest.approx(1e6 * (HEIGHTS_IN_METRES[0, 3] + HEIGHTS_IN_METRES[0, 5]) / 2)
     corner = np.where(np.arange(54).reshape(6, 9) == 0, np.nan, HEIGHTS_IN_METRES)
-    assert "1 missing points at its edges" in error_message(
-        write_file(x3p_bytes(corner), "c.x3p"), read_surface, missing="interpolate"
+    assert "1 missing points at its edges" in get_error_message(
+        write_file(create_x3p_bytes(corner), "c.x3p"), read_surface, missing="interpolate"
     )
 
 
@@ -961,11 +989,11 @@ def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(writ
     ],
 )
 def test_x3p_file_with_contradictory_metadata_is_rejected(write_file, change, message):
-    path = write_file(x3p_bytes(HEIGHTS_IN_METRES, replacements=[change]), "a.x3p")
+    path = write_file(create_x3p_bytes(HEIGHTS_IN_METRES, replacements=[change]), "a.x3p")
     if message is None:
         read_surface(path)
     else:
-        assert message in error_message(path, read_surface)
+        assert message in get_error_message(path, read_surface)
 
 
 # ---- Measured files and damaged ones --------------------------------------------------------------------------------
@@ -980,7 +1008,7 @@ def test_measured_stylus_profile_is_read_with_its_header(find_measured_file):
     assert profile.history[2] == "spacing 0.1562454 µm from its positions, declared as 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but the option spacing is 0.156 um" in error_message(path, spacing="0.156 um")
+    assert "0.1562454 µm, but the option spacing is 0.156 um" in get_error_message(path, spacing="0.156 um")
 
 
 def test_measured_map_of_an_atomic_force_microscope_is_read(find_measured_file):
@@ -999,11 +1027,11 @@ def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_erro
     content_by_name = {
         "a.csv": "".join([TEXTS_BY_FORMAT["text above"], *(f"{i / 10},{i % 7}.5,\n" for i in range(5, 40))]).encode(),
         "b.txt": TEXTS_BY_FORMAT["decimal comma and tab"].encode(),
-        "c.npy": npy_bytes(np.arange(20.0)),
-        "d.x3p": x3p_bytes(HEIGHTS_IN_METRES[0]),
-        "e.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True),
-        "f.x3p": x3p_bytes(HEIGHTS_IN_METRES[0], positions=1e-6 * np.arange(9)),
-        "g.xlsx": workbook_bytes(("one", SHEET_ROWS)),
+        "c.npy": create_npy_bytes(np.arange(20.0)),
+        "d.x3p": create_x3p_bytes(HEIGHTS_IN_METRES[0]),
+        "e.x3p": create_x3p_bytes(HEIGHTS_IN_METRES[0], as_list=True),
+        "f.x3p": create_x3p_bytes(HEIGHTS_IN_METRES[0], positions=1e-6 * np.arange(9)),
+        "g.xlsx": create_workbook(("one", SHEET_ROWS)),
     }  # fmt: skip
     outcomes = Counter()
     for index in range(count):
@@ -1017,7 +1045,7 @@ def test_randomly_damaged_files_are_either_read_or_rejected_with_a_one_line_erro
 # ---- Archives from unknown sources ----------------------------------------------------------------------------------
 
 
-def x3p_archive(main, height_bytes=bytes(432), method=zipfile.ZIP_DEFLATED):
+def create_x3p_archive(main, height_bytes=bytes(432), method=zipfile.ZIP_DEFLATED):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", method) as archive:
         archive.writestr("main.xml", main)
@@ -1025,15 +1053,15 @@ def x3p_archive(main, height_bytes=bytes(432), method=zipfile.ZIP_DEFLATED):
     return stream.getvalue()
 
 
-def main_xml(x3p_content):
+def read_main_xml(x3p_content):
     with zipfile.ZipFile(io.BytesIO(x3p_content)) as archive:
         return archive.read("main.xml").decode()
 
 
-X3P_WITHOUT_CHECKSUM = main_xml(x3p_bytes(HEIGHTS_IN_METRES)).replace("MD5ChecksumPointData>", "Sum>")
+X3P_WITHOUT_CHECKSUM = read_main_xml(create_x3p_bytes(HEIGHTS_IN_METRES)).replace("MD5ChecksumPointData>", "Sum>")
 
 
-def peak_memory(call):
+def measure_peak_memory(call):
     tracemalloc.start()
     try:
         call()
@@ -1048,15 +1076,15 @@ def peak_memory(call):
 )
 def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(write_file, code, kind):
     main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
-    assert "document type declaration in main" in error_message(
-        write_file(x3p_archive(main.encode(code)), "a.x3p"), read_surface
+    assert "document type declaration in main" in get_error_message(
+        write_file(create_x3p_archive(main.encode(code)), "a.x3p"), read_surface
     )
 
 
 def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacked(write_file):
     # Two archives unpack to 50 MB instead of 432 bytes.
     # One archive declares its true size, and the other archive declares a false size.
-    well_declared_archive = x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
+    well_declared_archive = create_x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
     misdeclared_archive = well_declared_archive.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert misdeclared_archive != well_declared_archive
     for archive, expected_message in (
@@ -1065,16 +1093,16 @@ def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacke
     ):
         path = write_file(archive, "a.x3p")
         assert (
-            peak_memory(
+            measure_peak_memory(
                 lambda path=path, expected_message=expected_message: (
-                    expected_message in error_message(path, read_surface)
+                    expected_message in get_error_message(path, read_surface)
                 )
             )
             < 5_000_000
         )
-        assert expected_message in error_message(path, read_surface)
-    assert "method other than deflate" in error_message(
-        write_file(x3p_archive(X3P_WITHOUT_CHECKSUM, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
+        assert expected_message in get_error_message(path, read_surface)
+    assert "method other than deflate" in get_error_message(
+        write_file(create_x3p_archive(X3P_WITHOUT_CHECKSUM, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
     )
 
 
@@ -1082,10 +1110,10 @@ def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacke
 def test_numbers_in_an_x3p_file_must_conform_to_xml_schema(write_file, number):
     main_text = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{number}<")
     assert main_text != X3P_WITHOUT_CHECKSUM
-    assert "instead of a number" in error_message(write_file(x3p_archive(main_text), "a.x3p"), read_surface)
+    assert "instead of a number" in get_error_message(write_file(create_x3p_archive(main_text), "a.x3p"), read_surface)
     for valid_number in (" 1E-6 ", "+.000001", "1.e-06"):
         main_text = X3P_WITHOUT_CHECKSUM.replace("<Increment>1e-06<", f"<Increment>{valid_number}<")
-        assert read_surface(write_file(x3p_archive(main_text), "a.x3p")).spacing[1] == pytest.approx(1.0)
+        assert read_surface(write_file(create_x3p_archive(main_text), "a.x3p")).spacing[1] == pytest.approx(1.0)
 
 
 def test_text_file_with_very_long_lines_is_read_quickly(write_file):
@@ -1101,16 +1129,18 @@ def test_size_of_x3p_metadata_is_limited(write_file):
         X3P_WITHOUT_CHECKSUM.replace("</p:ISO", f"{words}</p:ISO") for words in (
         "<x/>" * 1000, "<x/>" * 150_000, f"<x>{' ' * 5_000_000}</x>"
     ))  # fmt: skip
-    assert read_surface(write_file(x3p_archive(text_with_few_tags), "a.x3p")).heights.shape == (6, 9)
-    assert "more than 100000 elements in main.xml" in error_message(
-        write_file(x3p_archive(text_with_many_tags), "a.x3p"), read_surface
+    assert read_surface(write_file(create_x3p_archive(text_with_few_tags), "a.x3p")).heights.shape == (6, 9)
+    assert "more than 100000 elements in main.xml" in get_error_message(
+        write_file(create_x3p_archive(text_with_many_tags), "a.x3p"), read_surface
     )
-    assert "too many for its points" in error_message(
-        write_file(x3p_archive(text_with_long_element), "a.x3p"), read_surface
+    assert "too many for its points" in get_error_message(
+        write_file(create_x3p_archive(text_with_long_element), "a.x3p"), read_surface
     )
     # Listed points may need more memory than a matrix. Their memory is limited by the number of points.
-    text_with_list = main_xml(x3p_bytes(np.zeros(40_000), as_list=True)).replace("<Datum>0.0<", f"<Datum>{'0' * 100}<")
+    text_with_list = read_main_xml(create_x3p_bytes(np.zeros(40_000), as_list=True)).replace(
+        "<Datum>0.0<", f"<Datum>{'0' * 100}<"
+    )
     assert len(text_with_list) > 4_000_000
-    assert len(read_profile(write_file(x3p_archive(text_with_list), "b.x3p"))) == 40_000
+    assert len(read_profile(write_file(create_x3p_archive(text_with_list), "b.x3p"))) == 40_000
     text_with_wrong_size = text_with_list.replace("40000</SizeX>", "4</SizeX>")
-    assert "too many for its points" in error_message(write_file(x3p_archive(text_with_wrong_size), "b.x3p"))
+    assert "too many for its points" in get_error_message(write_file(create_x3p_archive(text_with_wrong_size), "b.x3p"))

@@ -76,11 +76,11 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
     )
     assert np.abs(height_differences).max() < 1e-12  # missing points have no weight in the fitted plane
     fine_surface = Surface(np.zeros((130, 130)), spacing=0.049)
-    resampled = on_common_grid(scan, fine_surface)[0].missing
+    resampled_scan = on_common_grid(scan, fine_surface)[0].missing
     y, x = (
-        0.049 * np.arange(points) for points in resampled.shape
+        0.049 * np.arange(points) for points in resampled_scan.shape
     )  # A point is missing if a neighbour along an axis is missing.
-    assert np.array_equal(resampled, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
+    assert np.array_equal(resampled_scan, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     rotated_missing = rotated(scan, 30.0).missing
     assert rotated_missing.sum() == pytest.approx(is_missing.sum(), rel=0.25)
     for body, write_body, read_body in (

@@ -29,8 +29,8 @@ def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
 @functools.cache
 def interpolate_fine_map():
     """Return a spline through a map of twice the resolution, with another order than that of the registration."""
-    fine = self_affine_surface(7, shape=(300, 300), **(ROUGHNESS_OPTIONS | {"spacing": 25.0}))
-    return RectBivariateSpline(np.arange(300), np.arange(300), fine.heights, kx=5, ky=5)
+    fine_map = self_affine_surface(7, shape=(300, 300), **(ROUGHNESS_OPTIONS | {"spacing": 25.0}))
+    return RectBivariateSpline(np.arange(300), np.arange(300), fine_map.heights, kx=5, ky=5)
 
 
 def cut_moved_pair(angle, shift, noise=0.0, points=100):
@@ -59,10 +59,10 @@ def test_registration_finds_shift_and_rotation_to_a_fraction_of_a_grid_point(ang
 
 
 def test_registration_of_a_large_map_finds_its_exact_shift():
-    large = self_affine_surface(
+    large_map = self_affine_surface(
         7, hurst_exponent=0.8, rms=1000.0, shape=(272, 272), spacing=500.0, shortest_wavelength=2000.0
     )
-    _, _, registration = register_faces(cut_piece(large, 8, 10, points=256), cut_piece(large, 8, 8, points=256))
+    _, _, registration = register_faces(cut_piece(large_map, 8, 10, points=256), cut_piece(large_map, 8, 8, points=256))
     assert (registration.shift, registration.rotation) == ((0, 1000), 0)
     assert registration.rms_gap < 1e-9
 
@@ -78,8 +78,8 @@ def test_registration_of_unmated_faces_keeps_the_rotation_within_its_limit():
 
 def test_registration_finds_rotation_and_shift_despite_tilt_and_unequal_shapes():
     upper, lower = cut_moved_pair(1.3, (4, -3), noise=1.0)
-    tilted = Surface(upper.heights[:90] + 0.5 * np.arange(100), spacing=50.0)
-    _, _, registration = register_faces(tilted, lower)
+    tilted_piece = Surface(upper.heights[:90] + 0.5 * np.arange(100), spacing=50.0)
+    _, _, registration = register_faces(tilted_piece, lower)
     assert registration.rotation == pytest.approx(1.3, abs=0.02)
     middle = np.array([-5 * np.cos(np.radians(1.3)) + 4, 5 * np.sin(np.radians(1.3)) - 3])
     np.testing.assert_allclose(np.array(registration.shift) / 50, middle, atol=0.02)
@@ -94,8 +94,8 @@ def test_profiles_are_registered_by_a_shift():
 
 
 def test_registration_of_profiles_finds_shifts_between_grid_points():
-    fine = self_affine_surface(7, shape=(4, 600), **(ROUGHNESS_OPTIONS | {"spacing": 25.0})).row(0)
-    upper, lower = (Profile(fine.heights[start : start + 256 : 2], spacing=50.0) for start in (23, 16))
+    fine_map = self_affine_surface(7, shape=(4, 600), **(ROUGHNESS_OPTIONS | {"spacing": 25.0})).row(0)
+    upper, lower = (Profile(fine_map.heights[start : start + 256 : 2], spacing=50.0) for start in (23, 16))
     _, _, registration = register_faces(upper, lower)
     assert registration.shift[0] == pytest.approx(175, abs=0.5)
 
@@ -104,8 +104,8 @@ def test_registration_ignores_missing_points():
     upper, lower = cut_piece(LARGE_MAP, 37, 28), cut_piece(LARGE_MAP, 30, 40)
     is_missing = np.zeros(lower.heights.shape, bool)
     is_missing[40:60, 50:90] = True
-    holed = Surface(np.where(is_missing, 0.0, lower.heights), spacing=50.0, missing=is_missing)
-    assert register_faces(upper, holed)[2].shift == (350.0, -600.0)
+    face_with_holes = Surface(np.where(is_missing, 0.0, lower.heights), spacing=50.0, missing=is_missing)
+    assert register_faces(upper, face_with_holes)[2].shift == (350.0, -600.0)
 
 
 def test_measure_of_fit_is_high_only_for_mated_faces():

@@ -131,9 +131,9 @@ class TestAgainstSurfaceTopographyPackage:
 
 def gaussian_surface(seed=1, shape=(40, 50), spacing=(0.5, 0.25), smooth=2.0):
     """Return periodic heights with a Gaussian distribution and a Gaussian autocorrelation."""
-    white = np.random.default_rng(seed).normal(size=shape)
+    white_noise = np.random.default_rng(seed).normal(size=shape)
     q = np.hypot(2 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis], 2 * np.pi * np.fft.fftfreq(shape[1]))
-    return Surface(np.fft.ifft2(np.fft.fft2(white) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
+    return Surface(np.fft.ifft2(np.fft.fft2(white_noise) * np.exp(-((smooth * q) ** 2) / 2)).real, spacing=spacing)
 
 
 def parameters_by_definition(surface):

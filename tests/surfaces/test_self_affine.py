@@ -44,11 +44,11 @@ class TestSelfAffineProfile:
             assert np.allclose(fine_profile.heights[::4], coarse_profile.heights, rtol=0, atol=ROUND_OFF)
 
     def test_profile_end_continues_at_the_start_only_if_the_profile_is_periodic(self):
-        def relative_end_jump(profile):
+        def compute_relative_end_jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
-        assert max(relative_end_jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
-        assert np.median([relative_end_jump(rough_profile(repetition=r)) for r in range(10)]) > 5
+        assert max(compute_relative_end_jump(rough_profile(repetition=r, periodic=True)) for r in range(10)) < 2
+        assert np.median([compute_relative_end_jump(rough_profile(repetition=r)) for r in range(10)]) > 5
 
     def test_self_affine_profile_is_reproducible_and_depends_on_seed(self):
         assert np.array_equal(rough_profile(1).heights, rough_profile(1).heights)
@@ -83,7 +83,7 @@ def create_surface(seed=3, **changes):
     return self_affine_surface(seed, **(SURFACE_OPTIONS | changes))
 
 
-def mean_powers(heights, extents):
+def compute_mean_powers(heights, extents):
     """Return the mean square of each Fourier coefficient in one half of the plane, and its wavenumber."""
     transform = np.fft.fft2(heights) / heights.size
     y, x = (np.fft.fftfreq(size, 1 / size) / extent for size, extent in zip(heights.shape, extents, strict=True))
@@ -106,7 +106,7 @@ def test_surface_spectrum_is_a_power_law_with_plateau_and_cutoff(hurst):
             shape=(256, 256), spacing=0.02, hurst_exponent=hurst, repetition=repetition,
             longest_wavelength=1.28, shortest_wavelength=0.08,
         )  # fmt: skip
-        density, q = mean_powers(created_surface.heights, extents)
+        density, q = compute_mean_powers(created_surface.heights, extents)
         spectra.append(density)
     mean = np.mean(spectra, axis=0)
     assert mean[q > 2 * np.pi / 0.08 * 1.001].max() < 1e-25

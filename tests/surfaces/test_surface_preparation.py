@@ -108,11 +108,14 @@ def test_common_grid_has_the_finer_spacing_along_each_axis():
 
 
 def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
-    small, height = bumpy_surface((41, 61), (0.1, 0.1))
+    small_map, height = bumpy_surface((41, 61), (0.1, 0.1))
     # The expected map is the same function on a larger map, whose origin is shifted by 1 µm along -y and 2 µm along -x.
     for shape, spacing in (((61, 101), 0.1), ((25, 41), 0.25)):
         y, x = spacing * np.arange(shape[0])[:, np.newaxis] - 1.0, spacing * np.arange(shape[1]) - 2.0
-        for pair in ((small, Surface(height(y, x), spacing=spacing)), (Surface(height(y, x), spacing=spacing), small)):
+        for pair in (
+            (small_map, Surface(height(y, x), spacing=spacing)),
+            (Surface(height(y, x), spacing=spacing), small_map),
+        ):
             first_map, second_map = on_common_grid(*pair, align="middle")
             assert first_map.spacing == second_map.spacing == (0.1, 0.1)
             assert first_map.heights.shape == second_map.heights.shape == (41, 61)
@@ -125,15 +128,15 @@ def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
         Profile(np.arange(8.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle"
     )
     assert lines_half_a_point_apart[0].heights.tolist() == [1, 2, 3, 4, 5]
-    maps_with_rotated = on_common_grid(rotated(small, 30), small, align="middle")
+    maps_with_rotated = on_common_grid(rotated(small_map, 30), small_map, align="middle")
     cropped_heights = maps_with_rotated[1].heights
     rows, columns = (41 - cropped_heights.shape[0]) // 2, (61 - cropped_heights.shape[1]) // 2
     assert np.array_equal(
         cropped_heights,
-        small.heights[rows : rows + cropped_heights.shape[0], columns : columns + cropped_heights.shape[1]],
+        small_map.heights[rows : rows + cropped_heights.shape[0], columns : columns + cropped_heights.shape[1]],
     )
     with pytest.raises(ValueError, match="align must be one of 'start', 'middle', got 'end'"):
-        on_common_grid(small, small, align="end")
+        on_common_grid(small_map, small_map, align="end")
 
 
 @pytest.mark.parametrize("quarter_turns", [-1, 0, 1, 2, 3, 5])
@@ -199,14 +202,14 @@ def test_surrogate_of_a_surface_preserves_its_heights_and_slopes_and_lay():
     angle = np.radians(31)
     q_along, q_across = q_x * np.cos(angle) + q_y * np.sin(angle), q_y * np.cos(angle) - q_x * np.sin(angle)
     amplitude = np.maximum(np.hypot(q_along, 3 * q_across), 0.4) ** -1.8
-    white = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
-    surface = Surface(np.fft.ifft2(amplitude * white).real[:size, :size], spacing=0.1)
+    noise_transform = np.fft.fft2(np.random.default_rng(3).normal(size=(2 * size, 2 * size)))
+    surface = Surface(np.fft.ifft2(amplitude * noise_transform).real[:size, :size], spacing=0.1)
     result = surface_parameters(surface)
     surrogate_parameters = [surface_parameters(surrogate(surface, 5, repetition=r)) for r in range(6)]
     assert surrogate_parameters[0].Sq == pytest.approx(result.Sq, rel=ROUND_OFF)
     # The window emphasises the middle of the map, whose long wavelengths differ from those of the complete map.
     for name, tolerance in (("Sdq", 0.1), ("Sal", 0.2), ("Str", 0.3)):
-        assert np.mean([getattr(surrogate, name) for surrogate in surrogate_parameters]) == pytest.approx(
+        assert np.mean([getattr(parameters, name) for parameters in surrogate_parameters]) == pytest.approx(
             getattr(result, name), rel=tolerance
         )
     q, direction, density = surface_spectrum(surrogate(surface, 5)).waves()

@@ -212,7 +212,7 @@ def test_isotropic_surfaces_from_sections_have_contact_area_and_friction_of_the_
     """
     bodies = [create_map(0.7, side, shape=(128, 1024)) for side in ("upper", "lower")]
 
-    def mean_area_and_friction(pairs):
+    def compute_mean_area_and_friction(pairs):
         values = []
         for pair in pairs:
             area = np.prod(pair[0].extent)
@@ -221,14 +221,14 @@ def test_isotropic_surfaces_from_sections_have_contact_area_and_friction_of_the_
             values.append([curve.contact_area[0] / area, friction.mean()])
         return np.mean(values, axis=0)
 
-    values_of_maps = mean_area_and_friction(
+    values_of_maps = compute_mean_area_and_friction(
         [
             levelled(type(body)(body.heights[:, first_column : first_column + 128], spacing=0.1), "plane")
             for body in bodies
         ]
         for first_column in range(0, 1024, 128)
     )  # fmt: skip
-    values_of_created_maps = mean_area_and_friction(
+    values_of_created_maps = compute_mean_area_and_friction(
         [
             isotropic_surface(levelled(body.row(20 * index), "line"), 1, shape=(128, 128), side=side, repetition=index)
             for body, side in zip(bodies, ("upper", "lower"), strict=True)

@@ -34,7 +34,7 @@ def summarize_single_point(dataset, study):
     return result[0]
 
 
-def caveat_texts(point):
+def get_caveat_texts(point):
     return "; ".join(caveat.text for caveat in point.caveats)
 
 
@@ -185,7 +185,7 @@ def test_result_with_a_caution_has_a_caveat_that_states_the_reason(case_name):
     caution_changes, expected_words = CAUTION_CASES[case_name]
     point = summarize_single_point(measured_result(**caution_changes), measured_study())
     assert point.assessment == "Quote with care"
-    assert expected_words in caveat_texts(point)
+    assert expected_words in get_caveat_texts(point)
     assert "μ_s = 0.21" in quotable_sentence(point)
 
 
@@ -193,7 +193,7 @@ def test_scan_much_coarser_than_the_other_scan_adds_a_caveat():
     for spacing, expected_words in (([0.4, 0.1], "the lower scan is 4 times coarser than the upper"), ([0.2, 0.1], "")):
         dataset = measured_result().assign_attrs(upper_spacing_um=[0.1, 0.1], lower_spacing_um=spacing)
         point = summarize_single_point(dataset, measured_study())
-        assert expected_words in caveat_texts(point)
+        assert expected_words in get_caveat_texts(point)
         assert point.assessment == ("Quote with care" if expected_words else "Quote it")
 
 
@@ -207,7 +207,7 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         point = summarize_single_point(dataset, study)
         assert point.assessment == assessment
         expected_words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
-        assert (expected_words in caveat_texts(point)) == (shape == 300)
+        assert (expected_words in get_caveat_texts(point)) == (shape == 300)
 
 
 @pytest.mark.parametrize(
@@ -548,9 +548,9 @@ def test_effect_of_finer_scans_is_stated_unless_it_is_small_compared_with_the_in
 
 def test_results_of_generated_surfaces_have_caveats_about_few_contacts_and_zero_tau0():
     point = summarize(generated_result(contact_count=7.0), generated_study()).points[0]
-    assert "few contacts, 7 on average" in caveat_texts(point)
+    assert "few contacts, 7 on average" in get_caveat_texts(point)
     assert summarize(generated_result(contact_count=3.0), generated_study()).points[0].assessment == "Do not quote"
-    assert "τ0 is 0, so the coefficient is the given μ0" in caveat_texts(
+    assert "τ0 is 0, so the coefficient is the given μ0" in get_caveat_texts(
         summarize(generated_result(friction=0.4), generated_study()).points[0]
     )
 
@@ -595,7 +595,7 @@ def test_caveat_about_a_missing_interval_states_how_many_positions_an_interval_r
 
 def test_caveats_use_the_word_repetitions_for_pairs_of_generated_surfaces():
     point = summarize(generated_result(contact_count=0.05), generated_study()).points[0]
-    assert "all repetitions together have fewer than 10 contacts" in caveat_texts(point)
+    assert "all repetitions together have fewer than 10 contacts" in get_caveat_texts(point)
 
 
 def test_caveat_about_few_contacts_of_a_single_gap_does_not_mention_positions():

@@ -45,13 +45,13 @@ def profile():
     return self_affine(1, hurst_exponent=0.7, rms=0.05, points=6000, spacing=0.01, longest_wavelength=6.0)
 
 
-def texts_by_label(text):
+def get_texts_by_label(text):
     return {line[:19].strip() or "paper": line[20:] for line in text.splitlines()}
 
 
 class TestCharacterisationText:
     def test_characterisation_text_of_a_profile_contains_the_values_of_the_library(self, profile):
-        texts, estimate = texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
+        texts, estimate = get_texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert texts["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
         assert texts["Pt"] == f"{1000 * parameters.Pt:.4g} nm"
@@ -65,12 +65,12 @@ class TestCharacterisationText:
         assert "Hann" in texts["spectrum"]
 
     def test_characterisation_text_of_a_profile_states_the_given_band_and_periodicity(self, profile):
-        texts = texts_by_label(characterisation_text(profile, band=(0.1, 2.0), periodic=True))
+        texts = get_texts_by_label(characterisation_text(profile, band=(0.1, 2.0), periodic=True))
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
     def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_input(self, profile):
-        assert "none" in texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
+        assert "none" in get_texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
         for heights, expected_message in (([1.0] * 20, "flat"), ([0.0, 1.0, 0.0, 1.0], "7 points")):
@@ -83,7 +83,7 @@ class TestCharacterisationText:
     )
     def test_lengths_are_printed_in_units_that_suit_their_size(self, profile, factor, expected_text):
         heights = profile.with_amplitude(0.052 * factor, "Rq").heights
-        assert texts_by_label(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == expected_text
+        assert get_texts_by_label(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == expected_text
 
 
 def test_instrument_limit_is_called_negligible_if_its_fraction_of_the_slope_is_small(profile):
@@ -206,7 +206,7 @@ class TestCharacterisationFigure:
 def test_hurst_exponent_above_1_adds_a_caution():
     smooth_profile = self_affine(1, hurst_exponent=1.5, rms=0.1, points=4000, spacing=0.01)
     text = characterisation_text(smooth_profile, band=(0.1, 5.0))
-    texts = texts_by_label(text)
+    texts = get_texts_by_label(text)
     assert texts["fractal dimension D"] == "none: 2 - H is below 1"
     assert "paper" in text
     assert texts["caution"].startswith("H above 1 indicates a smooth surface")
@@ -245,10 +245,12 @@ def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_i
 
 def test_dominant_spectral_peak_is_reported_with_its_fraction_of_the_mean_square():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
-    assert "peak" not in texts_by_label(characterisation_text(rough_profile))
+    assert "peak" not in get_texts_by_label(characterisation_text(rough_profile))
     # The sine wave has the amplitude of typical instrument vibration.
     sine_wave = 0.003 * np.sin(2 * np.pi * rough_profile.x / 0.06)
-    peak_text = texts_by_label(characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.01)))["peak"]
+    peak_text = get_texts_by_label(characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.01)))[
+        "peak"
+    ]
     match = re.match(r"at ([\d.]+) nm, with (\d+) % of m4", peak_text)
     assert float(match[1]) == pytest.approx(60, rel=0.1)
     # A sine of amplitude a and wave number q has m4 = a²/2 q⁴.
@@ -282,7 +284,11 @@ def test_characterisation_text_and_figure_of_a_surface_show_the_values_of_the_li
     surface, surface_characterisation
 ):
     text = characterisation_text(surface_characterisation)
-    texts, parameters, estimate = texts_by_label(text), surface_parameters(surface), estimate_hurst_exponent(surface)
+    texts, parameters, estimate = (
+        get_texts_by_label(text),
+        surface_parameters(surface),
+        estimate_hurst_exponent(surface),
+    )
     assert texts["Sa"] == f"{1000 * parameters.Sa:.4g} nm"
     assert texts["Sdr"] == f"{100 * parameters.Sdr:.4g} %"
     assert texts["Str"] == f"{parameters.Str:.4g}"
@@ -305,12 +311,12 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     heights = slope * np.sqrt(2) / (2 * np.pi) * np.sin(2 * np.pi * x)
     expected_friction = gentle_friction(0.4, rms_gradient=slope * np.sqrt(2), rms_slope=slope * np.sqrt(2))
 
-    def friction_text_of(body, **options):
+    def format_friction_text(body, **options):
         rows = CharacterisationTable(Characterisation(body, **options)).rows
         (text,) = (row.texts[0] for row in rows if row.label == "friction by slope")
         return text
 
-    friction_text = friction_text_of(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
+    friction_text = format_friction_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
     # The text lists the sliding rules in the same words and order as the output of a pair.
     assert re.match(
         rf"friction at all contacts: μ0; friction at opposing contacts only: {expected_friction:.3f} if μ0 = 0.4",
@@ -322,7 +328,7 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
     random = np.random.default_rng(1)
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)
     surface = Surface(heights, spacing=(0.1, 0.1))
-    slope_x, slope_y = (float(value) for value in re.findall(r"(0\.\d+) along", friction_text_of(surface)))
+    slope_x, slope_y = (float(value) for value in re.findall(r"(0\.\d+) along", format_friction_text(surface)))
     assert slope_x > slope_y > 0.2
 
 

@@ -184,14 +184,14 @@ def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_prog
 # ---- Generated profiles ---------------------------------------------------------------------------------------------
 
 
-def axes_without_colorbars(figure):
+def list_axes_without_colorbars(figure):
     return [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
 
 
 def test_friction_figure_has_friction_maps_and_curves_with_labels(generated_dataset):
     for dataset, num_rows in ((generated_dataset, 2), (generated_dataset.isel(amplitude=[1]), 1)):
         figure = friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4]))
-        axes = axes_without_colorbars(figure)
+        axes = list_axes_without_colorbars(figure)
         assert len(axes) == 3 * num_rows
         assert [ax.get_title() for ax in axes[:2]] == [rf"$\tau_0$ = {megapascals} MPa" for megapascals in (0, 200)]
         labels = [text.get_text() for text in figure.legends[0].get_texts()]
@@ -208,7 +208,7 @@ def test_friction_figure_has_friction_maps_and_curves_with_labels(generated_data
 def test_friction_curves_fill_their_panel_and_are_not_covered_by_labels(generated_dataset):
     for mu0 in (0.1, 0.4, 2.0):
         values = evaluate_friction_over_dimension(Result.of(generated_dataset.isel(amplitude=[1])), [mu0])[0]
-        axes = axes_without_colorbars(friction_figure(values))[2]
+        axes = list_axes_without_colorbars(friction_figure(values))[2]
         curves = values.curve_points.isel(amplitude=0)
         mean, upper = (curves["friction_coefficient"].sel(statistic=name).values for name in ("mean", "upper"))
         shown_values = np.array([*upper[np.isfinite(upper)], *mean[np.isfinite(mean)], mu0])
@@ -221,7 +221,7 @@ def test_friction_curves_fill_their_panel_and_are_not_covered_by_labels(generate
 def test_hatching_of_invalid_cells_leaves_most_of_their_colours_visible(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
     figure = friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4]))
-    axes = axes_without_colorbars(figure)[0]
+    axes = list_axes_without_colorbars(figure)[0]
     hatched_artists = [artist for artist in axes.artists + axes.patches if isinstance(artist, PathPatch)]
     assert hatched_artists
     canvas = FigureCanvasAgg(figure)
@@ -241,7 +241,9 @@ def test_hatching_of_invalid_cells_leaves_most_of_their_colours_visible(generate
 
 def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset):
     dataset = generated_dataset.isel(amplitude=[1])
-    curves = axes_without_colorbars(friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4])))[2]
+    curves = list_axes_without_colorbars(friction_figure(*evaluate_friction_over_dimension(Result.of(dataset), [0.4])))[
+        2
+    ]
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)

@@ -49,17 +49,17 @@ def rough_profile():
     return self_affine(1, hurst_exponent=0.8, rms=0.05, points=2000, spacing=0.05, longest_wavelength=5.0)
 
 
-def caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
+def find_caveat_texts(upper, lower, *, mu0=(0.2,), loads=()):
     return [caveat.text for caveat in find_input_caveats(upper, lower, measured_study(mu0=mu0), loads)]
 
 
 def test_height_range_that_is_large_for_the_scan_length_adds_a_caveat(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
-    assert any(text.startswith("upper: heights span") for text in caveat_texts(tall_profile, rough_profile))
+    assert any(text.startswith("upper: heights span") for text in find_caveat_texts(tall_profile, rough_profile))
     heights = np.outer(np.hanning(8), np.hanning(8))
     surface = Surface(heights / heights.max(), spacing=1.0)
-    assert caveat_texts(surface, surface) == []
-    assert caveat_texts(Surface(10 * surface.heights, spacing=1.0), surface) == [
+    assert find_caveat_texts(surface, surface) == []
+    assert find_caveat_texts(Surface(10 * surface.heights, spacing=1.0), surface) == [
         "upper: heights span 10 µm on a length of 8 µm"
     ]
     # A height range that no scan can have is reported as a fault.
@@ -73,7 +73,10 @@ def test_form_error_of_a_profile_adds_a_caveat_unless_the_form_is_removed(rough_
     for curvature_height, has_caveat in ((1.0, True), (0.01, False)):
         curved_profile = Profile(rough_profile.heights + curvature_height * x**2, spacing=rough_profile.spacing)
         assert (
-            any("lower: form (a parabola) contributes" in text for text in caveat_texts(rough_profile, curved_profile))
+            any(
+                "lower: form (a parabola) contributes" in text
+                for text in find_caveat_texts(rough_profile, curved_profile)
+            )
             == has_caveat
         )
     assert 0 < MAX_FORM_FRACTION < 1
@@ -98,7 +101,7 @@ def test_interface_adds_a_caveat_only_if_the_ranges_of_mu0_and_tau0_are_unknown(
 def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
     heights = rough_profile.heights.copy()
     heights[[500, 1200]] += 2 * MIN_SPIKE_SHARPNESS_RATIO * np.abs(np.diff(heights, 2)).max()
-    caveats = caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
+    caveats = find_caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
     assert [text for text in caveats if "as sharp as usual" in text] == [
         "upper: 2 points are more than 12 times as sharp as usual, and would come into contact first"
     ]
@@ -139,14 +142,14 @@ def test_spikes_of_a_map_add_a_caveat_that_states_their_number(kind):
 
 def test_caveat_that_applies_to_both_scans_is_listed_once(rough_profile):
     tall_profile = Profile(rough_profile.heights * 1000, spacing=rough_profile.spacing)
-    caveats = caveat_texts(tall_profile, tall_profile)
+    caveats = find_caveat_texts(tall_profile, tall_profile)
     assert len(caveats) == len(set(caveats))
     assert all(text.startswith("both scans: ") for text in caveats)
 
 
 def test_implausibly_large_mu0_and_loads_add_caveats(rough_profile):
     assert (
-        caveat_texts(
+        find_caveat_texts(
             rough_profile,
             rough_profile,
             mu0=(MAX_PLAUSIBLE_MU0,),
@@ -154,9 +157,9 @@ def test_implausibly_large_mu0_and_loads_add_caveats(rough_profile):
         )
         == []
     )
-    assert "μ0 = 30" in caveat_texts(rough_profile, rough_profile, mu0=(0.2, 30.0))[0]
+    assert "μ0 = 30" in find_caveat_texts(rough_profile, rough_profile, mu0=(0.2, 30.0))[0]
     load = 1.1 * MAX_PRESSURE_OVER_MODULUS * 100 * rough_profile.extent
-    assert "above a tenth of E*" in caveat_texts(rough_profile, rough_profile, loads=[load])[0]
+    assert "above a tenth of E*" in find_caveat_texts(rough_profile, rough_profile, loads=[load])[0]
 
 
 def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accepted():
@@ -183,8 +186,10 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
         clean_profile.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01
     )
     assert instrument_limit(profile_with_faint_noise).reason == "noise floor"
-    assert not any("like noise" in text for text in caveat_texts(profile_with_faint_noise, profile_with_faint_noise))
-    assert any("of the mean square slope" in text for text in caveat_texts(noisy_profile, noisy_profile))
+    assert not any(
+        "like noise" in text for text in find_caveat_texts(profile_with_faint_noise, profile_with_faint_noise)
+    )
+    assert any("of the mean square slope" in text for text in find_caveat_texts(noisy_profile, noisy_profile))
 
 
 def test_noise_caveat_suggests_no_cutoff_above_a_third_of_the_scan_length():
@@ -263,11 +268,11 @@ def test_noise_caveat_states_the_noise_fraction_that_a_given_cutoff_leaves():
     )
     rng = np.random.default_rng(1)
     scans = [Profile(clean_profile.heights + rng.normal(0, 0.005, 8000), spacing=0.25) for _ in range(2)]
-    repeated = compare_repeated_scans(*scans)
+    comparison = compare_repeated_scans(*scans)
     options = {"load": "10 MPa", "mu0": 0.2, "effective_modulus": "80 GPa"}
     for scan, cutoff, expected_severity in (
         (scans[0], "130 nm", "fault"), (scans[0], "500 nm", "fault"),
-        (repeated.scan, f"{repeated.limit} um", "caution"),
+        (comparison.scan, f"{comparison.limit} um", "caution"),
     ):  # fmt: skip
         assert instrument_limit(scan).matters
         study = pair_study(scan, scan, cutoff=cutoff, **options)
@@ -391,7 +396,7 @@ def test_spherical_map_adds_a_caveat_unless_its_form_is_removed():
     assert [text.split(" contributes")[0] for text in form_texts(capped_map)] == ["form (a parabola)"]
     assert form_texts(levelled(capped_map, "quadratic")) == []
     plain_map = Surface(0.5 * short_wave_map(1), spacing=0.5)
-    assert "upper: form (a parabola)" in " ".join(caveat_texts(capped_map, plain_map))
+    assert "upper: form (a parabola)" in " ".join(find_caveat_texts(capped_map, plain_map))
     study = measured_study().with_changes({"surfaces.level": "quadratic"})
     assert not any("form (" in caveat.text for caveat in find_input_caveats(capped_map, plain_map, study))
 
@@ -435,7 +440,7 @@ def test_maps_without_form_and_steps_have_no_caveat_about_form_or_steps(kind):
 # ---- Mirrored faces --------------------------------------------------------------------------------------------------
 
 
-def mirror_caveats(upper, lower, **surface_changes):
+def find_mirror_caveats(upper, lower, **surface_changes):
     study = measured_study().with_changes(
         {"surfaces.positions": [["0 um", "0 um"]]}
         | {f"surfaces.{name}": value for name, value in surface_changes.items()}
@@ -447,26 +452,26 @@ def test_faces_that_fit_better_when_mirrored_add_a_caveat_with_both_gaps_and_a_r
     lower = Surface(3.0 * short_wave_map(5, 96), spacing=2.0)
     noise = 0.1 * short_wave_map(6, 96)
     matching_face = flipped(lower).heights + noise
-    assert mirror_caveats(Surface(matching_face, spacing=2.0), lower) == []
+    assert find_mirror_caveats(Surface(matching_face, spacing=2.0), lower) == []
     faces_and_remedies = [
         (matching_face[::-1, ::-1], "use --rotate 180"), (matching_face[::-1], "reverse the rows"),
         (matching_face[:, ::-1], "reverse the columns"),
     ]  # fmt: skip
     for face, remedy in faces_and_remedies:
-        (caveat,) = mirror_caveats(Surface(face, spacing=2.0), lower)
+        (caveat,) = find_mirror_caveats(Surface(face, spacing=2.0), lower)
         assert caveat.severity == "caution"
         assert caveat.remedy.startswith(remedy)
         gaps = [float(text) for text in re.findall(r"is (\S+) µm, but (\S+) nm for", caveat.text)[0]]
         assert gaps == [pytest.approx(3.0 * np.sqrt(2), rel=0.2), pytest.approx(100, rel=0.05)]
-    assert mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
+    assert find_mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
 
 
 def test_faces_that_do_not_match_or_have_given_positions_add_no_caveat_about_mirroring():
     upper, lower = (Surface(short_wave_map(seed, 96), spacing=2.0) for seed in (7, 8))
-    assert mirror_caveats(upper, lower) == []
+    assert find_mirror_caveats(upper, lower) == []
     matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)
-    assert mirror_caveats(matching_face, lower, positions=[["4 um", "0 um"]]) == []
+    assert find_mirror_caveats(matching_face, lower, positions=[["4 um", "0 um"]]) == []
     is_missing = np.zeros((96, 96), bool)
     is_missing[3:9, 50:] = True
-    (caveat,) = mirror_caveats(Surface(matching_face.heights, spacing=2.0, missing=is_missing), lower)
+    (caveat,) = find_mirror_caveats(Surface(matching_face.heights, spacing=2.0, missing=is_missing), lower)
     assert ", but 0 µm for" in caveat.text

@@ -77,7 +77,7 @@ def values(result, table):
     return result.at([row.load for row in table.rows]).sel(sliding="all").squeeze()
 
 
-def closure_of(row):
+def get_closure(row):
     return row.estimates["closure"].value
 
 
@@ -209,7 +209,7 @@ def test_csv_file_of_a_joint_contains_every_number_of_the_joint_table(result, di
         assert set(numbers) - rounded <= {"0", "1", "2", str(len(frame))}, ending
         assert card.isascii()
         assert max(map(len, card.splitlines())) < 256
-    assert f"{closure_of(table.reference):.6g}" in export_text(result, directory / "card.inp", units=units)
+    assert f"{get_closure(table.reference):.6g}" in export_text(result, directory / "card.inp", units=units)
 
 
 def test_friction_and_stiffness_in_an_exported_solver_input_have_at_most_four_digits(result, directory):
@@ -295,9 +295,9 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, di
         result.joint_table(mu0=[0.2, 0.3])
     with pytest.raises(ValueError, match="must end in"):
         result.export(directory / "x.json")
-    small = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    small_study_changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
-        run(Study.named("quick").with_changes(small)).joint_table()
+        run(Study.named("quick").with_changes(small_study_changes)).joint_table()
 
 
 def small_pair(rms=0.3, **options):
@@ -359,7 +359,7 @@ def test_calculix_block_with_the_exported_card_has_the_tabulated_stiffness_and_s
     )
     np.testing.assert_allclose(closures, np.interp([10, 50, 100, 200], pressures, in_table), rtol=1e-5)
     at_pressures = result.joint_table([f"{pressure} MPa" for pressure in (10, 50, 100, 200)]).rows
-    np.testing.assert_allclose(closures, [closure_of(row) for row in at_pressures], rtol=1e-3)
+    np.testing.assert_allclose(closures, [get_closure(row) for row in at_pressures], rtol=1e-3)
     reference = table.reference
     stiffness = reference.estimates["tangential_stiffness_per_area"].value
     assert forces == pytest.approx([stiffness * 100 * 2e-5, reference.friction(50).value * 200 * 100], rel=1e-3)

@@ -22,7 +22,7 @@ SUMMARIES_BY_NAME = {
 }
 
 
-def table_cells(table):
+def parse_table_cells(table):
     """Return the cells of the header and of all rows of a LaTeX table."""
     lines = re.findall(r"^(.*) \\\\$", table, re.MULTILINE)
     return [line.split(" & ") for line in lines]
@@ -32,7 +32,7 @@ def table_cells(table):
 def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
     summary = SUMMARIES_BY_NAME[summary_name]
     table = latex_table(summary)
-    header, *rows = table_cells(table)
+    header, *rows = parse_table_cells(table)
     assert len(rows) == len(summary.reported_points)
     assert {len(row) for row in rows} == {len(header)}
     assert rf"\begin{{tabular}}{{{'l' * len(header)}}}" in table
@@ -45,7 +45,7 @@ def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
 def test_latex_table_states_common_conditions_in_comments():
     table = latex_table(SUMMARIES_BY_NAME["pair"])
     assert "% $\\mu_0$ = 0.2" in table
-    header, *rows = table_cells(table)
+    header, *rows = parse_table_cells(table)
     assert [row[:2] for row in rows] == [["1", "0"], ["1", "50"], ["10", "0"], ["10", "50"]]
     assert "(mN)" in header[0]
     assert "(MPa)" in header[1]
@@ -56,15 +56,15 @@ def test_latex_table_contains_the_area_fraction_with_its_interval_or_its_status(
     point = summarize(dataset, measured_study()).first
     area_text = f"{point.quantities['contact_area_fraction'].in_unit('%', 0.01).text()} \\%"
     assert "[" in area_text
-    assert table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == area_text
+    assert parse_table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == area_text
     dataset["contact_status"] = dataset["contact_area_fraction"].isel(statistic=0).astype(str).copy()
     dataset["contact_status"][:] = "complete"
-    assert table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == "complete"
+    assert parse_table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == "complete"
 
 
 def test_latex_table_prints_none_as_the_cutoff_of_unfiltered_scans():
     assert "% cutoff (um) = none" in latex_table(SUMMARIES_BY_NAME["pair"])
-    cutoff_cells = [row[0] for row in table_cells(latex_table(SUMMARIES_BY_NAME["readings"]))]
+    cutoff_cells = [row[0] for row in parse_table_cells(latex_table(SUMMARIES_BY_NAME["readings"]))]
     assert cutoff_cells == ["cutoff (um)", "none", "0.5"]
 
 
@@ -82,7 +82,7 @@ def pair_table(tmp_path_factory):
 
 
 def test_latex_table_contains_pressures_and_materials_and_ranges_and_positions(pair_table):
-    header, *rows = table_cells(pair_table)
+    header, *rows = parse_table_cells(pair_table)
     column = header.index("$F_N/A_0$ (MPa)")
     assert [row[column] for row in rows] == ["20", "60"]
     (caption,) = re.findall(r"^\\caption\{(.*)\}$", pair_table, re.MULTILINE)

@@ -133,14 +133,14 @@ def double_click(driver, x, y):
         time.sleep(0.6)
 
 
-def axis_limits(driver, name="map"):
+def read_axis_limits(driver, name="map"):
     """Return the current limits of the axes of a plot."""
     return driver.execute_script(
         "const {x, y} = document.getElementById(arguments[0]).axes; return [x.low, x.high, y.low, y.high]", name
     )
 
 
-def scaled_axis_limits(driver, plot):
+def compute_scaled_axis_limits(driver, plot):
     """Return the current limits of both axes of a plot, as logarithms for a logarithmic axis."""
     return np.reshape(
         driver.execute_script(
@@ -180,10 +180,10 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
 
     browser.open_page(driver, pages[page_name])
     browser.open_more_section(driver)
-    initial_limits = scaled_axis_limits(driver, plot)
+    initial_limits = compute_scaled_axis_limits(driver, plot)
     span = initial_limits[:, 1] - initial_limits[:, 0]
     zoom_by_wheel(driver, plot)
-    zoomed_limits = scaled_axis_limits(driver, plot)
+    zoomed_limits = compute_scaled_axis_limits(driver, plot)
     # Both axes are scaled by the same factor, and the point under the pointer stays in place.
     ratio = (zoomed_limits[:, 1] - zoomed_limits[:, 0]) / span
     assert ratio == pytest.approx(np.exp(-200 / 300), rel=1e-6)
@@ -198,17 +198,19 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
         send_mouse_event(driver, "mouseMoved", *end, modifiers=SHIFT_KEY_BIT, button="left", buttons=1)
     send_mouse_event(driver, "mouseReleased", *end, modifiers=SHIFT_KEY_BIT, button="left", clickCount=1)
     browser.wait_for_drawing(driver)
-    panned_limits = scaled_axis_limits(driver, plot)
+    panned_limits = compute_scaled_axis_limits(driver, plot)
     assert (panned_limits - zoomed_limits)[0] == pytest.approx(-0.1 * ratio[0] * span[0], rel=0.05)
     assert (panned_limits - zoomed_limits)[1] == pytest.approx(-0.1 * ratio[1] * span[1], rel=0.05)
     browser.press_keys(driver, plot, Keys.SHIFT + Keys.ARROW_RIGHT + Keys.NULL)
-    assert (scaled_axis_limits(driver, plot) - panned_limits)[0] == pytest.approx(0.2 * ratio[0] * span[0], rel=0.05)
+    assert (compute_scaled_axis_limits(driver, plot) - panned_limits)[0] == pytest.approx(
+        0.2 * ratio[0] * span[0], rel=0.05
+    )
     browser.press_keys(driver, plot, "0")
-    assert scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
+    assert compute_scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
     browser.press_keys(driver, plot, "+")
-    assert np.diff(scaled_axis_limits(driver, plot)).ravel() == pytest.approx(span / 1.5)
+    assert np.diff(compute_scaled_axis_limits(driver, plot)).ravel() == pytest.approx(span / 1.5)
     browser.press_keys(driver, plot, "-")
-    assert scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
+    assert compute_scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
     # Move two fingers apart on a touch screen.
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
     left, top, width, height = browser.find_axes_frame(driver, plot)
@@ -218,7 +220,7 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
     send_touch_event(driver, "touchEnd")
     browser.wait_for_drawing(driver)
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-    zoomed_limits = scaled_axis_limits(driver, plot)
+    zoomed_limits = compute_scaled_axis_limits(driver, plot)
     assert np.diff(zoomed_limits).ravel() == pytest.approx(span / 2, rel=0.05)
     assert zoomed_limits.mean(axis=1) == pytest.approx(initial_limits.mean(axis=1), abs=0.02 * span.max())
     assert log_is_empty(driver)
@@ -275,23 +277,23 @@ def test_numbers_shown_at_the_mouse_pointer_equal_library_values(generated_repor
 
 
 def test_click_selects_a_cell_of_the_friction_map_and_double_click_resets_the_zoom(generated_report):
-    initial_limits = axis_limits(generated_report)
+    initial_limits = read_axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     create_pointer_actions(generated_report, left + 0.125 * width, top + 0.7 * height).click().perform()
     browser.wait_for_drawing(generated_report)
     selection = read_selection(generated_report)
     assert selection[0] == 0
     browser.press_keys(generated_report, "map", "+")
-    assert axis_limits(generated_report) != initial_limits
+    assert read_axis_limits(generated_report) != initial_limits
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     double_click(generated_report, left + 0.8 * width, top + 0.4 * height)
     browser.wait_for_drawing(generated_report)
     assert read_selection(generated_report) == selection
-    assert axis_limits(generated_report) == pytest.approx(initial_limits)
+    assert read_axis_limits(generated_report) == pytest.approx(initial_limits)
 
 
 def test_dragging_a_rectangle_and_clicking_zoom_buttons_change_the_zoom(generated_report):
-    initial_limits = axis_limits(generated_report)
+    initial_limits = read_axis_limits(generated_report)
     left, top, width, height = browser.find_axes_frame(generated_report, "map")
     actions = create_pointer_actions(generated_report, left + 0.3 * width, top + 0.3 * height)
     actions.click_and_hold()
@@ -301,21 +303,21 @@ def test_dragging_a_rectangle_and_clicking_zoom_buttons_change_the_zoom(generate
         )
     actions.release().perform()
     browser.wait_for_drawing(generated_report)
-    zoomed_limits = axis_limits(generated_report)
+    zoomed_limits = read_axis_limits(generated_report)
     assert zoomed_limits[:2] == pytest.approx(
         [initial_limits[0] + fraction * (initial_limits[1] - initial_limits[0]) for fraction in (0.3, 0.7)], rel=0.02
     )
     ratio = initial_limits[3] / initial_limits[2]
     assert zoomed_limits[2:] == pytest.approx([initial_limits[2] * ratio**fraction for fraction in (0.3, 0.7)], rel=0.1)
     zoom_in_button, _, reset_button = generated_report.find_elements("css selector", "#friction + .saves button")[:3]
-    limits_before = axis_limits(generated_report, "friction")
+    limits_before = read_axis_limits(generated_report, "friction")
     zoom_in_button.click()
     browser.wait_for_drawing(generated_report)
-    limits_after = axis_limits(generated_report, "friction")
+    limits_after = read_axis_limits(generated_report, "friction")
     assert limits_before[0] < limits_after[0] < limits_after[1] < limits_before[1]
     reset_button.click()
     browser.wait_for_drawing(generated_report)
-    assert axis_limits(generated_report, "friction") == pytest.approx(limits_before)
+    assert read_axis_limits(generated_report, "friction") == pytest.approx(limits_before)
 
 
 def test_arrow_keys_move_the_selected_cell_of_the_friction_map(generated_report):

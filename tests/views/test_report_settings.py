@@ -59,7 +59,7 @@ def result_and_driver(request, driver, tmp_path_factory):
     return result, driver
 
 
-def expected_point(table, facts, rule, cell, load, way):
+def compute_expected_point(table, facts, rule, cell, load, way):
     """Return the status, the value and the interval limits that the library computes at a setting of the controls."""
     indices_by_dim = {"load": load, "mu0": 0, "tau0": 0, "sliding": rule}
     indices_by_dim |= {"cut_off": cell} if facts["isMeasured"] else {"fractal_dimension": cell, "amplitude": 0}
@@ -81,13 +81,13 @@ def test_numbers_in_a_report_agree_with_the_library_at_random_settings(result_an
             sizes = [len(facts["rules"]), len(facts["cells"]["values"]), len(loads), len(facts["ways"])]
             setting_indices = [int(random.integers(size)) for size in sizes]
             status, *numbers = driver.execute_script(READ_POINT_SCRIPT, mu0, tau0, *setting_indices)
-            expected = expected_point(table, facts, *setting_indices)
+            expected = compute_expected_point(table, facts, *setting_indices)
             assert (status == "ok") == np.isfinite(expected[0])
             if status != "ok":
                 continue
             # The WebDriver returns NaN and infinity as None.
-            displayed = np.array([np.nan if number is None else number for number in numbers])
+            displayed_numbers = np.array([np.nan if number is None else number for number in numbers])
             expected = [number if np.isfinite(number) else np.nan for number in expected]
-            np.testing.assert_allclose(displayed, expected, rtol=MAX_PACKING_ERROR, atol=1e-12)
+            np.testing.assert_allclose(displayed_numbers, expected, rtol=MAX_PACKING_ERROR, atol=1e-12)
             num_values += 1
     assert num_values > NUM_SETTINGS / 4

@@ -52,8 +52,8 @@ def list_result_caveats():
 def list_scan_caveats():
     """Return the caveats of scans with one fault each."""
     rng = np.random.default_rng(5)
-    smooth = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
-    rough = self_affine(3, hurst_exponent=0.7, rms=0.01, points=3000, spacing=0.01, longest_wavelength=5.0)
+    smooth_profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=4096, spacing=0.01, shortest_wavelength=0.5)
+    rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.01, points=3000, spacing=0.01, longest_wavelength=5.0)
     (rough_map, *_) = rough_maps(1, hurst_exponent=0.7, rms=0.02, points=96, spacing=0.1, longest_wavelength=9.6)
     noise = rng.normal(size=4096)
     line = np.sin(2 * np.pi * np.arange(4096) / 8)
@@ -62,14 +62,14 @@ def list_scan_caveats():
     map_spikes = np.isin(np.arange(96 * 96), [1000, 5000]).reshape(96, 96)
     scans = [
         *(
-            Profile(smooth.heights + added_heights, spacing=0.01)
+            Profile(smooth_profile.heights + added_heights, spacing=0.01)
             for added_heights in (2e-4 * noise, 5e-4 * line, 2.0 * step, spikes)
         ),
         Surface(rough_map.heights + 0.5 * map_spikes, spacing=0.1),
         Surface(rough_map.heights + 0.002 * rng.normal(size=(96, 96)), spacing=0.1),
     ]
     caveats = [caveat for scan in scans for caveat in find_scan_caveats(scan)]
-    return caveats + find_scan_caveats(rough, tip_radius=20.0, elastic=True)
+    return caveats + find_scan_caveats(rough_profile, tip_radius=20.0, elastic=True)
 
 
 def list_mirror_caveats():
