@@ -117,61 +117,138 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Interpolate values linearly along one axis to a grid of the same length with a different number of points.
-// Each interpolated value may be a whole row of `width` numbers.
-void interpolate_along(Values values, std::size_t blocks, std::size_t old_points, std::size_t new_points,
+// Return the distance between neighbouring points of the new grid, in spacings of the old grid of the same length.
+// On free grids, the coarser grid consists of every second point of the finer grid.
+double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
+  if (periodic || old_points == new_points) {
+    return static_cast<double>(old_points) / static_cast<double>(new_points);
+  }
+  return old_points > new_points ? 2.0 : 0.5;
+}
+
+// A position between a point of a grid and the next point, as a fraction of the spacing.
+struct Position {
+  std::size_t left = 0;
+  double fraction = 0.0;
+
+  Position(double position, std::size_t points)
+      : left(std::min(static_cast<std::size_t>(position), points - 1)),
+        fraction(position - static_cast<double>(left)) {}
+};
+
+std::size_t next_point(std::size_t point, std::size_t points, bool periodic) {
+  return point + 1 < points ? point + 1 : (periodic ? 0 : point);
+}
+
+std::size_t previous_point(std::size_t point, std::size_t points, bool periodic) {
+  return point > 0 ? point - 1 : (periodic ? points - 1 : point);
+}
+
+// Interpolate gaps linearly along one axis to a coarser grid of the same length.
+// Each interpolated value may be a whole row of `width` gaps.
+void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);
-  const double ratio = static_cast<double>(old_points) / static_cast<double>(new_points);
-  const bool coarser = old_points == 2 * new_points || (!periodic && old_points > new_points);
-  const bool finer = new_points == 2 * old_points || (!periodic && new_points > old_points);
+  const double step = relative_spacing(old_points, new_points, periodic);
+  double* to = result.data();
   for (std::size_t block = 0; block < blocks; ++block) {
-    const double* from = values.data() + block * old_points * width;
-    double* to = result.data() + block * new_points * width;
-    if (width == 1 && finer) {  // faster code for the most frequent case
-      for (std::size_t i = 0; i + 1 < old_points; ++i) {
-        to[2 * i] = from[i];
-        to[2 * i + 1] = from[i] + 0.5 * (from[i + 1] - from[i]);
-      }
-      to[2 * old_points - 2] = from[old_points - 1];
-      if (new_points == 2 * old_points) {
-        to[new_points - 1] =
-            from[old_points - 1] + 0.5 * ((periodic ? from[0] : from[old_points - 1]) - from[old_points - 1]);
-      }
-      continue;
-    }
+    const double* from = gap.data() + block * old_points * width;
     for (std::size_t i = 0; i < new_points; ++i, to += width) {
-      std::size_t left = 2 * i;
-      double fraction = 0.0;
-      if (finer) {
-        left = i / 2;
-        fraction = i % 2 == 0 ? 0.0 : 0.5;
-      } else if (!coarser) {
-        const double position = static_cast<double>(i) * ratio;
-        left = std::min(static_cast<std::size_t>(position), old_points - 1);
-        fraction = position - static_cast<double>(left);
-      }
-      const std::size_t right = left + 1 < old_points ? left + 1 : (periodic ? 0 : left);
+      const Position position(static_cast<double>(i) * step, old_points);
+      const double* left = from + position.left * width;
+      const double* right = from + next_point(position.left, old_points, periodic) * width;
       for (std::size_t k = 0; k < width; ++k) {
-        const double value = from[left * width + k];
-        to[k] = fraction == 0.0 ? value : value + fraction * (from[right * width + k] - value);
+        to[k] = position.fraction == 0.0 ? left[k] : left[k] + position.fraction * (right[k] - left[k]);
       }
     }
   }
 }
 
-// Interpolate values linearly to another grid. `buffer` contains the values after the interpolation along y.
-std::vector<double> interpolate(Values values, const Grid& from, const Grid& to, std::vector<double>& buffer) {
+// Interpolate gaps linearly to a coarser grid. `buffer` contains the gaps after the interpolation along y.
+std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   std::vector<double> result;
   if (from.columns == to.columns) {
-    interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic, result);
+    coarsen_gap_along(gap, 1, from.rows, to.rows, from.columns, from.periodic, result);
     return result;
   }
   if (from.rows != to.rows) {
-    interpolate_along(values, 1, from.rows, to.rows, from.columns, from.periodic, buffer);
-    values = buffer;
+    coarsen_gap_along(gap, 1, from.rows, to.rows, from.columns, from.periodic, buffer);
+    gap = buffer;
   }
-  interpolate_along(values, to.rows, from.columns, to.columns, 1, from.periodic, result);
+  coarsen_gap_along(gap, to.rows, from.columns, to.columns, 1, from.periodic, result);
+  return result;
+}
+
+// Interpolate pressures at a fraction of the spacing from each point `left` to the point `right` of it.
+// The points `before` and `after` are the next neighbours of these two points.
+// Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
+// Between a point in contact and a point out of contact, the squared pressure is therefore extrapolated linearly from
+// the points in contact. Its slope is at least so steep that the pressure vanishes at the point out of contact.
+STICTION_MULTIVERSION
+void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
+                          double fraction, std::size_t size, double* result) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const double left_square = left[i] * left[i];
+    const double right_square = right[i] * right[i];
+    const double from_left = left_square - fraction * std::max(before[i] * before[i] - left_square, left_square);
+    const double from_right =
+        right_square - (1.0 - fraction) * std::max(after[i] * after[i] - right_square, right_square);
+    const double extrapolated = std::sqrt(std::max(std::max(from_left, from_right), 0.0));
+    const double interpolated = left[i] + fraction * (right[i] - left[i]);
+    result[i] = (left[i] > 0.0) & (right[i] > 0.0) ? interpolated : extrapolated;
+  }
+}
+
+// Interpolate the pressures of one row to a grid with the given number of columns.
+// `padded` and `midpoints` are memory for the row with its neighbours and for the pressures between its points.
+void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
+                std::vector<double>& midpoints) {
+  const std::size_t columns = row.size();
+  const std::size_t right = next_point(columns - 1, columns, periodic);
+  padded.assign(1, row[previous_point(0, columns, periodic)]);
+  padded.insert(padded.end(), row.begin(), row.end());
+  padded.push_back(row[right]);
+  padded.push_back(row[next_point(right, columns, periodic)]);
+  const double step = relative_spacing(columns, result.size(), periodic);
+  if (step == 0.5) {
+    midpoints.resize(columns);
+    interpolate_pressure(&padded[0], &padded[1], &padded[2], &padded[3], step, columns, midpoints.data());
+    for (std::size_t j = 0; j < result.size(); ++j) {
+      result[j] = j % 2 == 0 ? row[j / 2] : midpoints[j / 2];
+    }
+    return;
+  }
+  for (std::size_t j = 0; j < result.size(); ++j) {
+    const Position position(static_cast<double>(j) * step, columns);
+    const double* before = &padded[position.left];
+    interpolate_pressure(before, before + 1, before + 2, before + 3, position.fraction, 1, &result[j]);
+  }
+}
+
+// Interpolate pressures from a grid to the next finer grid. `buffer` contains the pressures after the interpolation
+// along y.
+std::vector<double> refine_pressure(Values pressure, const Grid& from, const Grid& to, std::vector<double>& buffer) {
+  const std::size_t columns = from.columns;
+  buffer.resize(to.rows * columns);
+  const double step = relative_spacing(from.rows, to.rows, from.periodic);
+  for (std::size_t i = 0; i < to.rows; ++i) {
+    const Position position(static_cast<double>(i) * step, from.rows);
+    const auto row = [&](std::size_t index) { return &pressure[index * columns]; };
+    const std::size_t right = next_point(position.left, from.rows, from.periodic);
+    interpolate_pressure(row(previous_point(position.left, from.rows, from.periodic)), row(position.left), row(right),
+                         row(next_point(right, from.rows, from.periodic)), position.fraction, columns,
+                         &buffer[i * columns]);
+  }
+  if (to.columns == columns) {
+    return buffer;
+  }
+  std::vector<double> result(to.size());
+  std::vector<double> padded;
+  std::vector<double> midpoints;
+  for (std::size_t i = 0; i < to.rows; ++i) {
+    refine_row(std::span(buffer).subspan(i * columns, columns), from.periodic,
+               std::span(result).subspan(i * to.columns, to.columns), padded, midpoints);
+  }
   return result;
 }
 
@@ -526,7 +603,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   // Bounds of single points are defined only on the finest grid, so no coarser grids are used with such bounds.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
-    coarse_gaps_.push_back(interpolate(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
+    coarse_gaps_.push_back(coarsen_gap(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
   }
   gap_scale_ = standard_deviation(gap);
   displacement_scale_ = unit_load_deviation(pool);
@@ -593,7 +670,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
   const double coarse = std::max(coarse_tolerance, tolerance_) * scale(mean_pressure);
   for (std::size_t level = levels.size() - 1; level > 0; --level) {
     start = solve_level(level, std::move(start), mean_pressure, coarse, *memory, pool, {}).pressure;
-    start = interpolate(start, levels[level], levels[level - 1], memory->cg.potential);
+    start = refine_pressure(start, levels[level], levels[level - 1], memory->cg.potential);
   }
   return solve_finest(std::move(start), mean_pressure, *memory, pool, progress);
 }
