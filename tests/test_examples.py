@@ -202,7 +202,7 @@ def run_command(line, cwd):
     line = line.split(" #")[0].strip()
     match shlex.split(line):
         case ["stiction", "app", *_]:
-            pass  # Not run here, because it would wait until somebody closes its window. The tests of the app run it.
+            pass  # The tests of the app run this command, which waits until its window is closed.
         case ["stiction", *_]:
             command_words, _, output_file = reduce_study_size(line).partition(" > ")
             # Commands that start processes on a cluster need their own Python interpreter.

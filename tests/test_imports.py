@@ -133,7 +133,7 @@ def find_slow_modules():
     return slow_modules
 
 
-def test_functions_import_only_modules_that_are_slow_to_import():
+def test_imports_inside_functions_are_limited_to_modules_that_are_slow_to_import():
     """Exempt `cli`: its functions import what they run, so that help texts load none of it."""
     slow_modules = find_slow_modules()
     for module, path in MODULES.items():

@@ -119,7 +119,7 @@ struct Products {
   }
 };
 
-// Return the products of an array with two other arrays.
+// Return the scalar products of an array with two other arrays.
 STICTION_MULTIVERSION
 Products products(const float* values, const float* first, const float* second, std::size_t size) {
   Lanes firsts{};

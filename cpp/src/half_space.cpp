@@ -61,15 +61,14 @@ constexpr std::size_t max_selected_points = 2048;
 constexpr double selection_approach_ratio = 1.1;
 // Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Displacements that differ by at most this fraction of the displacement of a single loaded cell count as equal.
-// The cell carries the same pressure.
+// Displacements that differ by at most this fraction count as equal.
+// It is a fraction of the displacement of a single loaded cell under the same pressure.
 constexpr double round_off = 1e-9;
-// Three numbers limit the search for the load at which a given approach is reached:
-// - the largest number of trial loads, although more than six trial loads are rarely needed
-// - the largest ratio of successive trial loads
-// - the smallest distance of a trial load from the ends of the bracket, as a fraction of the bracket
+// Maximum number of trial loads in the search for a given approach, which rarely needs more than six trial loads.
 constexpr int max_loads = 60;
+// Maximum ratio of successive trial loads in the search for a given approach.
 constexpr double max_load_step = 30.0;
+// Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
 constexpr double min_bracket_fraction = 1e-3;
 
 std::size_t coarsened(std::size_t points, bool periodic) {

@@ -33,7 +33,7 @@ STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 // A block of n cells depends on n + 3 columns of coefficients.
 constexpr Index cells_per_block = 29;
 
-// Mark the blocks of cells of a row in which at least one coefficient is at most `max_value`.
+// In a row of cells, mark each block of cells that depends on a coefficient of at most `max_value`.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {

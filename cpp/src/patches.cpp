@@ -170,7 +170,7 @@ PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Valu
         const double rise = slope_x[point] * x + along_y(point) * y;  // -q s·n
         const double across = slope_x[point] * y - along_y(point) * x;
         // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²).
-        // The square root equals level/q, so q F t_z = -F rise/level.
+        // With sqrt(1 - (s·n)²) = level/q, the upward friction q F t_z equals -F rise/level.
         const double level = std::sqrt(1 + across * across);
         const double upward = -rise / level;
         sums.leaning[at] += rise * force;

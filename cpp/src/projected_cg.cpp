@@ -415,7 +415,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
 }
 
 // Call the visitor for each run of constrained points.
-// The visitor receives the indices into `free_points_` of both neighbours, and the number of constrained points.
+// The visitor receives the positions in `free_points_` of both neighbouring free points, and the length of the run.
 // A run that wraps around the edge of the grid is passed as two segments.
 // A segment is described by its first point, its length, and its offset in the run of constrained points.
 template <class Visit>

@@ -412,8 +412,8 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # The sentence and the command line show the mu0 that the slider or the field has set. Both controls show the same
-    # mu0 if the report has values for it.
+    # The sentence and the command line show the mu0 that the slider or the field has set.
+    # Both controls show the same mu0 if the report has values for this mu0.
     move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
     for change_mu0, field_value, report_value in (
         (lambda: run_script_in_report(empty_page, move_slider), "0.1", 0.1),

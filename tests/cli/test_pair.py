@@ -929,7 +929,7 @@ def directory_options_and_record(tmp_path_factory):
     return directory, options, json.loads(completed.stdout)
 
 
-def test_pair_command_reports_resolved_wavelengths_and_the_range_for_finer_scans(directory_options_and_record):
+def test_pair_command_reports_resolved_wavelengths_and_the_friction_range_for_finer_scans(directory_options_and_record):
     directory, _, record = directory_options_and_record
     resolution, json_points = record["resolution"], record["points"][0]
     assert resolution["wavelengths"]["shortest_um"] == pytest.approx(0.2)

@@ -332,7 +332,7 @@ def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_the_peak_prece
     assert "The peak is before the faces move" in " ".join(list_caveats(test))
 
 
-def test_shear_test_has_caveats_about_a_missing_hardness_and_load_at_the_edges():
+def test_shear_test_has_caveats_about_missing_hardness_and_about_load_at_the_edges_of_faces():
     x = np.linspace(-1, 1, 201)
     bowl = Profile(40 * x**2, spacing=5.0)
     upper = Profile(-bowl.heights, spacing=5.0)

@@ -422,7 +422,7 @@ def test_unsolved_load_has_the_status_not_solved_and_no_interpolated_value(areal
     np.testing.assert_array_equal(area_of_incomplete, area_of_complete)
 
 
-def test_load_between_load_steps_far_apart_has_the_status_not_reached():
+def test_load_between_distant_load_steps_has_the_status_not_reached():
     curve, values = np.array([1e-3, 1.0, 10.0]), np.array([2e-3, 1.5, 12.0])
     crossing = intervals.LoadCrossings.from_curves(curve, np.array([1e-3, 0.1, 1.0, 3.0]), interpolates_ratio=True)
     assert crossing.reached.tolist() == [True, False, True, True]

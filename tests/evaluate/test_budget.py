@@ -488,7 +488,7 @@ UNCERTAIN_INPUT_CASES = (
 
 @pytest.mark.parametrize("inputs", UNCERTAIN_INPUT_CASES)
 @pytest.mark.parametrize("noise", [0.0, 0.1])
-def test_combined_interval_contains_interval_of_the_mean_and_range_for_finer_scans(
+def test_combined_interval_contains_interval_of_the_mean_and_friction_range_for_finer_scans(
     inputs: dict[str, Any], noise: float
 ) -> None:
     """Check the nested intervals of pairs with and without noise; the value must not be close to an end."""

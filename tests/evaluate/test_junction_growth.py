@@ -364,7 +364,7 @@ def test_caveat_about_unlimited_friction_recommends_a_smaller_load_only_if_this_
 
 
 @pytest.mark.parametrize("mu0", [0.2, 0.6])
-def test_range_for_finer_scans_is_omitted_if_yielding_contacts_would_shear_the_body(mu0):
+def test_friction_range_for_finer_scans_is_omitted_if_yielding_contacts_would_shear_the_body(mu0):
     options = PLASTIC_OPTIONS | {"hardness": 50.0, "shifts": 16}
     point = pair(*rough_surfaces(0.01), **options, mu0=mu0, junction_growth="slip-line").summary().first
     assert point.status == "ok"

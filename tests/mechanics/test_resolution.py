@@ -109,7 +109,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoff
         assert ends[:, 0] == pytest.approx(float(result[f"plastic_{name}"][0]), rel=ROUND_OFF)
         for finer_index in range(ends.shape[0]):
             assert (values[finer_index, 0].values <= ends[finer_index:, 1] * second_order_factor[finer_index]).all()
-    # Above the plastic limit, the bracket allows the area to grow by the square of two standard deviations of κ.
+    # The upper limit allows the area above the plastic limit to grow by the square of two standard deviations of κ.
     # The largest area fraction of an elastic scan is one.
     count, min_area_fraction = result.contact_count[:, 0].values, float(result.plastic_area_fraction[0])
     area_above_limit = result.contact_area_fraction[:, 0].values - min_area_fraction
@@ -120,7 +120,7 @@ def test_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoff
     assert float(max_area_for_finer_scans(0.9, 1.0, 1000)) == 1.0
 
 
-def test_upper_limit_of_the_range_for_finer_scans_equals_the_separately_computed_maximum():
+def test_upper_limit_of_the_friction_range_for_finer_scans_equals_the_separately_computed_maximum():
     mu0, adhesion, value = (
         np.array([0.1, 0.2, 0.2, 0.3]),
         np.array([0.05, 0.02, 0.0, 0.1]),

@@ -94,7 +94,7 @@ def test_scan_more_than_three_times_coarser_than_the_other_scan_has_a_caveat(rat
     assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
 
 
-def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_preparation_has_a_fault():
+def test_friction_range_for_finer_scans_is_omitted_if_another_cutoff_or_preparation_has_a_fault():
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     assert summarize_point(dataset, study).bracket is not None
@@ -110,7 +110,7 @@ def test_range_for_finer_scans_is_omitted_if_another_cutoff_or_alternative_prepa
     assert caveats_with(point, "without outliers")[0][0] == "fault"
 
 
-def test_range_for_finer_scans_starts_at_the_plastic_limit_with_junction_growth():
+def test_friction_range_for_finer_scans_starts_at_the_plastic_limit_with_junction_growth():
     study = measured_study(hardness=1.0).with_changes({"contact.junction_growth": 27})
     point = summarize_point(measured_result(all_contacts=0.3, half_width_ratio=0.01), study)
     # The pressure p of plastic contacts satisfies p² + α (mu0 p + tau0)² = H².

@@ -357,7 +357,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_slope_fraction_includes_noise_across_grooves_although_roughness_hides_this_noise(self):
+    def test_noise_fraction_of_the_slope_includes_noise_across_grooves_that_roughness_hides(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

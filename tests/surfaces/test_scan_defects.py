@@ -74,7 +74,7 @@ def test_search_for_defects_of_each_scan_runs_only_once(scan_directory, monkeypa
     assert num_calls == {"instrument_limit": 2, "find_hidden_noise": 2, "find_outliers": 2}
 
 
-def test_cached_defects_are_released_with_their_scan():
+def test_cached_defects_are_released_together_with_their_scan():
     scan = rough_maps(points=32)[0]
     defects = find_scan_defects(scan, None, textured=False)
     assert find_scan_defects(scan, None, textured=False) is defects

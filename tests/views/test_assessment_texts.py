@@ -409,7 +409,7 @@ def study_with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_range_for_finer_scans_extends_from_the_plastic_limit_beyond_the_coefficient():
+def test_friction_range_for_finer_scans_extends_from_the_plastic_limit_beyond_the_coefficient():
     point = summarize(measured_result(all_contacts=0.24, half_width_ratio=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.
@@ -495,13 +495,13 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
     assert not any("softer material" in caveat.text for caveat in point.caveats)
 
 
-def test_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
+def test_friction_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.assessment, point.bracket) == ("Do not quote", None)
     assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
-def test_range_for_finer_scans_starts_at_a_coefficient_that_is_below_the_plastic_limit():
+def test_friction_range_for_finer_scans_starts_at_a_coefficient_that_is_below_the_plastic_limit():
     lower, upper = (
         summarize(measured_result(all_contacts=0.22, half_width_ratio=0.01), measured_study(hardness=2.0))
         .points[0]

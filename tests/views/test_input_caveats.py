@@ -240,7 +240,7 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
 
 
 @pytest.mark.parametrize("options", [{"cutoff": "200 nm"}, {}])
-def test_slope_fraction_that_the_tip_does_not_resolve_is_computed_from_filtered_scans(options):
+def test_fraction_of_the_slope_that_the_tip_does_not_resolve_is_computed_from_filtered_scans(options):
     noise = np.random.default_rng(1).normal(size=(2, 3000))
     clean_profile = self_affine(
         3, points=3000, spacing=0.01, hurst_exponent=0.8, rms=0.005, longest_wavelength=5.0, shortest_wavelength=0.1

@@ -118,7 +118,7 @@ def test_joint_table_contains_the_values_of_the_result_at_each_nominal_pressure(
         assert {estimate.kind for estimate in percentiles} == {"prediction"}
 
 
-def test_joint_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(table):
+def test_joint_table_of_grooves_has_equal_tangential_and_normal_unloading_stiffness(table):
     for row in table.rows:
         unloading = row.estimates["unloading_closure_stiffness"].value
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)
@@ -179,7 +179,7 @@ def read_card_numbers(card):
 
 
 @pytest.mark.parametrize("units", UNIT_SYSTEMS)
-def test_csv_file_of_a_joint_contains_every_number_of_the_joint_table(result, directory, units):
+def test_csv_file_of_a_joint_table_contains_every_number_of_the_table(result, directory, units):
     table = result.joint_table(units=units)
     csv = export_text(result, directory / "joint.csv", joint=True, units=units)
     frame = pandas.read_csv(directory / "joint.csv")
@@ -223,7 +223,7 @@ def test_friction_and_stiffness_in_an_exported_solver_input_have_at_most_four_di
     assert len(re.findall(r"^\*\* 0\..*, , 50$", card, re.MULTILINE)) == 1
 
 
-def test_computed_joint_has_the_stiffness_of_direct_solutions_at_every_pressure(result, directory):
+def test_computed_joint_table_has_the_stiffness_of_direct_solutions_at_every_pressure(result, directory):
     check_stiction("export", "pair", "computed.csv", "--joint", "--compute", cwd=directory)
     frame = pandas.read_csv(directory / "computed.csv")
     assert frame["computed"].all()
@@ -266,7 +266,7 @@ def test_comments_in_exported_joint_files_state_units_and_materials_and_range_of
     assert "Set FKN and FKT of the contact to minus the" in " ".join(re.sub("(?m)^! ", "", texts[".mac"]).split())
 
 
-def test_json_file_of_a_joint_contains_units_and_notes_and_kinds_of_intervals(result, directory, table):
+def test_json_file_of_a_joint_table_contains_units_and_notes_and_kinds_of_intervals(result, directory, table):
     record = json.loads(export_text(result, directory / "joint.json", joint=True, units="um,mN,GPa"))
     assert record["units"] == {"length": "um", "force": "mN", "pressure": "GPa"}
     assert record["notes"][0] == table.notes[0]
@@ -317,7 +317,7 @@ def small_pair(rms=0.3, **options):
         ({"mu0": 2, "rms": 60.0, "shifts": 16}, "a prediction needs a coefficient with an interval"),  # sticks
     ],
 )
-def test_joint_notes_and_exported_card_state_why_percentiles_are_missing(tmp_path, options, reason):
+def test_notes_of_a_joint_table_and_exported_card_state_why_percentiles_are_missing(tmp_path, options, reason):
     result = small_pair(**options)
     assert [note for note in result.joint_table().notes if "No percentiles" in note] == [f"No percentiles: {reason}."]
     card = export_text(result, tmp_path / "card.inp")

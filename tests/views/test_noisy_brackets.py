@@ -62,7 +62,7 @@ def true_and_noisy_results(seed, noise_kind):
 
 @pytest.mark.parametrize("noise_kind", ["white", "band", "line", "pink"])
 @pytest.mark.soak
-def test_range_for_finer_scans_of_noisy_scans_contains_the_result_without_noise(noise_kind):
+def test_friction_range_for_finer_scans_contains_the_result_without_noise_if_scans_are_noisy(noise_kind):
     results = [true_and_noisy_results(seed, noise_kind) for seed in range(NUM_PAIRS)]
     values_and_brackets = [(true_value, point.bracket) for true_value, point in results if point.bracket is not None]
     is_covered = [lower - 1e-9 <= true_value <= upper for true_value, (lower, upper) in values_and_brackets]
@@ -86,7 +86,7 @@ def scan_with_tip(surface, radius):
 
 
 @pytest.mark.parametrize("hurst_exponent", [0.5, 0.8])
-def test_range_for_finer_scans_of_scans_with_a_blunt_tip_contains_the_true_result(hurst_exponent):
+def test_friction_range_for_finer_scans_contains_the_true_result_if_the_tip_is_blunt(hurst_exponent):
     roughness_options = {
         "hurst_exponent": hurst_exponent,
         "rms": 0.01,

@@ -32,7 +32,7 @@ def parse_csv(text):
 
 
 @pytest.mark.parametrize(("contact_status", "expected_status"), [("ok", "no-mean"), ("complete", "complete")])
-def test_missing_area_fraction_has_the_status_of_the_contact(contact_status, expected_status):
+def test_missing_area_fraction_has_a_status_that_follows_from_the_contact_status(contact_status, expected_status):
     dataset = measured_result(loads=(1.0, 1e3))
     fractions = dataset["contact_area_fraction"]
     dataset["contact_area_fraction"] = fractions.where(fractions["load"] < 10.0)

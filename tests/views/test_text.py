@@ -257,7 +257,7 @@ def test_shortened_caveat_list_contains_all_faults_and_counts_other_caveats(shor
     assert len(format_paragraph(assessment_paragraph(points)).splitlines()) == 5
 
 
-def test_caveat_grouped_from_several_points_states_the_range_of_its_numbers():
+def test_caveat_grouped_over_several_fractal_dimensions_states_the_range_of_its_numbers():
     points = summarize(generated_result(dimensions=(1.1, 1.2, 1.3)), generated_study()).points
     pressures, counts = ("950 kPa", "116 MPa", "1.2 GPa"), ("3", "12.5", "12.5")
     points = [

@@ -139,7 +139,7 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the candidates.
+/// Return the contacts at one approach [µm] >= 0, in the order of the candidates.
 /// The index of a contact is row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
