@@ -252,9 +252,9 @@ def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block()
     missing_pairs = SimpleNamespace(count=16)
     text = runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 8.5)
     assert text == "1 of 16 repetitions took 8 min; the rest takes about 56 min more"
-    assert (
-        runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 300.0) == ""
-    )  # the estimate after the first block is close to the first estimate
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 300.0) == text
+    # Not printed, because the first estimate was 83 % of the measured time.
+    assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 480.0, 2, 400.0) == ""
     # Not printed, because little time remains.
     assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 1, 8.0, 2, 1.0) == ""
     # Not printed, because no repetitions remain.
