@@ -156,6 +156,8 @@ def complete_result(
         announce_blocks = (
             print_finished if not is_measured else print_remark if seconds > MIN_ANNOUNCED_TIME else announce
         )
+        if announce_blocks is print_remark and part is None:
+            announce_blocks = partial(_announce_pair_and_cutoff_study, stored_result, print_remark)
         stored_result = complete_blocks(
             stored_result,
             part=part,
@@ -196,6 +198,17 @@ def _import_result_packages() -> None:
     import_dataset_packages()
     import scipy.fft
     import scipy.special  # noqa: F401
+
+
+def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
+    """Print the line about the positions of a pair, and the time of the cutoff study that follows the result."""
+    print_remark(task)
+    with contextlib.suppress(ValueError):  # a scan file is missing
+        cutoff_study = find_cutoff_study(stored_result.study, stored_result.path)
+        if cutoff_study is not None and cutoff_study.open() is None:
+            study = cutoff_study.study
+            seconds = study.ensemble.repetitions * estimate_member_time(study)
+            _print_time_if_long(print_remark, "cutoff study after the result", seconds)
 
 
 def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: float) -> None:

@@ -145,6 +145,15 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
     monkeypatch.setattr(pipeline, "MIN_ANNOUNCED_TIME", 0.0)
     long_output = check_stiction(*command, "-o", "long", **options).stderr
     assert all(task in long_output for task in tasks)
+    for side in ("upper", "lower"):  # the smallest maps for which the pair has a cutoff study
+        (scans_directory / f"{side}.csv").unlink()
+        write_surface(create_scan(side, points=64), scans_directory / f"{side}.csv")
+    command += ["--mechanics", "half-space", "--cutoff", "none"]
+    half_space_output = check_stiction(*command, "-o", "half-space", **options).stderr
+    lines = [line for line in half_space_output.splitlines() if " of one core" in line]
+    assert [line.partition("stiction: ")[2].partition(": about ")[0] for line in lines] == [
+        "computing 2 positions", "cutoff study after the result", "cutoff study", "onset of sliding",
+    ]  # fmt: skip
 
 
 def test_table_command_replaces_a_table_written_meanwhile_by_an_equal_command(tmp_path, monkeypatch):
