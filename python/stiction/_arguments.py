@@ -110,17 +110,17 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
     The load must be above 0 or, if `or_zero` is True, at least 0.
     """
     reject_decimal_commas(name, value)
-    kinds = ("force", "pressure")
+    load_kinds = ("force", "pressure")
     if isinstance(value, str) and value.strip() == "0":  # zero needs no unit
         load, kind = parse_quantity(name, 0.0, "force"), "force"
     elif not isinstance(value, str):
         load, kind = parse_quantity(name, value, "force"), "force"
     else:
         unit = value.strip().lstrip("+-0123456789._eE ")
-        kind = next((kind for kind in kinds if unit in unit_names(kind)), "")
+        kind = next((kind for kind in load_kinds if unit in unit_names(kind)), "")
         if not kind:
             allowed = "; ".join(
-                ", ".join(unit_name for unit_name in unit_names(kind) if unit_name.isascii()) for kind in kinds
+                ", ".join(unit_name for unit_name in unit_names(kind) if unit_name.isascii()) for kind in load_kinds
             )
             raise ArgumentError(
                 f'{{{name}}} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa" ({allowed}), '

@@ -42,8 +42,8 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
     # Test the sum first, which is faster than testing each element: if the sum is finite, all elements are finite.
     with np.errstate(over="ignore", invalid="ignore"):
-        total = array.sum()
-    if not np.isfinite(total) and (is_nonfinite := ~np.isfinite(array)).any():
+        array_sum = array.sum()
+    if not np.isfinite(array_sum) and (is_nonfinite := ~np.isfinite(array)).any():
         first_index = tuple(int(i) for i in np.argwhere(is_nonfinite)[0])
         location = f"{name}{list(first_index)}" if first_index else name
         count_text = f"{np.count_nonzero(is_nonfinite)} of {is_nonfinite.size}"

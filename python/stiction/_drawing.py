@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_NANOMETRE_RANGE = 0.5  # height range (µm) below which heights are drawn in nm
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # height range (µm) below which heights are drawn in nm
 _MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of a scale bar, as a fraction of the map's width
 PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
@@ -23,7 +23,7 @@ MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
     """Convert heights (µm) that span less than 0.5 µm to nm, and return the heights with their unit."""
-    return (heights * 1000, "nm") if np.ptp(heights) < _MAX_NANOMETRE_RANGE else (heights, "µm")
+    return (heights * 1000, "nm") if np.ptp(heights) < _MAX_HEIGHT_RANGE_IN_NANOMETRES else (heights, "µm")
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
@@ -88,11 +88,11 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
     power_of_ten = 10.0 ** math.floor(math.log10(max_length))
     length = max(factor * power_of_ten for factor in (1, 2, 5) if factor * power_of_ten <= max_length)
     x, y = right - 0.05 * (right - left) - length, bottom + 0.05 * (top - bottom)
-    halo = [withStroke(linewidth=2.5, foreground="black")]
-    ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=halo, solid_capstyle="butt")
+    white_outline = [withStroke(linewidth=2.5, foreground="black")]
+    ax.plot([x, x + length], [y, y], color="white", linewidth=1.5, path_effects=white_outline, solid_capstyle="butt")
     unit_length, unit = (1000.0, "mm") if length >= 1000 else (1.0, "µm") if length >= 1 else (0.001, "nm")
     length_text = f"{length / unit_length:g} {unit}"
-    style |= {"color": "white", "path_effects": halo, "ha": "center", "va": "bottom"}
+    style |= {"color": "white", "path_effects": white_outline, "ha": "center", "va": "bottom"}
     ax.text(x + length / 2, y + 0.015 * (top - bottom), length_text, **style)
 
 

@@ -15,9 +15,9 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 
 # maximum number of significant digits of a printed number, even if its interval is very narrow
 MAX_SIGNIFICANT_DIGITS = 4
-UNBOUNDED_END_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
+INFINITE_LIMIT_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
 # Ratio of upper limit to value above which the limit is printed with one digit.
-MAX_FULL_PRECISION_END_RATIO = 100.0
+MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
 NO_INTERVAL_CODE = -128  # code that is stored as the number of decimals of the upper limit if no interval is printed
 # Code that is stored as the number of decimals of an upper limit printed with one digit and an exponent ("5e+09").
 EXPONENT_CODE = -127
@@ -49,7 +49,7 @@ class Interval(NamedTuple):
 
     def __str__(self) -> str:
         if math.isinf(self.upper):
-            return f"{format_significant(self.lower)} to {UNBOUNDED_END_TEXT}"
+            return f"{format_significant(self.lower)} to {INFINITE_LIMIT_TEXT}"
         larger_end = max(abs(self.lower), abs(self.upper))
         decimals = int(
             _count_interval_decimals(np.asarray(larger_end), np.asarray(self.lower), np.asarray(self.upper), 1)
@@ -167,7 +167,7 @@ class Estimate:
         if upper_decimals == NO_INTERVAL_CODE:
             return value_text
         if math.isinf(self.upper):
-            upper_text = f"{UNBOUNDED_END_TEXT})"
+            upper_text = f"{INFINITE_LIMIT_TEXT})"
         elif upper_decimals == EXPONENT_CODE:
             upper_text = f"{self.upper:.0e}]"
         else:
@@ -202,9 +202,9 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
         Limits of the extended intervals.
     """
     limits = np.array([own, *others], float)
-    extended = limits[0].copy()
-    extended[..., 0], extended[..., 1] = np.fmin.reduce(limits[..., 0]), np.fmax.reduce(limits[..., 1])
-    return np.asarray(np.where(np.isnan(limits[0]).any(axis=-1, keepdims=True), limits[0], extended))
+    extended_limits = limits[0].copy()
+    extended_limits[..., 0], extended_limits[..., 1] = np.fmin.reduce(limits[..., 0]), np.fmax.reduce(limits[..., 1])
+    return np.asarray(np.where(np.isnan(limits[0]).any(axis=-1, keepdims=True), limits[0], extended_limits))
 
 
 def count_estimate_decimals(
@@ -221,7 +221,7 @@ def count_estimate_decimals(
         decimals = _count_interval_decimals(value, lower, np.where(np.isinf(upper), 2 * value - lower, upper), digits)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         are_ends_equal = np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
-        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_END_RATIO * np.abs(value)) & (value != 0)
+        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_LIMIT_RATIO * np.abs(value)) & (value != 0)
     has_exponent = is_huge & ~((upper >= MIN_WITHOUT_EXPONENT) & (upper < MAX_WITHOUT_EXPONENT))
     upper_decimals = np.where(is_huge, _count_significant_decimals(upper, 1), decimals)
     value_decimals = -_find_decimal_exponents(value) + 1 if digits == 1 else _count_significant_decimals(value, 3)

@@ -71,7 +71,7 @@ _PERCENT_FORMATS = (
     NumberFormat(0.0, 0.01, "less than 0.001 %", 2),
 )
 
-MIN_ROUNDED_TO_ONE = 0.9995
+MIN_NUMBER_ROUNDED_TO_ONE = 0.9995
 """Smallest number that three digits round to 1, so that 0.99996 mN is printed as 1 mN."""
 
 
@@ -124,7 +124,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
     """Return the first item whose lower limit is at most |value|, or at most 1 if the value is 0 or NaN."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
-    return next(item for item in items if size >= MIN_ROUNDED_TO_ONE * item[0])
+    return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 
 
 def format_time(seconds: float) -> str:

@@ -26,8 +26,8 @@ def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
     """
     result = str(text)
     if len(result) > max_length:
-        half = (max_length - 3) // 2
-        result = f"{result[:half]}...{result[-half:]}"
+        half_length = (max_length - 3) // 2
+        result = f"{result[:half_length]}...{result[-half_length:]}"
     if result.isprintable():
         return result
     return "".join(

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
-TEST_FILE_NAME = "shear.nc"
+SHEAR_TEST_FILE_NAME = "shear.nc"
 
 
 def shear_test(
@@ -206,7 +206,7 @@ def shear_test(
     contact = MeasuredPair(
         validate_option_values({"upper": upper, "lower": lower, "load": load, **given_options}), reads_scans=False
     )
-    box, registration = _build_box(
+    box, registration = _build_shear_box(
         upper, lower, contact, load=load, direction=direction, normal_stiffness=normal_stiffness, boundary=boundary,
         tilt=tilt, level=level, register=register, tolerance=tolerance,
     )  # fmt: skip
@@ -214,17 +214,17 @@ def shear_test(
     check_bool("replace", replace)
     offsets = box.choose_offsets(length, validate_whole_number("steps", steps, minimum=1))
     attributes = {} if registration is None else _describe_registration(registration)
-    setup = _build_setup(box, contact, offsets, strips)
+    setup = _build_shear_test_setup(box, contact, offsets, strips)
     if directory is None:
-        return _compute(setup, SolutionRecord(), progress).assign_attrs(attributes)
+        return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
     _create_directory(test_directory)
     record = stored_record(test_directory, 0, steps_key)
-    test = _compute(setup, record, progress).assign_attrs(attributes, key=key)
-    export(test, test_directory / TEST_FILE_NAME, replace=True)
+    test = _compute_shear_tests(setup, record, progress).assign_attrs(attributes, key=key)
+    export(test, test_directory / SHEAR_TEST_FILE_NAME, replace=True)
     remove_stored_steps(test_directory, key=steps_key)
     return test
 
@@ -254,7 +254,9 @@ class _ShearTestSetup:
     strips: list[ShearBox]
 
 
-def _build_setup(box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any) -> _ShearTestSetup:
+def _build_shear_test_setup(
+    box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any
+) -> _ShearTestSetup:
     inputs, strength = contact.half_space_inputs, contact.given_interface
     samples = draw_shear_samples(inputs, strength, len(offsets))
     strip_boxes = _cut_strips(box, offsets, strips)
@@ -287,21 +289,21 @@ def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[
     return boxes
 
 
-def _compute(
+def _compute_shear_tests(
     setup: _ShearTestSetup, record: SolutionRecord, progress: Callable[[int, int], object] | None
 ) -> xr.Dataset:
     box, offsets, inputs = setup.box, setup.offsets, setup.inputs
-    boxes = [box, *(variation.apply(box) for variation in setup.variations), *setup.strips]
+    boxes = [box, *(variation.apply_to(box) for variation in setup.variations), *setup.strips]
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
         """Solve one of the shear tests, and report the progress of all shear tests together."""
 
-        def show(done: int, _: int) -> None:
+        def show_total_progress(done: int, _: int) -> None:
             if progress is not None:
                 progress(index * num_steps + done, len(boxes) * num_steps)
 
-        rows = boxes[index].solve(offsets, record, show)
+        rows = boxes[index].solve(offsets, record, show_total_progress)
         return rows, boxes[index].to_dataset(offsets, rows)
 
     rows, test = solve(0)
@@ -358,18 +360,20 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
         for face in (box.upper, box.lower)
     ]
-    numbers = {field.name: getattr(box, field.name) for field in fields(box) if field.name not in ("upper", "lower")}
-    texts = sorted((name, entry.text) for name, entry in setup.inputs.entries.items())
+    box_settings = {
+        field.name: getattr(box, field.name) for field in fields(box) if field.name not in ("upper", "lower")
+    }
+    input_texts = sorted((name, entry.text) for name, entry in setup.inputs.entries.items())
     joint_samples = () if setup.strength is None else (setup.strength.fits[0].mu0, setup.strength.fits[0].tau0)
-    checksums += [hashlib.sha256(each.tobytes()).hexdigest() for each in joint_samples]
-    return repr((checksums, sorted(numbers.items()), texts, setup.offsets.tolist(), len(setup.strips)))
+    checksums += [hashlib.sha256(array.tobytes()).hexdigest() for array in joint_samples]
+    return repr((checksums, sorted(box_settings.items()), input_texts, setup.offsets.tolist(), len(setup.strips)))
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
     """Return the finished shear test in a directory, or None if there is no test that can be reused."""
     import xarray as xr
 
-    path = directory / TEST_FILE_NAME
+    path = directory / SHEAR_TEST_FILE_NAME
     if not path.exists():
         return None
     check_replaceable(path, CHECKSUM_PREFIX, ValueError)
@@ -384,7 +388,7 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
     )
 
 
-def _build_box(
+def _build_shear_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip

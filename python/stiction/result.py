@@ -139,7 +139,7 @@ class Result(Evaluation):
     def _repr_html_(self) -> str:
         """Return a figure and the text of the result as HTML."""
         figure_names = self.figures()
-        figure_name = next((each for each in ("contacts", "friction", *figure_names) if each in figure_names), None)
+        figure_name = next((name for name in ("contacts", "friction", *figure_names) if name in figure_names), None)
         return (
             f"<div>{preformatted_html(repr(self))}{figure_html(self.figure(figure_name)) if figure_name else ''}</div>"
         )

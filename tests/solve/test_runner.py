@@ -133,7 +133,7 @@ def test_block_size_limits_the_time_and_memory_of_a_block(name):
         assert size == 1 or size * compute_bytes_per_member(study) <= runner.MAX_BLOCK_BYTES
         assert math.ceil(total / size) >= min(total, 4)
         is_worth_its_file = (size - 1) * estimate_member_time(study) < runner.MIN_BLOCK_TIME
-        assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS)
+        assert is_worth_its_file or math.ceil(total / size) >= min(total, runner.MIN_BLOCKS_PER_RUN)
 
 
 def test_pairs_that_are_solved_quickly_are_stored_in_four_blocks_of_equal_size(monkeypatch):

@@ -8,9 +8,9 @@ from stiction import Result, Study, pair, run, self_affine_surface
 from stiction.evaluate.combined_intervals import CombinedIntervals
 from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.study import parse_study
-from stiction.summary.assessment import CAUTION_LOAD_FRACTION_AT_EDGE
+from stiction.summary.assessment import MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT
 from stiction.summary.report_grid import MAX_TAU0_OVER_MODULUS, ReportGrid, build_parameter_axes
-from stiction.summary.report_values import ORDERED_STATUSES, evaluate_generated_report, evaluate_measured_report
+from stiction.summary.report_values import STATUSES_BY_CODE, evaluate_generated_report, evaluate_measured_report
 from support.generated_studies import SMALL_STUDY
 from support.studies_of_files import create_study_from_files, write_maps
 from support.synthetic_results import measured_study
@@ -76,7 +76,7 @@ def test_report_values_of_measured_surfaces_equal_the_summary_at_the_inputs_of_t
     assert grid.num_coefficients == values.friction[..., 0].size
     assert values.has_combined.tolist() == [[True, False, False]]
     assert np.isnan(values.friction[:, :, :, 1:, ..., 1:]).all()
-    assert values.check_limits["share_at_edge"] == CAUTION_LOAD_FRACTION_AT_EDGE
+    assert values.check_limits["share_at_edge"] == MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT
     assert values.check_limits["contact_area"] is None
     mu0_index, tau0_index = (axis.find_index(value) for axis, value in zip(grid.axes, (0.2, 0.03), strict=True))
     for point in result.summary().points:
@@ -87,7 +87,7 @@ def test_report_values_of_measured_surfaces_equal_the_summary_at_the_inputs_of_t
             assert values.friction[index].tolist() == pytest.approx([rule.value, rule.lower, rule.upper], rel=1e-9)
             assert values.sampling[index].tolist() == pytest.approx([rule.value, *rule.interval_of_mean], rel=1e-9)
             assert values.slopes[(*index[:4], mu0_index, tau0_index)] == pytest.approx(rule.slopes, rel=1e-9)
-            assert ORDERED_STATUSES[values.status_codes[index]] == point.status
+            assert STATUSES_BY_CODE[values.status_codes[index]] == point.status
             assert values.num_solved[index] == point.members
 
 

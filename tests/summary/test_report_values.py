@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray
-from stiction.summary.report_values import ORDERED_STATUSES, evaluate_measured_report
+from stiction.summary.report_values import STATUSES_BY_CODE, evaluate_measured_report
 from support.synthetic_results import measured_result, measured_study
 
 DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
@@ -40,7 +40,7 @@ def test_number_of_pairs_in_a_mean_over_directions_is_the_smallest_number_in_any
 def test_mean_coefficient_is_a_lower_limit_if_the_softer_body_shears_in_one_direction(table):
     table["status"].loc[{"direction": 90.0}] = "bulk-shear"
     codes = evaluate_report(table).status_codes[0, 0, 0, :, 0, 0, 0]
-    assert [ORDERED_STATUSES[code] for code in codes] == ["bulk-shear", "ok", "bulk-shear", "ok", "ok"]
+    assert [STATUSES_BY_CODE[code] for code in codes] == ["bulk-shear", "ok", "bulk-shear", "ok", "ok"]
 
 
 def test_report_has_combined_intervals_only_for_quoted_means_over_directions(table):

@@ -35,9 +35,9 @@ from stiction.views.figures import draw_figures
 from stiction.views.figures.budget import uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure, contacts_and_pressure_figure
 from stiction.views.figures.ensemble import (
-    FULLY_FADED_WIDTH,
+    FULLY_FADED_INTERVAL_WIDTH,
     MAX_FADING,
-    MIN_FADED_WIDTH,
+    MIN_FADED_INTERVAL_WIDTH,
     _compute_fading,
     _fade_colours,
     area_figure,
@@ -269,7 +269,9 @@ def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
     assert (certain_colour, without_value) == (0, 0)
     assert fully_faded == without_interval == MAX_FADING
-    assert partly_faded == pytest.approx(MAX_FADING * (1.0 - MIN_FADED_WIDTH) / (FULLY_FADED_WIDTH - MIN_FADED_WIDTH))
+    assert partly_faded == pytest.approx(
+        MAX_FADING * (1.0 - MIN_FADED_INTERVAL_WIDTH) / (FULLY_FADED_INTERVAL_WIDTH - MIN_FADED_INTERVAL_WIDTH)
+    )
     purple, luminance = np.array([0.5, 0.1, 0.6]), np.array([0.2126, 0.7152, 0.0722])
     grey = _fade_colours(purple, np.array(1.0))
     assert grey == pytest.approx([purple @ luminance] * 3)

@@ -18,21 +18,21 @@ from stiction.study.pair_options import (
 )
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 
-_NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
+_OPTION_NAMES_BY_FLAG = {format_command_line_name(name).removeprefix("--"): name for name in PAIR_OPTIONS}
 """Python name of each option, keyed by the command-line name without dashes."""
 
 FORM_FIELDS_BY_FLAG: dict[str, FormField] = {
-    flag: field for flag, name in _NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
+    flag: field for flag, name in _OPTION_NAMES_BY_FLAG.items() if (field := PAIR_OPTIONS[name].field) is not None
 }
 """Form field of each option, keyed by the option name without dashes."""
 
-FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
+FILE_READING_FLAGS = tuple(flag for flag in FORM_FIELDS_BY_FLAG if _OPTION_NAMES_BY_FLAG[flag] in READING_OPTION_NAMES)
 """Names of the reading options that have a form field for each scan."""
 
 FLAGS_SHARED_BY_SCANS = tuple(
     flag
     for flag, field in FORM_FIELDS_BY_FLAG.items()
-    if field.place == "scan" and not PAIR_OPTIONS[_NAMES_BY_FLAG[flag]].is_repeatable
+    if field.place == "scan" and not PAIR_OPTIONS[_OPTION_NAMES_BY_FLAG[flag]].is_repeatable
 )
 """Names of the options that have a form field for each scan, although a single setting applies to both scans."""
 
@@ -82,7 +82,7 @@ def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
     """Convert pairs of option name and text to keyword arguments of `MeasuredPair.from_values`."""
     texts_by_name: dict[str, list[str]] = {}
     for flag, text in options:
-        texts_by_name.setdefault(_NAMES_BY_FLAG[flag], []).append(text)
+        texts_by_name.setdefault(_OPTION_NAMES_BY_FLAG[flag], []).append(text)
     return {name: texts if PAIR_OPTIONS[name].is_repeatable else texts[0] for name, texts in texts_by_name.items()}
 
 
@@ -93,8 +93,8 @@ def format_error(error: Exception) -> str:
 
 def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
     """Convert the texts of form fields that are not empty to keyword arguments of `read_measurement`."""
-    texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
-    return {name: split_option_text(name, text) for name, text in texts.items() if text}
+    option_texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
+    return {name: split_option_text(name, text) for name, text in option_texts.items() if text}
 
 
 _OPTION_PATTERN = re.compile(r"--([a-z0-9-]+)(?: ([\w,-]+))?")
@@ -118,8 +118,8 @@ def replace_option_names(message: str) -> str:
         if field is None:
             return match[0]
         label, value = f'"{field.label.partition(",")[0]}"', match[2]
-        choice = dict(field.choices).get(value)
-        return f"{label}: {choice}" if choice else label if value is None else f"{label} {value}"
+        choice_text = dict(field.choices).get(value)
+        return f"{label}: {choice_text}" if choice_text else label if value is None else f"{label} {value}"
 
     return _OPTION_PATTERN.sub(field_label, _PYTHON_ARGUMENT_PATTERN.sub(r"\1", message))
 

@@ -256,9 +256,9 @@ class JobQueue:
         Returns the numbers of finished members and of all members for the command `pair`, and None for other commands.
         """
         sources = FILES_BY_COMMAND[job.arguments[0]]
-        texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
+        file_texts = {name: (job.directory / source).read_text("utf-8") for name, source in sources.items()}
         files.mkdir(parents=True)
-        for name, text in (texts | {"result.json": record}).items():
+        for name, text in (file_texts | {"result.json": record}).items():
             (files / name).write_text(hide_private_paths(text, self.root), "utf-8", "replace")
         if job.arguments[0] != "pair":
             return None
@@ -332,12 +332,12 @@ def _read_shown_values(job: Job, record: str) -> dict[str, Any]:
 
 def _read_shear_test(record: str) -> dict[str, Any]:
     """Return peak and final coefficient of a shear test as texts, with the caveats, from its JSON record."""
-    values, lines = json.loads(record), []
-    for name, place in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
-        entry = next(each for each in values["values"] if each["name"] == name)
+    shear_record, lines = json.loads(record), []
+    for name, place_text in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
+        entry = next(quantity for quantity in shear_record["values"] if quantity["name"] == name)
         if entry["value"] is not None:
-            lines.append({"place": place, "text": Estimate.from_record(entry).text(), "value": entry["value"]})
-    return {"at": {}, "lines": lines, "caveats": [replace_option_names(caveat) for caveat in values["caveats"]]}
+            lines.append({"place": place_text, "text": Estimate.from_record(entry).text(), "value": entry["value"]})
+    return {"at": {}, "lines": lines, "caveats": [replace_option_names(caveat) for caveat in shear_record["caveats"]]}
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
@@ -345,10 +345,10 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
     If the record has no result points, its remark is raised as an error.
     """
-    values = json.loads(record)
-    if "points" not in values:
-        raise RejectedRequestError(values["remark"])
-    return replace_option_names_in_caveats(next(point for point in values["points"] if point["reported"]))
+    pair_record = json.loads(record)
+    if "points" not in pair_record:
+        raise RejectedRequestError(pair_record["remark"])
+    return replace_option_names_in_caveats(next(point for point in pair_record["points"] if point["reported"]))
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:

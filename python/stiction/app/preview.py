@@ -30,7 +30,7 @@ from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradie
 # points.
 MAX_PREVIEW_SIDE_POINTS = 160
 # Colours of the lower and the upper profile, which are visible both on light and on dark backgrounds.
-LINE_COLOURS = ("#7a8490", "#8a63c7")
+PROFILE_COLOURS = ("#7a8490", "#8a63c7")
 
 
 def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -83,20 +83,24 @@ def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> di
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             upper, lower = (
-                read_with_interpretation(file, **each).body for file, each in zip(files, options, strict=True)
+                read_with_interpretation(file, **file_options).body
+                for file, file_options in zip(files, options, strict=True)
             )
-            fits = type(upper) is type(lower) and do_faces_fit(flipped(upper), lower)
+            do_fit = type(upper) is type(lower) and do_faces_fit(flipped(upper), lower)
     except (ValueError, ImportError, MemoryError):
         return {"fits": False}
-    return {"fits": fits, "path": format_with_unit(float(np.min(np.atleast_1d(lower.extent))) / 10, "um")}
+    return {"fits": do_fit, "path": format_with_unit(float(np.min(np.atleast_1d(lower.extent))) / 10, "um")}
 
 
 def draw_lines_svg(*lines: Floats) -> str:
     """Draw profiles as an SVG image, all with the same vertical scale."""
-    low, high = min(map(np.min, lines)), max(map(np.max, lines))
+    lowest_height, highest_height = min(map(np.min, lines)), max(map(np.max, lines))
     elements = ""
-    for line, colour in zip(lines, LINE_COLOURS, strict=False):
-        x, y = np.linspace(0, 300, len(line)), 95 - 90 * (line - low) / ((high - low) or 1.0)
+    for line, colour in zip(lines, PROFILE_COLOURS, strict=False):
+        x, y = (
+            np.linspace(0, 300, len(line)),
+            95 - 90 * (line - lowest_height) / ((highest_height - lowest_height) or 1.0),
+        )
         points = " ".join(f"{px:.1f},{py:.1f}" for px, py in zip(x, y, strict=True))
         elements += f'<polyline fill="none" stroke="{colour}" points="{points}"/>'
     return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 300 100">{elements}</svg>'

@@ -191,8 +191,8 @@ class Server:
                 return response
         elif headers.get("sec-fetch-site", "none") not in ("same-origin", "none"):
             return CROSS_ORIGIN_RESPONSE
-        key = headers.get(ACCESS_KEY_HEADER) or request.query_params.get("key", "")
-        has_access = request.url.path in PUBLIC_PATHS or _are_secrets_equal(key, self._access_key)
+        access_key = headers.get(ACCESS_KEY_HEADER) or request.query_params.get("key", "")
+        has_access = request.url.path in PUBLIC_PATHS or _are_secrets_equal(access_key, self._access_key)
         if not (_are_secrets_equal(request.cookies.get(self._cookie_name, ""), self._cookie_secret) and has_access):
             return PlainTextResponse(
                 "Open the address that `stiction app` has printed. It works in one browser.\n", 403
@@ -318,9 +318,9 @@ class Server:
         """
         query, arguments = request.query_params, []
         for side in SIDES:
-            texts = {flag: query.get(f"{side}.{flag}", "")[:80] for flag in FILE_READING_FLAGS}
+            option_texts = {flag: query.get(f"{side}.{flag}", "")[:80] for flag in FILE_READING_FLAGS}
             path = self._find_scan_path(query.get(side))
-            arguments += [str(path), json.dumps(parse_reading_options(texts))]
+            arguments += [str(path), json.dumps(parse_reading_options(option_texts))]
         output = await self.jobs.run_short_module(["stiction.app.preview", *arguments])
         return Response(output, media_type="application/json")
 
@@ -435,7 +435,7 @@ class Server:
     async def draw_profiles(self, request: Request) -> Response:
         """Return an image of two generated profiles near first contact."""
         changes = dict(json.loads(request.query_params.get("set", "")))
-        if not all(ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(f"{key}=") for key in changes):
+        if not all(ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(f"{study_key}=") for study_key in changes):
             raise HTTPException(400)
         return Response(await asyncio.to_thread(sample_surfaces.draw_profiles, changes), media_type="image/svg+xml")
 

@@ -160,10 +160,10 @@ class _CommandWithHelpPanels(TyperCommand):
     common: Collection[str] = ()  # options in the short help of a command that has many options
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
+        argument_values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
         # Reject an empty path, because Path("") is the current directory.
-        if "" in values and "." not in values:
+        if "" in argument_values and "." not in argument_values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
                 if Path() in (value if isinstance(value, (list, tuple)) else [value]):
@@ -349,11 +349,11 @@ def _reraise_hidden_interrupts() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        cause: BaseException | None = error
-        while cause is not None:
-            if isinstance(cause, KeyboardInterrupt):
+        causing_error: BaseException | None = error
+        while causing_error is not None:
+            if isinstance(causing_error, KeyboardInterrupt):
                 raise KeyboardInterrupt from None
-            cause = cause.__cause__ or cause.__context__
+            causing_error = causing_error.__cause__ or causing_error.__context__
         raise
 
 

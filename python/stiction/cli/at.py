@@ -132,7 +132,7 @@ def at(
         )  # fmt: skip
         return
     amplitude_length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
-    values = result.at(_parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
+    points = result.at(_parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
@@ -142,22 +142,24 @@ def at(
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
     amplitudes = None if amplitude_length is None else [amplitude_length]
-    values = _select_nearest_parameters(values, dimensions, amplitudes)
+    points = _select_nearest_parameters(points, dimensions, amplitudes)
     if direction is not None:
-        values = _select_direction(values, direction)
-    missing_loads = find_loads_without_values(result, values)
-    _report_missing_loads(result, values, missing_loads)
-    neighbours = find_neighbouring_loads(result.study, values["load"].values)
+        points = _select_direction(points, direction)
+    missing_loads = find_loads_without_values(result, points)
+    _report_missing_loads(result, points, missing_loads)
+    neighbours = find_neighbouring_loads(result.study, points["load"].values)
     node_points: Sequence[PointSummary] = ()
     if neighbours:
         node_loads = sorted({load for loads in neighbours.values() for load in loads})
-        nodes = result.at(node_loads, mu0=mu0_values, tau0=tau0_values, load_definition="elastic")
-        node_points = result.summarize_dataset(_select_nearest_parameters(nodes, dimensions, amplitudes)).points
+        points_at_nodes = result.at(node_loads, mu0=mu0_values, tau0=tau0_values, load_definition="elastic")
+        node_points = result.summarize_dataset(
+            _select_nearest_parameters(points_at_nodes, dimensions, amplitudes)
+        ).points
     if as_json:
         fields = {"interpolated": interpolation_records(neighbours, node_points)} if neighbours else {}
-        print_output(rows.summary_json("at", result.summarize_dataset(values), **fields))
+        print_output(rows.summary_json("at", result.summarize_dataset(points), **fields))
     else:
-        summary = result.summarize_dataset(values.drop_sel(load=missing_loads))
+        summary = result.summarize_dataset(points.drop_sel(load=missing_loads))
         if default_text := default_friction_parameters_text(result.study, mu0=mu0 is None, tau0=tau0 is None):
             print_output(default_text)
         print_output(result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
@@ -204,14 +206,14 @@ def _print_height_factor_results(
             raise report_interruption(
                 "; results for the height factors computed so far are stored; run the same command again to resume"
             ) from None
-    values = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
+    points = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     result = Result(stored_result)
-    missing_loads = find_loads_outside_range(result, values)
-    _report_missing_loads(result, values, missing_loads)
+    missing_loads = find_loads_outside_range(result, points)
+    _report_missing_loads(result, points, missing_loads)
     if as_json:
-        print_output(height_scale_json(values, stored_result.study))
+        print_output(height_scale_json(points, stored_result.study))
     else:
-        print_output(height_scale_text(values.drop_sel(load=missing_loads), stored_result.study))
+        print_output(height_scale_text(points.drop_sel(load=missing_loads), stored_result.study))
 
 
 def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
@@ -255,8 +257,8 @@ def _select_nearest_parameters(
 
     By default, all dimensions and the first amplitude are selected.
     """
-    selections = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
-    for flag, (name, values) in selections.items():
+    selected_values = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
+    for flag, (name, values) in selected_values.items():
         if values is not None:
             if name not in dataset.dims:
                 raise ValueError(

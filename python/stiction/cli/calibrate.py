@@ -119,8 +119,8 @@ def calibrate(
         raise ValueError("--measured is for a single test, so it requires exactly one --pair or --ball")
     else:
         value = parse_uncertain_input("--measured", measured)
-        error = (value.high - value.low) / (2 * Z_95) or None
-        tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=error),)
+        standard_error = (value.high - value.low) / (2 * Z_95) or None
+        tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=standard_error),)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
     pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)

@@ -61,7 +61,7 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable:
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
     loading_steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
-    only_loads = all(key == "contact.load" for key, *_ in error.differences)
+    only_loads = all(study_key == "contact.load" for study_key, *_ in error.differences)
     if only_loads and loads and loading_steps[0] <= min(loads) and max(loads) <= loading_steps[-1]:
         options = " ".join(f"--load '{load.text}'" for load in study.friction.load)
         remedies.append(

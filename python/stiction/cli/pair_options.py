@@ -31,11 +31,11 @@ def format_option_help(name: str) -> str:
 
 def pair_option(name: str, *, repeatable: bool = True) -> Any:
     """Declare a `pair` option for the command line, in the help panel of the option's group."""
-    declared = PAIR_OPTIONS[name]
+    declaration = PAIR_OPTIONS[name]
     panel = next(group.title for group in OPTION_GROUPS if name in group.model_fields)
-    suffix = " Repeatable." if declared.is_repeatable and repeatable else ""
-    flags = f"{format_command_line_name(name)} {declared.value}".strip()
-    return option(flags, format_option_help(name) + suffix, declared.default_text or False, panel=panel)
+    suffix = " Repeatable." if declaration.is_repeatable and repeatable else ""
+    flags = f"{format_command_line_name(name)} {declaration.value}".strip()
+    return option(flags, format_option_help(name) + suffix, declaration.default_text or False, panel=panel)
 
 
 def pair_argument(name: str) -> Any:

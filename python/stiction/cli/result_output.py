@@ -122,7 +122,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
 
     report_path = directory / "report.html"
     with contextlib.suppress(ValueError):  # the same error is raised again when the report is computed
-        # Evaluate these points before two processes draw the report and the figure, because both require the points.
+        # Evaluate the quantities at all loads before two processes draw report and figure, because both need them.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
         # Imported here, because the import of Matplotlib would delay the evaluation.

@@ -99,7 +99,7 @@ def shear(
     """
     from stiction.cli.execution import check_output_directory
     from stiction.cli.result_output import choose_message_printer
-    from stiction.direct_shear import TEST_FILE_NAME, shear_test
+    from stiction.direct_shear import SHEAR_TEST_FILE_NAME, shear_test
     from stiction.study.pair_options import READING_OPTION_NAMES
     from stiction.views.figures.shear import shear_figure
     from stiction.views.files import REPORT_FILE_SIGNATURE, check_all_replaceable, replace_text_file
@@ -143,7 +143,7 @@ def shear(
     name = f"{printable_text(Path(upper).name)} on {printable_text(Path(lower).name)}"
     shear_page(test, name=name).save(output / REPORT_FILE_NAME)
     names = ", ".join((REPORT_FILE_NAME, CSV_FILE_NAME, FIGURE_FILE_NAME))
-    choose_message_printer(as_json)(f"wrote {printable_path(output)}/: {names} and {TEST_FILE_NAME}")
+    choose_message_printer(as_json)(f"wrote {printable_path(output)}/: {names} and {SHEAR_TEST_FILE_NAME}")
 
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
@@ -153,5 +153,5 @@ def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Sur
     """
     from stiction.study.pair_options import select_body_value
 
-    texts = {name: str(select_body_value(name, values, index)) for name, values in options.items()}
-    return load_measurement(file, texts).body
+    option_texts = {name: str(select_body_value(name, values, index)) for name, values in options.items()}
+    return load_measurement(file, option_texts).body

@@ -116,10 +116,10 @@ def parse_overrides(assignments: list[str]) -> dict[str, Any]:
 
     overrides = {}
     for assignment in assignments:
-        key, equals, value = assignment.partition("=")
-        if not equals or not key.strip():
+        study_key, equals_sign, value = assignment.partition("=")
+        if not equals_sign or not study_key.strip():
             raise StudyError(f"--set must be KEY=VALUE, such as ensemble.repetitions=10, got {short_repr(assignment)}")
-        overrides[key.strip()] = _parse_toml_value(value.strip())
+        overrides[study_key.strip()] = _parse_toml_value(value.strip())
     return overrides
 
 

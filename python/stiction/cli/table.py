@@ -14,7 +14,7 @@ from stiction.cli.pair_options import pair_argument, pair_option
 if TYPE_CHECKING:
     from stiction.study.elasticity import PairElasticity
 
-NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
+NETCDF_FILE_NAME, CSV_FILE_NAME, FITTED_LAWS_FILE_NAME = "table.nc", "table.csv", "laws.csv"
 
 
 @command(
@@ -66,10 +66,10 @@ def table_command(
     """
     if upper is not None:
         options = {
-            "upper": upper, "lower": lower, "load": _split(load), "mu0": mu0, "tau0": tau0, "interface": interface,
-            "upper_material": upper_material, "lower_material": lower_material, "hardness": hardness,
-            "effective_modulus": effective_modulus, "young": young, "poisson": poisson, "unit": unit,
-            "spacing": spacing,
+            "upper": upper, "lower": lower, "load": _split_at_commas(load), "mu0": mu0, "tau0": tau0,
+            "interface": interface, "upper_material": upper_material, "lower_material": lower_material,
+            "hardness": hardness, "effective_modulus": effective_modulus, "young": young, "poisson": poisson,
+            "unit": unit, "spacing": spacing,
         }  # fmt: skip
         for name, value in (("hurst", hurst), ("rms", rms)):
             if value is not None:
@@ -129,7 +129,7 @@ def table_command(
     signatures = {
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
-        LAWS_FILE_NAME: b"b of k/A0 = b p^c",
+        FITTED_LAWS_FILE_NAME: b"b of k/A0 = b p^c",
     }
     check_all_replaceable(output, signatures)
     with open_executor(workers, scheduler) as executor:
@@ -139,13 +139,13 @@ def table_command(
     if assessment_text := table_assessment_text(table, result.summary()):
         print_output(f"{assessment_text}\n")
     export(table, output / NETCDF_FILE_NAME, replace=True)
-    for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (LAWS_FILE_NAME, fitted_laws_csv(table))):
+    for name, text in ((CSV_FILE_NAME, friction_table_csv(table)), (FITTED_LAWS_FILE_NAME, fitted_laws_csv(table))):
         replace_text_file(output / name, text, signatures[name])
-    for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, LAWS_FILE_NAME):
+    for name in (NETCDF_FILE_NAME, CSV_FILE_NAME, FITTED_LAWS_FILE_NAME):
         print_output(f"wrote {printable_path(output / name)}")
 
 
-def _split(text: str) -> list[str]:
+def _split_at_commas(text: str) -> list[str]:
     from stiction._arguments import split_values
 
     return list(split_values(text))
@@ -157,8 +157,8 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
     if hardness is not None or elasticity.materials is None:
         return hardness
-    softer = softer_hardness(*map(material, elasticity.materials))
-    return None if softer is None else float(f"{softer:.6g}")
+    softer_value = softer_hardness(*map(material, elasticity.materials))
+    return None if softer_value is None else float(f"{softer_value:.6g}")
 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:

@@ -130,8 +130,10 @@ def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
     The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.
     """
     study, cells = result.study, result.study.surfaces.cell_coordinates()
-    counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values
-    approaches: Floats = result.head["approach"].values[(counts > 0).any(axis=tuple(range(1, counts.ndim)))]
+    contact_counts = result.means(["contact_count"])["contact_count"].transpose("approach", ...).values
+    approaches: Floats = result.head["approach"].values[
+        (contact_counts > 0).any(axis=tuple(range(1, contact_counts.ndim)))
+    ]
     if not approaches.size:
         return None
     dimensions, amplitude = cells["fractal_dimension"], float(cells["amplitude"][0])

@@ -237,12 +237,12 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
     """Return a map of contact numbers, in which each asperity contact is a disc with the area of the contact."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
-        low, high = (
+        first_indices, last_indices = (
             np.maximum([(y + sign * radius) / dy, (x + sign * radius) / dx], 0).round().astype(int) for sign in (-1, 1)
         )
-        rows, columns = (np.arange(first, last + 1) for first, last in zip(low, high, strict=True))
+        rows, columns = (np.arange(first, last + 1) for first, last in zip(first_indices, last_indices, strict=True))
         is_in_disc = np.hypot(rows[:, np.newaxis] * dy - y, columns * dx - x) <= radius + min(dx, dy) / 2
-        window = contact_numbers[low[0] : high[0] + 1, low[1] : high[1] + 1]
+        window = contact_numbers[first_indices[0] : last_indices[0] + 1, first_indices[1] : last_indices[1] + 1]
         window[is_in_disc[: window.shape[0], : window.shape[1]]] = number
     return contact_numbers
 

@@ -99,14 +99,16 @@ def parse_height_factors(factors: Any) -> Floats:
     ArgumentError
         If a factor is not a number or out of range, or if the limits of a range are not in ascending order.
     """
-    values = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
-    values = np.unique([float(f"{factor:.{NUM_FACTOR_DIGITS}g}") for factor in np.ravel(values).tolist()])
-    if not values.size or not ((values >= MIN_FACTOR) & (values <= MAX_FACTOR)).all():
+    parsed_factors = _parse_factor_text(factors) if isinstance(factors, str) else float_array("height_scale", factors)
+    parsed_factors = np.unique(
+        [float(f"{factor:.{NUM_FACTOR_DIGITS}g}") for factor in np.ravel(parsed_factors).tolist()]
+    )
+    if not parsed_factors.size or not ((parsed_factors >= MIN_FACTOR) & (parsed_factors <= MAX_FACTOR)).all():
         allowed_range = f"from {MIN_FACTOR:g} to {MAX_FACTOR:g}"
         raise ArgumentError(
             "{height_scale} must be {allowed}, got {got}", allowed=allowed_range, got=short_repr(factors)
         )
-    return values
+    return parsed_factors
 
 
 def _parse_factor_text(text: str) -> Floats:
@@ -116,8 +118,8 @@ def _parse_factor_text(text: str) -> Floats:
             if text.count(",") == 1:
                 reject_decimal_commas("height_scale", text)
             return np.array(parse_numbers("height_scale", text, integers=True))
-        low, high = (float(text_part) for text_part in text.split(".."))
-        if not MIN_FACTOR <= low < high <= MAX_FACTOR:
+        smallest_factor, largest_factor = (float(text_part) for text_part in text.split(".."))
+        if not MIN_FACTOR <= smallest_factor < largest_factor <= MAX_FACTOR:
             raise ValueError
     except ArgumentError:
         raise
@@ -127,17 +129,25 @@ def _parse_factor_text(text: str) -> Floats:
             '{most:g}, as in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
-    nodes = _find_enclosing_powers_of_two(low, high)
-    return np.array([low, *nodes[(nodes > low) & (nodes < high)], high])
+    factor_nodes = _find_enclosing_powers_of_two(smallest_factor, largest_factor)
+    return np.array(
+        [
+            smallest_factor,
+            *factor_nodes[(factor_nodes > smallest_factor) & (factor_nodes < largest_factor)],
+            largest_factor,
+        ]
+    )
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
     """Return the powers 2^(n/2), with whole numbers n, that cover an interval of height factors."""
-    first, last = (
+    first_exponent, last_exponent = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
     )
-    powers = np.exp2(HEIGHT_FACTOR_EXPONENT_STEP * np.arange(first, last + 1)).clip(MIN_FACTOR, MAX_FACTOR)
+    powers = np.exp2(HEIGHT_FACTOR_EXPONENT_STEP * np.arange(first_exponent, last_exponent + 1)).clip(
+        MIN_FACTOR, MAX_FACTOR
+    )
     return np.unique([float(f"{power:.{NUM_FACTOR_DIGITS}g}") for power in powers.tolist()])
 
 
@@ -152,8 +162,8 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
     )
     if not missing_factors.size:
         return missing_factors
-    nodes = np.setdiff1d(_find_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved_factors)
-    return nodes if nodes.size < missing_factors.size else missing_factors
+    factor_nodes = np.setdiff1d(_find_enclosing_powers_of_two(missing_factors[0], missing_factors[-1]), solved_factors)
+    return factor_nodes if factor_nodes.size < missing_factors.size else missing_factors
 
 
 def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
@@ -208,11 +218,11 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
     for directory in (result.path / HEIGHT_SCALE_DIRECTORY).glob(f"{scaled}-*"):
         try:
             factor = float(directory.name.removeprefix(f"{scaled}-"))
-            sums = find_factor_study(result.study, result.path, factor, scaled).open()
+            factor_sums = find_factor_study(result.study, result.path, factor, scaled).open()
         except ValueError:  # a subdirectory whose name is not a height factor raises a ValueError
             continue
-        if sums is not None:
-            results[factor] = sums
+        if factor_sums is not None:
+            results[factor] = factor_sums
     return dict(sorted(results.items()))
 
 
@@ -320,8 +330,8 @@ def evaluate_at_height_factors(
     parameters = (unscaled_point["load"].values, unscaled_point["mu0"].values, unscaled_point["tau0"].values)
     used_indices = {index for pair in neighbor_pairs if pair[0] != pair[1] for index in pair}
     members = {
-        index: evaluate_members(each, *parameters).isel(cut_off=0)
-        for index, each in enumerate(results.values())
+        index: evaluate_members(result_at_factor, *parameters).isel(cut_off=0)
+        for index, result_at_factor in enumerate(results.values())
         if index in used_indices
     }
     if members:
@@ -339,7 +349,7 @@ def evaluate_at_height_factors(
         for index, (factor, (lower, upper)) in enumerate(zip(factors.tolist(), neighbor_pairs, strict=True)):
             if lower == upper or "statistic" not in unscaled_point[name].dims:
                 continue
-            below, above = (_get_member_values(members[each], name, dims) for each in (lower, upper))
+            below, above = (_get_member_values(members[member_index], name, dims) for member_index in (lower, upper))
             if below is None or above is None:
                 continue
             position = np.log(factor / solved_factors[lower]) / np.log(solved_factors[upper] / solved_factors[lower])
@@ -373,21 +383,21 @@ def evaluate_at_height_factors(
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
     """Return a quantity of all members as an array with the members on the first axis, followed by `dims`.
 
-    Returns None if members have no values of the quantity.
+    Returns None if the members do not have the quantity.
     """
     import xarray
 
     if name in ("mean_friction", "friction_combined", "friction_prediction"):
-        values = members["friction_coefficient"].mean("direction", skipna=False)
+        quantity = members["friction_coefficient"].mean("direction", skipna=False)
     elif name == "friction_by_axis":
         axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
         pairs = xarray.DataArray(direction_pairs, coords={"axis": axes}, dims=("axis", "direction"))
-        values = members["friction_coefficient"].isel(direction=pairs).mean("direction", skipna=False)
+        quantity = members["friction_coefficient"].isel(direction=pairs).mean("direction", skipna=False)
     elif name in members and set(members[name].dims) == {"repetition", *dims}:
-        values = members[name]
+        quantity = members[name]
     else:
         return None
-    return np.asarray(values.transpose("repetition", *dims).values)
+    return np.asarray(quantity.transpose("repetition", *dims).values)
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:

@@ -46,7 +46,9 @@ NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-NUM_SOLUTIONS_PER_ONSET = 8  # computing time of an onset curve, divided by the computing time of a contact solution
+ONSET_TO_SOLUTION_TIME_RATIO = (
+    8  # computing time of an onset curve, divided by the computing time of a contact solution
+)
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""
@@ -122,7 +124,7 @@ def estimate_onset_time(study: Study, members: int | None = None) -> float:
     """Estimate the time (s) on one core that `compute_onset` takes. The time is 0 in the asperity model."""
     if not study.uses_half_space:
         return 0.0
-    return len(_find_onset_members(study, members)) * NUM_SOLUTIONS_PER_ONSET * estimate_solution_time(study)
+    return len(_find_onset_members(study, members)) * ONSET_TO_SOLUTION_TIME_RATIO * estimate_solution_time(study)
 
 
 def compute_member_onset(
@@ -209,14 +211,14 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     except ValueError:  # a free half-plane has no displacements, so no model can be fitted
         return {}
     chi = round(iwan.chi, 12) + 0.0  # adding 0.0 turns -0 into 0
-    values = {
+    parameters_by_model = {
         "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
     }
     return {
         f"{model}_{name}": value
         for model, names in PRESLIDING_PARAMETERS.items()
-        for name, value in zip(names, values[model], strict=True)
+        for name, value in zip(names, parameters_by_model[model], strict=True)
     }
 
 
@@ -246,7 +248,7 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     factor = coefficient.value * float(onset.attrs["load_mN"]) / float(onset["sliding_load"].sel(statistic="mean"))
     tangential_load = onset["tangential_load"].copy(data=np.outer(onset["fraction"].values, sliding_load.values))
     multiplied = {"displacement": factor, "displacement_at_sliding": factor, "energy_lost": factor**2}
-    variables = {name: onset[name].copy(data=each * onset[name].values) for name, each in multiplied.items()}
+    variables = {name: onset[name].copy(data=factor * onset[name].values) for name, factor in multiplied.items()}
     variables |= {"sliding_load": sliding_load, "tangential_load": tangential_load}
     scaled_onset = onset.assign(variables)
     forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCE_PARAMETERS if name in onset.attrs}
@@ -322,19 +324,22 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_INFINITE_BOUNDS = (-math.inf, math.inf)  # bounds of stored numbers that may be infinite, such as stiffnesses
+_BOUNDS_WITH_INFINITY = (-math.inf, math.inf)  # bounds of stored numbers that may be infinite, such as stiffnesses
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),
     "statistic": VariableSpec(dims=("statistic",), dtype=str),
     **{
         name: VariableSpec(
-            dims=("statistic",), bounds=_INFINITE_BOUNDS, may_be_nan=True, is_required=name != _ONSET_SCALAR_NAMES[-1]
+            dims=("statistic",),
+            bounds=_BOUNDS_WITH_INFINITY,
+            may_be_nan=True,
+            is_required=name != _ONSET_SCALAR_NAMES[-1],
         )
         for name in _ONSET_SCALAR_NAMES
     },
     **{
-        name: VariableSpec(dims=("fraction", "statistic"), bounds=_INFINITE_BOUNDS, may_be_nan=True)
+        name: VariableSpec(dims=("fraction", "statistic"), bounds=_BOUNDS_WITH_INFINITY, may_be_nan=True)
         for name in _CURVE_TITLES
     },
     **{name: VariableSpec(dims=(name,), is_required=False, ascending_dim=name) for name in ("slip_y", "slip_x")},
@@ -453,7 +458,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
     """Return the minimum of each square block of a map, ignoring NaN. The minimum of a block of NaN is NaN."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
-    padded = np.full((rows, columns), np.inf)
-    padded[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
-    minima = padded.reshape(rows // block_size, block_size, columns // block_size, block_size).min(axis=(1, 3))
+    padded_map = np.full((rows, columns), np.inf)
+    padded_map[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)
+    minima = padded_map.reshape(rows // block_size, block_size, columns // block_size, block_size).min(axis=(1, 3))
     return np.where(np.isinf(minima), np.nan, minima)

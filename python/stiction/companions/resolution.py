@@ -47,7 +47,7 @@ NUM_AREAL_MEMBERS = 4  # maximum number of members in the cutoff study of height
 NUM_LINE_MEMBERS = 16  # maximum number of members in the cutoff study of profiles
 MAX_CUTOFFS = 4  # maximum number of cutoffs above 0 in a cutoff study; each is twice the one before
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number that is rounded to four digits
-MAX_RELATIVE_CUTOFF = 1 / 30  # largest cutoff in a cutoff study, as a fraction of the shortest side of the scans
+MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30  # largest cutoff in a cutoff study, as a fraction of the shortest side of the scans
 
 
 def build_cutoff_study(study: Study) -> Study | None:
@@ -78,7 +78,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         *(
             float(f"{cutoff * (1 + FOUR_DIGIT_ROUNDING_ERROR):.4g}")
             for cutoff in candidate_cutoffs
-            if cutoff <= MAX_RELATIVE_CUTOFF * side
+            if cutoff <= MAX_CUTOFF_TO_SIDE_RATIO * side
         ),
     ]
     if len(rounded_cutoffs) < 2:
@@ -123,11 +123,11 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
         cutoff_study = find_cutoff_study(study, result.path)
     except ValueError:  # a scan file is missing
         return None
-    sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
-    if sums is None:
+    cutoff_sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
+    if cutoff_sums is None:
         return None
     return at_load(
-        sums,
+        cutoff_sums,
         [float(load) for load in study.friction.load],
         mu0=list(study.friction.mu0),
         tau0=[float(strength) for strength in study.friction.tau0],
@@ -293,13 +293,13 @@ def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dat
 
 
 def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
-    values = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
-    values["mean_pressure"] = mean_contact_pressure(point)
+    numbers = {name: mean_over_directions(point, name) for name in ("rms_gradient", "contact_area_fraction")}
+    numbers["mean_pressure"] = mean_contact_pressure(point)
     for rule in list_rules_with_reported_first(study):
-        values[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "mean_friction")
+        numbers[f"friction_{rule}"] = mean_over_directions(point.sel(sliding=rule), "mean_friction")
     at = {name: float(point[name]) for name in ("cut_off", "load", "mu0", "tau0")}
     surfaces: Any = study.surfaces
-    return CutoffResult(at, values, find_contact_status(point, study), surfaces.get_scan_cut_offs(at["cut_off"]))
+    return CutoffResult(at, numbers, find_contact_status(point, study), surfaces.get_scan_cut_offs(at["cut_off"]))
 
 
 def estimate_yield_wavelengths(
@@ -371,12 +371,12 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
         shortest=None if roughness is None else max(roughness.two_points, shortest_cutoff),
         spectral=_estimate_friction_from_spectra(points, study),
     )
-    first = points.isel(cut_off=0)
-    area_fraction = mean_over_directions(first, "contact_area_fraction")
+    first_point = points.isel(cut_off=0)
+    area_fraction = mean_over_directions(first_point, "contact_area_fraction")
     if limits.plastic_limit is not None or roughness is None or not area_fraction > 0 or not study.uses_half_space:
         return limits
     wavelengths, gradients, area_fractions = roughness.extrapolate_to_finer_scans(
-        area_fraction, mean_over_directions(first, "contact_count")
+        area_fraction, mean_over_directions(first_point, "contact_count")
     )
     nominal_pressure = float(points["load"]) / float(points["nominal_area"])
     flat_area_fractions = area_fractions / brackets.interface_area_ratio(gradients[:, :1])

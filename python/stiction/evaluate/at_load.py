@@ -89,8 +89,11 @@ def at_load(
     else:
         members = evaluate_members(result, unique_loads, *strengths, load_definition, member_kind, names)
         neighbors = None
-        if load_definition == "elastic" and (bracket := _find_bracketing_loads(result, unique_loads)) is not None:
-            computed_loads, (below, above), position = bracket
+        if (
+            load_definition == "elastic"
+            and (bracketing_loads := _find_bracketing_loads(result, unique_loads)) is not None
+        ):
+            computed_loads, (below, above), position = bracketing_loads
             values_at_computed_loads = evaluate_members(
                 result, computed_loads, *strengths, "elastic", member_kind, names
             )
@@ -151,8 +154,8 @@ def _find_bracketing_loads(
     log_ratio = np.where(is_between, np.log(steps[above] / steps[below]), 1.0)
     position = np.where(is_between, np.log(loads / steps[below]) / log_ratio, 0.0)
     used_steps, indices = np.unique(np.stack([below, above]), return_inverse=True)
-    first, last = indices.reshape(2, -1)
-    return steps[used_steps], (first, last), position
+    first_indices, last_indices = indices.reshape(2, -1)
+    return steps[used_steps], (first_indices, last_indices), position
 
 
 def estimate_small_slope_friction(
@@ -164,7 +167,7 @@ def estimate_small_slope_friction(
     """
     has_slopes = (gradient[..., np.newaxis] > 0) & (slope > 0)
     gradients, slopes = (
-        np.where(has_slopes, each, 1.0)[..., None, None] for each in (gradient[..., np.newaxis], slope)
+        np.where(has_slopes, array, 1.0)[..., None, None] for array in (gradient[..., np.newaxis], slope)
     )
     estimates = [
         gentle_friction(

@@ -59,7 +59,7 @@ INTERVALS_COVERING_ALTERNATIVES = (
 """Names of the coefficient's intervals that also cover results for alternative preparations of the scans."""
 
 # attributes that mark the intervals of a dataset's variables as combined intervals
-COMBINED_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
+COMBINED_INTERVAL_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
 
 _INTERVAL_VARIABLES = (
     "mean_friction", "spread_low", "spread_high", "ok", "members", "contact_count", "mu0", "tau0", "sliding",
@@ -142,18 +142,20 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
-    growth = Inputs.from_study(study).estimate("junction_growth")
+    growth_estimate = Inputs.from_study(study).estimate("junction_growth")
     if (
         strength.junction_growth is not None
-        and growth is not None
-        and not growth.is_exact
-        and (strength.has_equal_junction_growth(growth))
+        and growth_estimate is not None
+        and not growth_estimate.is_exact
+        and (strength.has_equal_junction_growth(growth_estimate))
     ):
         changes["contact.junction_growth"] = f"{strength.junction_growth.value:.6g} ({strength.junction_growth.text})"
-    sums = result.with_study(study.with_changes(changes))
-    at = at_load(sums, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
-    combined = _add_own_uncertainty(at, sums, budget=False, tests=False, strength=strength)["friction_combined"]
-    _, lower, upper = combined.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values.tolist()
+    changed_result = result.with_study(study.with_changes(changes))
+    at = at_load(changed_result, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
+    combined_friction = _add_own_uncertainty(at, changed_result, budget=False, tests=False, strength=strength)[
+        "friction_combined"
+    ]
+    _, lower, upper = combined_friction.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values.tolist()
     return Interval(lower, upper)
 
 
@@ -169,7 +171,11 @@ def _add_own_uncertainty(
     is_budgeted = _find_budgeted_loads(is_study_load, num_coefficients) if budget else None
     tables, coordinates = _evaluate_uncertainty(at, result, is_budgeted=is_budgeted, tests=tests, strength=strength)
     variables = {
-        name: (dims, values, quantity_attributes(name) | (COMBINED_ATTRIBUTES if name in COMBINED_QUANTITIES else {}))
+        name: (
+            dims,
+            values,
+            quantity_attributes(name) | (COMBINED_INTERVAL_ATTRIBUTES if name in COMBINED_QUANTITIES else {}),
+        )
         for name, (dims, values) in tables.items()
     }
     return at.assign(variables).assign_coords(coordinates)
@@ -198,7 +204,7 @@ def _evaluate_uncertainty(
     }
     sampled_names = {name for inputs, _ in inputs_by_strength.values() for name in inputs}
     joint_samples = next((strengths[0] for _, strengths in inputs_by_strength.values() if strengths), None)
-    inputs = {name: each for name, each in study_inputs.uncertain.items() if name in sampled_names}
+    inputs = {name: study_input for name, study_input in study_inputs.uncertain.items() if name in sampled_names}
     scan_means = _average_pairs_of_scans(result, at, dims)
     drifts = find_slope_drifts(at.attrs)
     input_names = [
@@ -259,7 +265,7 @@ def _evaluate_uncertainty(
             "remaining_interval": (("input", *interval_dims), remaining_intervals),
             "remaining_width": (("input", *dims), remaining_widths),
         }
-        labels_by_input = {name: each.label for name, each in inputs.items()}
+        labels_by_input = {name: study_input.label for name, study_input in inputs.items()}
         if joint_samples is not None:
             labels_by_input[INTERFACE_INPUT_NAME] = _label_interface(study_inputs, joint_samples)
         labels = [labels_by_input.get(name, name) for name in input_names]
@@ -282,7 +288,7 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
     The samples replace the inputs with which the interface was calibrated. Without an interface, there are no
     samples. If given, `strength` replaces the interface of the inputs.
     """
-    inputs = {name: each for name, each in study_inputs.uncertain.items() if name != "creep"}
+    inputs = {name: study_input for name, study_input in study_inputs.uncertain.items() if name != "creep"}
     if (interface := strength or study_inputs.strength) is None:
         return inputs, []
     fit, hardness = interface.fits[0], inputs.get("hardness")
@@ -295,8 +301,8 @@ def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength 
     hardness_and_growth = fit.hardness if fit_has_same_hardness else None, growth
     replaced_names = {"mu0", "tau0"} | ({"hardness"} if fit_has_same_hardness else set())
     replaced_names |= {"junction_growth"} if growth is not None else set()
-    strengths = [(*each, *hardness_and_growth) for each in interface.strength_samples]
-    return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
+    strengths = [(*mu0_and_tau0, *hardness_and_growth) for mu0_and_tau0 in interface.strength_samples]
+    return {name: study_input for name, study_input in inputs.items() if name not in replaced_names}, strengths
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
@@ -419,15 +425,17 @@ def _iterate_intervals(
             {name: float(sums[position]) for name, sums in sums_at_no_load.items()} or None,
             closure_curves[indices.get("cut_off", 0)],
         )
-        key = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
-        if key not in central_values:
-            central_values[key] = response.evaluate(all_inputs)
-        central = central_values[key].select(indices["mu0"], indices["tau0"])
+        cell_indices = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
+        if cell_indices not in central_values:
+            central_values[cell_indices] = response.evaluate(all_inputs)
+        central_quantities = central_values[cell_indices].select(indices["mu0"], indices["tau0"])
         inputs, strengths = inputs_by_strength[float(point["mu0"]), float(point["tau0"])]
         scan_mean = scan_means.get(position)
         yield (
             position,
-            CombinedIntervals(point, response, central, study, inputs, sampler, strengths, scan_mean, drifts),
+            CombinedIntervals(
+                point, response, central_quantities, study, inputs, sampler, strengths, scan_mean, drifts
+            ),
         )
 
 
@@ -451,36 +459,41 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     """
     variables = {}
     names = (*(name for name in INTERVALS_COVERING_ALTERNATIVES if name != "remaining_interval"), *COMBINED_QUANTITIES)
-    for name in (each for each in names if each in own):
+    for name in (variable_name for variable_name in names if variable_name in own):
         dims = own[name].dims
         alternative_values = [other[name].transpose(*dims).values for other in alternatives.values()]
         variables[name] = (dims, _extend_estimates(own[name].values, alternative_values), own[name].attrs)
     if "friction_percentiles" in own:
         dims = own["friction_percentiles"].dims
-        percentiles = [each["friction_percentiles"].transpose(*dims).values for each in (own, *alternatives.values())]
-        covering = extend_percentiles(percentiles[0], percentiles[1:])
-        variables["friction_percentiles"] = (dims, covering, own["friction_percentiles"].attrs)
+        percentiles = [
+            dataset["friction_percentiles"].transpose(*dims).values for dataset in (own, *alternatives.values())
+        ]
+        covering_percentiles = extend_percentiles(percentiles[0], percentiles[1:])
+        variables["friction_percentiles"] = (dims, covering_percentiles, own["friction_percentiles"].attrs)
     covering_dataset = own.assign(variables).assign_attrs(alternatives=list(alternatives))
     if "remaining_interval" not in own:
         return covering_dataset
     dims = own["remaining_interval"].dims[1:]
     labels_by_input = {
         str(name): str(label)
-        for each in (own, *alternatives.values())
-        for name, label in zip(each["input"].values, each["input_label"].values, strict=True)
+        for dataset in (own, *alternatives.values())
+        for name, label in zip(dataset["input"].values, dataset["input_label"].values, strict=True)
     }
     remaining_intervals = _extend_estimates(
         _get_remaining_intervals(own, labels_by_input, dims),
-        [_get_remaining_intervals(each, labels_by_input, dims) for each in alternatives.values()],
+        [_get_remaining_intervals(dataset, labels_by_input, dims) for dataset in alternatives.values()],
     )
     is_budgeted = _find_budgeted_coefficients(own, dims)
-    intervals = {name: each["friction_at_cutoff"].transpose(*dims).values for name, each in alternatives.items()}
+    intervals = {name: dataset["friction_at_cutoff"].transpose(*dims).values for name, dataset in alternatives.items()}
     own_intervals = own["friction_at_cutoff"].transpose(*dims).values
     rows = np.stack(
         [
             np.where(
                 is_budgeted,
-                _extend_estimates(own_intervals, [each for other, each in intervals.items() if other != name]),
+                _extend_estimates(
+                    own_intervals,
+                    [other_intervals for other_name, other_intervals in intervals.items() if other_name != name],
+                ),
                 np.nan,
             )
             for name in alternatives
@@ -509,14 +522,16 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
     """
     rows = at["remaining_interval"].transpose("input", *dims).values
     rows_by_name = dict(zip(at["input"].values.tolist(), rows, strict=True))
-    combined = np.where(_find_budgeted_coefficients(at, dims), at["friction_at_cutoff"].transpose(*dims).values, np.nan)
-    return np.stack([rows_by_name.get(name, combined) for name in names])
+    combined_intervals = np.where(
+        _find_budgeted_coefficients(at, dims), at["friction_at_cutoff"].transpose(*dims).values, np.nan
+    )
+    return np.stack([rows_by_name.get(name, combined_intervals) for name in names])
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
     """Return a mask of the coefficients for which the dataset contains an uncertainty budget."""
-    widths = at["remaining_width"].transpose("input", *dims[:-1]).values
-    return np.asarray(~np.isnan(widths).all(axis=0)[..., np.newaxis])
+    remaining_widths = at["remaining_width"].transpose("input", *dims[:-1]).values
+    return np.asarray(~np.isnan(remaining_widths).all(axis=0)[..., np.newaxis])
 
 
 def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
@@ -524,7 +539,7 @@ def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
 
     The last axis of each array contains value, lower limit and upper limit.
     """
-    limits = extend_intervals(own[..., 1:], *(each[..., 1:] for each in others))
+    limits = extend_intervals(own[..., 1:], *(estimates[..., 1:] for estimates in others))
     return np.concatenate([own[..., :1], limits], axis=-1)
 
 
@@ -546,14 +561,14 @@ def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
     """Return the reported coefficients together with the limits of their combined intervals (on the last axis)."""
-    combined = at["mean_friction"].transpose(*dims, "statistic").values.copy()
-    lower_limits = combined[..., 1]
-    combined[..., 1] = np.where((lower_limits < 0) & (combined[..., 0] >= 0), 0.0, lower_limits)
+    combined_friction = at["mean_friction"].transpose(*dims, "statistic").values.copy()
+    lower_limits = combined_friction[..., 1]
+    combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)
     # An interval with an infinite upper limit counts as computed.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
-    combined[is_known] = known_intervals[is_known]
+    combined_friction[is_known] = known_intervals[is_known]
     # Widen the interval at the first cutoff so that it includes the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
-        by_cutoff = np.moveaxis(combined, dims.index("cut_off"), 0)
+        by_cutoff = np.moveaxis(combined_friction, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])
-    return combined
+    return combined_friction

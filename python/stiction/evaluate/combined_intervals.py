@@ -88,8 +88,8 @@ def compute_quantity_ratios(
     `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
     """
     hardness, central_hardness = (
-        response.area.contact_hardness(response.load, each.hardness, each.size_effect)
-        for each in (inputs, response.central)
+        response.area.contact_hardness(response.load, input_values.hardness, input_values.size_effect)
+        for input_values in (inputs, response.central)
     )
     area_ratio = values.area / central.area
     loading, unloading, closure_loading, closure_unloading = response.stiffness_ratios(inputs, values.area)
@@ -134,10 +134,10 @@ class InputSampler:
 
         Inputs in `fixed` have the value at the given quantile.
         """
-        key = tuple(inputs), names, tuple(fixed.items())
-        if key not in self._cache:
-            self._cache[key] = self._generate_samples(inputs, names, fixed)
-        return self._cache[key]
+        samples_key = tuple(inputs), names, tuple(fixed.items())
+        if samples_key not in self._cache:
+            self._cache[samples_key] = self._generate_samples(inputs, names, fixed)
+        return self._cache[samples_key]
 
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear for samples of the inputs.
@@ -171,12 +171,12 @@ class InputSampler:
         points = generate_stratified_points(len(names) + 1)
         probabilities: dict[str, Floats] = dict(zip(names, points.T, strict=False))
         probabilities |= {name: np.array([quantile]) for name, quantile in fixed.items() if name in probabilities}
-        values = {name: each.quantile(probabilities[name]) for name, each in inputs.items()}
+        input_values = {name: uncertain_input.quantile(probabilities[name]) for name, uncertain_input in inputs.items()}
         return _InputSamples(
             probabilities,
             {name: ndtri(probabilities[name]) for name in names if name in SAMPLING_INPUT_NAMES},
-            values,
-            self._inputs.relative_modulus(values),
+            input_values,
+            self._inputs.relative_modulus(input_values),
             None if self._creep is None else self._creep.quantile(points[:, -1]),
         )
 
@@ -209,7 +209,7 @@ class CombinedIntervals:
         # mean coefficient of friction, and limits of the interval of the mean
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
-        self.inputs: dict[str, UncertainInput] = {name: each.estimate for name, each in inputs.items()}
+        self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
         # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
         # is 0.
         self.strengths = strengths
@@ -233,7 +233,7 @@ class CombinedIntervals:
             self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
             self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
         self.standard_errors = self._split_relative_error(*self.sampling, self.value)
-        self.scatter, self.freedom = self._find_scatter(point)
+        self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
         self.names = (
             *self.inputs,
@@ -248,14 +248,20 @@ class CombinedIntervals:
         Zeros are omitted.
         """
         relative_width = math.log(upper / lower) if lower > 0 else (upper - lower) / value
-        error = relative_width / (2 * Z_95)
+        relative_error = relative_width / (2 * Z_95)
         if self._scan_mean is None:
-            return {POSITIONS_INPUT_NAME: error} if error > 0 else {}
+            return {POSITIONS_INPUT_NAME: relative_error} if relative_error > 0 else {}
         total_deviation = math.sqrt(sum(self._scan_mean.variances)) or 1.0
-        errors = [error * math.sqrt(variance) / total_deviation for variance in self._scan_mean.variances]
-        return {name: each for name, each in zip(SAMPLING_INPUT_NAMES, errors, strict=True) if each > 0}
+        relative_errors = [
+            relative_error * math.sqrt(variance) / total_deviation for variance in self._scan_mean.variances
+        ]
+        return {
+            name: relative_error
+            for name, relative_error in zip(SAMPLING_INPUT_NAMES, relative_errors, strict=True)
+            if relative_error > 0
+        }
 
-    def _find_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
+    def _find_test_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
         """Return the relative standard deviation of a single test about the mean, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
@@ -264,8 +270,8 @@ class CombinedIntervals:
             return self._scan_mean.test / self.value, min(self._scan_mean.test_freedom, MAX_DEGREES_OF_FREEDOM)
         num_members = int(point["ok"].min())
         spread = 0.0 if self.study.is_gap else float(point["spread_high"]) - float(point["spread_low"])
-        deviation = spread / (NORMAL_DECILE_RANGE * self.value)
-        return deviation * math.sqrt(1 + 1 / max(num_members, 1)), float(max(num_members - 1, 1))
+        relative_deviation = spread / (NORMAL_DECILE_RANGE * self.value)
+        return relative_deviation * math.sqrt(1 + 1 / max(num_members, 1)), float(max(num_members - 1, 1))
 
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
@@ -286,8 +292,10 @@ class CombinedIntervals:
         )
         coefficients = np.broadcast_to(FrictionLaw(mu0, tau0).coefficient(self.response.sums), (NUM_INPUT_SAMPLES,))
         value, lower, upper = self.sampling_estimate.tolist()
-        low, high = compute_equal_tailed_interval(coefficients).extended_to((value, value), (lower, upper))
-        return value, max(low, 0.0), high
+        lower_limit, upper_limit = compute_equal_tailed_interval(coefficients).extended_to(
+            (value, value), (lower, upper)
+        )
+        return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
         """Return the combined 95 % interval of the coefficient, with the inputs in `fixed` held at the given quantiles.
@@ -331,17 +339,21 @@ class CombinedIntervals:
 
     def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval of the coefficient in one more test in one direction of motion."""
-        first, *others = (compute_equal_tailed_interval(*each) for each in self._next_tests)
-        return first.extended_to(*others, (self.value, self.value), *self._intervals_without_upper_limit)
+        first_interval, *other_intervals = (
+            compute_equal_tailed_interval(*samples) for samples in self._next_test_samples
+        )
+        return first_interval.extended_to(
+            *other_intervals, (self.value, self.value), *self._intervals_without_upper_limit
+        )
 
     def predict_percentiles(self) -> Floats:
         """Return the `FRICTION_PERCENTILES` of the coefficient in single tests, widened to enclose the mean."""
-        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *each) for each in self._next_tests]
+        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *samples) for samples in self._next_test_samples]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
     @cached_property
-    def _next_tests(self) -> list[tuple[Floats, Floats]]:
+    def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
         """Samples of the coefficient in one more test in one direction, and samples of its upper limit, as pairs.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
@@ -349,8 +361,8 @@ class CombinedIntervals:
         of arrays. For a calibrated interface, further pairs have mu0 = 0 or tau0 = 0.
         """
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
-        scatter = math.sqrt(math.log1p(self.scatter**2))
-        factor = np.exp(np.minimum(scores * scatter, MAX_LOG_COEFFICIENT_RATIO))
+        log_scatter = math.sqrt(math.log1p(self.scatter**2))
+        factor = np.exp(np.minimum(scores * log_scatter, MAX_LOG_COEFFICIENT_RATIO))
         fixed_quantiles = {name: 0.5 for name in self.standard_errors if name not in self.drifts}
         return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
@@ -359,9 +371,9 @@ class CombinedIntervals:
 
         The coefficient is NaN if the nominal pressure reaches the hardness.
         """
-        creep, central = Inputs.from_study(self.study).estimate("creep"), self.response.central
+        creep, central_inputs = Inputs.from_study(self.study).estimate("creep"), self.response.central
         assert creep is not None, "a study with dwell times has a creep exponent"
-        final_hardness = central.hardness * dwell_time**-creep.value
+        final_hardness = central_inputs.hardness * dwell_time**-creep.value
         if self.response.load / self.response.area.nominal_area >= final_hardness:
             return math.nan, math.nan, math.nan
         final = self.response.at_central_inputs(hardness=final_hardness)
@@ -385,16 +397,16 @@ class CombinedIntervals:
             return dict(estimates)
         sampled_names = (*names, POSITIONS_INPUT_NAME)
         inputs, samples = self._sample_inputs({}, names=sampled_names)
-        values = self.response.evaluate(inputs, *self._find_known_values(inputs, sampled_names))
+        values = self.response.evaluate(inputs, *self._find_cached_areas_and_pressures(inputs, sampled_names))
         ratios = compute_quantity_ratios(self.response, inputs, values, self._central)
         if "closure" in estimates and self.response.closure_curve is not None:
-            key = None if self.strengths else (id(self.response.closure_curve), names)
-            closures = self._sampler.find_closures(key, self.response, inputs)
+            closures_key = None if self.strengths else (id(self.response.closure_curve), names)
+            closures = self._sampler.find_closures(closures_key, self.response, inputs)
             ratios["closure"] = self.response.closure_ratio(inputs, closures)
-        combined = {}
+        combined_estimates = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()
-            combined[name] = estimate
+            combined_estimates[name] = estimate
             ratio = ratios.get(COMBINED_QUANTITIES[name])
             if ratio is None or not value > 0:
                 continue
@@ -402,15 +414,15 @@ class CombinedIntervals:
                 if not self.study.is_gap:
                     continue
                 lower = upper = value
-            errors = self._split_relative_error(lower, upper, value)
-            score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*errors.values())
+            relative_errors = self._split_relative_error(lower, upper, value)
+            score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*relative_errors.values())
             quantity_samples = np.broadcast_to(value * ratio * np.exp(score), (NUM_INPUT_SAMPLES,))
             if np.isnan(quantity_samples).any():
                 continue
-            low, high = compute_equal_tailed_interval(quantity_samples).extended_to((lower, upper))
+            lower_limit, upper_limit = compute_equal_tailed_interval(quantity_samples).extended_to((lower, upper))
             limit = find_upper_bound(name, self.response.area.nominal_area, uses_half_space=self.study.uses_half_space)
-            combined[name] = np.array([value, low, max(min(high, limit), value)])
-        return combined
+            combined_estimates[name] = np.array([value, lower_limit, max(min(upper_limit, limit), value)])
+        return combined_estimates
 
     # ---- Samples -----------------------------------------------------------------------------------------------------
 
@@ -430,13 +442,15 @@ class CombinedIntervals:
         # Round the coefficient for the cache key, because its round-off depends on the coefficients evaluated with it.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
-        key = coefficient, self.names, (*fixed.items(),), dwell_time
-        if key not in self._sampler.intervals:
-            first, *others = (
-                compute_equal_tailed_interval(*each) for each in self._sample_all_strengths(fixed, dwell_time)
+        interval_key = coefficient, self.names, (*fixed.items(),), dwell_time
+        if interval_key not in self._sampler.intervals:
+            first_interval, *other_intervals = (
+                compute_equal_tailed_interval(*samples) for samples in self._sample_all_strengths(fixed, dwell_time)
             )
-            self._sampler.intervals[key] = first.extended_to(*others, *self._intervals_without_upper_limit)
-        return self._sampler.intervals[key]
+            self._sampler.intervals[interval_key] = first_interval.extended_to(
+                *other_intervals, *self._intervals_without_upper_limit
+            )
+        return self._sampler.intervals[interval_key]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
@@ -461,15 +475,15 @@ class CombinedIntervals:
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
         """
         inputs, samples = self._sample_inputs(fixed, dwell_time, strength_index, drift_factor)
-        known_values = self._find_known_values(inputs, self.names, fixed, dwell_time, drift_factor)
-        values = self.response.evaluate(inputs, *known_values)
-        is_seized = np.isinf(values.friction_coefficient)
+        known_values = self._find_cached_areas_and_pressures(inputs, self.names, fixed, dwell_time, drift_factor)
+        contact_quantities = self.response.evaluate(inputs, *known_values)
+        is_seized = np.isinf(contact_quantities.friction_coefficient)
         coefficients = self.value * (
-            np.where(is_seized, 1.0, values.friction_coefficient) / self._central.friction_coefficient
+            np.where(is_seized, 1.0, contact_quantities.friction_coefficient) / self._central.friction_coefficient
         )
         fractions = samples.probabilities.get(UNRESOLVED_ROUGHNESS_INPUT_NAME)
         if fractions is not None and self.finest is not None:
-            plastic_friction = np.where(is_seized, inputs.mu0, values.plastic_friction)
+            plastic_friction = np.where(is_seized, inputs.mu0, contact_quantities.plastic_friction)
             lowest_coefficients = np.minimum(plastic_friction, coefficients)
             highest_coefficients = np.maximum(
                 max_friction_for_finer_scans(
@@ -482,10 +496,10 @@ class CombinedIntervals:
         )
         coefficients = np.where(is_seized, np.inf, np.maximum(coefficients, 0.0))
         coefficients = np.broadcast_to(coefficients, (NUM_INPUT_SAMPLES,))
-        has_no_limit = values.has_no_upper_limit & ~is_seized
+        has_no_limit = contact_quantities.has_no_upper_limit & ~is_seized
         return coefficients, np.where(has_no_limit, np.inf, coefficients) if has_no_limit.any() else coefficients
 
-    def _find_known_values(
+    def _find_cached_areas_and_pressures(
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
@@ -511,14 +525,14 @@ class CombinedIntervals:
         samples = self._sampler.draw(self.inputs, self.names if names is None else names, fixed)
         drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in self.drifts.items())
         creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
-        values = {
+        input_values = {
             name: samples.values.get(name, getattr(self.response.central, name))
             for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss", "size_effect")
         }
-        values["hardness"] = values["hardness"] * creep_factor
+        input_values["hardness"] = input_values["hardness"] * creep_factor
         height_factor = np.exp(drift) if self.drifts else 1.0
         inputs = InputValues(
-            **values, uses_slip_lines=self.response.central.uses_slip_lines, modulus=samples.modulus,
+            **input_values, uses_slip_lines=self.response.central.uses_slip_lines, modulus=samples.modulus,
             height_factor=height_factor,
         )  # fmt: skip
         if self.strengths:
@@ -533,23 +547,25 @@ class CombinedIntervals:
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
         """
-        mu0, tau0, hardness, growth = self.strengths[strength_index]
-        central = self.response.central
+        mu0, tau0, hardness, growth_samples = self.strengths[strength_index]
+        central_inputs = self.response.central
         joint_inputs = replace(
-            central,
+            central_inputs,
             mu0=mu0,
             tau0=tau0,
-            hardness=central.hardness if hardness is None else hardness,
-            junction_growth=central.junction_growth if growth is None else growth,
+            hardness=central_inputs.hardness if hardness is None else hardness,
+            junction_growth=central_inputs.junction_growth if growth_samples is None else growth_samples,
         )
-        values = self.response.evaluate(joint_inputs)
-        order = np.argsort(np.where(values.has_no_upper_limit, np.inf, values.friction_coefficient))
+        contact_quantities = self.response.evaluate(joint_inputs)
+        order = np.argsort(
+            np.where(contact_quantities.has_no_upper_limit, np.inf, contact_quantities.friction_coefficient)
+        )
         indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
         changes: dict[str, Any] = {"mu0": mu0[indices], "tau0": tau0[indices]}
-        if growth is not None:
-            changes["junction_growth"] = growth[indices]
+        if growth_samples is not None:
+            changes["junction_growth"] = growth_samples[indices]
         if hardness is not None:
-            changes["hardness"] = hardness[indices] * inputs.hardness / central.hardness
+            changes["hardness"] = hardness[indices] * inputs.hardness / central_inputs.hardness
         return replace(inputs, **changes)
 
 
@@ -633,9 +649,13 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
     index = int(position)
     weight = position - index
     partitioned_values = np.partition(values, index)
-    low = partitioned_values[index]
-    high = partitioned_values[index + 1 :].min() if weight > 0 else low
-    return float(low + (high - low) * weight if weight < 0.5 else high - (high - low) * (1 - weight))
+    value_below = partitioned_values[index]
+    value_above = partitioned_values[index + 1 :].min() if weight > 0 else value_below
+    return float(
+        value_below + (value_above - value_below) * weight
+        if weight < 0.5
+        else value_above - (value_above - value_below) * (1 - weight)
+    )
 
 
 def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
@@ -643,9 +663,9 @@ def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """
-    stacked = np.array([own, *others])
+    all_percentiles = np.array([own, *others])
     with np.errstate(invalid="ignore"):
-        lowest, highest = np.fmin.reduce(stacked), np.fmax.reduce(stacked)
+        lowest, highest = np.fmin.reduce(all_percentiles), np.fmax.reduce(all_percentiles)
     extended_percentiles = np.where(
         FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, own)
     )

@@ -170,7 +170,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
     first_index = study.surfaces.first_scan_member_index
     first_index = first_index if (result.members >= first_index).any() else 0
     shape = 3, study.surfaces.cell_coordinates()["cut_off"].size, study.contact.loading_steps().size
-    sums, member_counts = np.zeros(shape), np.zeros(shape)
+    area_sums, member_counts = np.zeros(shape), np.zeros(shape)
     for piece in result.pieces(["contact_area", *(["elastic_area"] if has_elastic_areas else [])]):
         is_used = piece["repetition"].values >= first_index
         areas, elastic_areas = (
@@ -183,10 +183,10 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
         for index, (values, mask) in enumerate(
             ((areas, is_solved), (areas, has_elastic), (elastic_areas, has_elastic))
         ):
-            sums[index] += np.where(mask, values, 0.0).sum(axis=1)
+            area_sums[index] += np.where(mask, values, 0.0).sum(axis=1)
             member_counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        all_members, elastic_members, elastic = sums / member_counts
+        all_members, elastic_members, elastic = area_sums / member_counts
     # An unfinished result may lack all members with a stored elastic area. Estimate their elastic areas.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
@@ -258,11 +258,11 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
     contact: Any = result.study.contact
     if contact.indent is None:
         return None
-    counts = np.asarray(result.means(["contact_count"])["contact_count"].transpose("cut_off", "load").values)
+    contact_counts = np.asarray(result.means(["contact_count"])["contact_count"].transpose("cut_off", "load").values)
     gradients = result.means(["rms_gradient"])["rms_gradient"].values.reshape(-1, 1)
     factors = _compute_yield_factors_at(result, np.asarray(float(contact.hardness)))
     areas = result.compute_once(_average_solved_areas).all_members * factors
-    return estimate_indentation_depth(areas, counts, gradients, are_lines=not result.study.is_areal)
+    return estimate_indentation_depth(areas, contact_counts, gradients, are_lines=not result.study.is_areal)
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
@@ -290,8 +290,8 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
     """Return the exponents d ln(q) / d ln F at given loads F (mN), where q is the mean of a stored quantity."""
     steps = result.study.contact.loading_steps()
-    values = result.means([name])[name]
-    mean = np.asarray(values.mean([dim for dim in values.dims if dim != "load"]).values)
+    quantity = result.means([name])[name]
+    mean = np.asarray(quantity.mean([dim for dim in quantity.dims if dim != "load"]).values)
     return np.asarray(np.interp(np.log(loads), np.log(steps), compute_exponents(steps, mean)))
 
 

@@ -129,8 +129,8 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
     import xarray
 
     variable = table[name]
-    values = np.stack([table[each].values for each in (name, "lower", "upper")], axis=-1)
-    return xarray.Variable((*variable.dims, "statistic"), values, variable.attrs)
+    estimates = np.stack([table[column].values for column in (name, "lower", "upper")], axis=-1)
+    return xarray.Variable((*variable.dims, "statistic"), estimates, variable.attrs)
 
 
 def compute_ensemble_friction(
@@ -162,6 +162,6 @@ def compute_ensemble_friction(
     half_width = (
         jackknife_sums.half_width() if contact_sums.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
     )
-    values = np.stack([mean, np.maximum(mean - half_width, 0.0), mean + half_width], axis=-1)
+    estimates = np.stack([mean, np.maximum(mean - half_width, 0.0), mean + half_width], axis=-1)
     attributes = quantity_attributes("friction_coefficient")
-    return xarray.DataArray(values, dims=(*dims, "mu0", "tau0", "statistic"), attrs=attributes)
+    return xarray.DataArray(estimates, dims=(*dims, "mu0", "tau0", "statistic"), attrs=attributes)

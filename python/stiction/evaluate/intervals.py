@@ -40,7 +40,7 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MIN_SKEWNESS = 1e-9  # largest skewness of a sample whose interval is computed as symmetric
+_MAX_SYMMETRIC_SKEWNESS = 1e-9  # largest skewness of a sample whose interval is computed as symmetric
 MAX_DEGREES_OF_FREEDOM = 1e6  # number of degrees of freedom above which Student's t distribution counts as normal
 
 
@@ -118,7 +118,9 @@ class LoadCrossings:
         """
         num_dims = self.index.ndim - 1
         broadcast_shape = (*self.index.shape[:-1], *(1,) * (values.ndim - 1 - num_dims), -1)
-        index, fraction, reached = (each.reshape(broadcast_shape) for each in (self.index, self.fraction, self.reached))
+        index, fraction, reached = (
+            array.reshape(broadcast_shape) for array in (self.index, self.fraction, self.reached)
+        )
         if are_sums and self.scale is not None:
             with np.errstate(divide="ignore", invalid="ignore"):
                 values = values / self.scale[0].reshape(broadcast_shape)
@@ -152,23 +154,23 @@ class LoadCrossings:
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         curve = self.scale[0]
         below, above = self._get_bracketing_values(curve)
-        before, after = self._get_bracketing_values(values)
+        value_before, value_after = self._get_bracketing_values(values)
         slope_before, slope_after = self._get_bracketing_values(slopes)
         t = self.fraction
         with np.errstate(divide="ignore", invalid="ignore"):
             log_ratio = np.log(above / below)
-            chord = (after - before) / log_ratio
+            chord = (value_after - value_before) / log_ratio
             limited_before, limited_after = (
                 np.clip(np.where(np.isfinite(slope), slope, chord), 0.0, 3 * np.maximum(chord, 0.0))
                 for slope in (slope_before, slope_after)
             )
-            bend = (1 - t) * (limited_before - chord) - t * (limited_after - chord)
-            value = before + t * (after - before) + t * (1 - t) * log_ratio * bend
+            curvature_term = (1 - t) * (limited_before - chord) - t * (limited_after - chord)
+            value = value_before + t * (value_after - value_before) + t * (1 - t) * log_ratio * curvature_term
             slope = chord + (1 - t) * (1 - 3 * t) * (limited_before - chord) - t * (2 - 3 * t) * (limited_after - chord)
             slope = np.where(np.isfinite(slope_before) & np.isfinite(slope_after), slope, np.nan)
         is_at_step = t == 1
         return (
-            np.where(self.reached, np.where(is_at_step, after, value), np.nan),
+            np.where(self.reached, np.where(is_at_step, value_after, value), np.nan),
             np.where(self.reached, np.where(is_at_step, slope_after, slope), np.nan),
         )
 
@@ -182,16 +184,22 @@ class LoadCrossings:
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         slopes = np.full(values.shape, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
-            lengths = np.diff(np.log(self.scale[0]))
-            (before, after), chords = (lengths[..., :-1], lengths[..., 1:]), np.diff(values) / lengths
+            log_step_lengths = np.diff(np.log(self.scale[0]))
+            (length_before, length_after), chords = (
+                (log_step_lengths[..., :-1], log_step_lengths[..., 1:]),
+                np.diff(values) / log_step_lengths,
+            )
             harmonic_mean = (
-                3 * (before + after)
-                / ((before + 2 * after) / chords[..., :-1] + (2 * before + after) / chords[..., 1:])
+                3 * (length_before + length_after)
+                / (
+                    (length_before + 2 * length_after) / chords[..., :-1]
+                    + (2 * length_before + length_after) / chords[..., 1:]
+                )
             )  # fmt: skip
             has_one_sign = chords[..., :-1] * chords[..., 1:] > 0
             slopes[..., 1:-1] = np.where(has_one_sign, harmonic_mean, np.where(np.isnan(harmonic_mean), np.nan, 0.0))
             for end, near, far in ((0, 0, 1), (-1, -1, -2)) if chords.shape[-1] > 1 else ():
-                fraction = lengths[..., near] / (lengths[..., near] + lengths[..., far])
+                fraction = log_step_lengths[..., near] / (log_step_lengths[..., near] + log_step_lengths[..., far])
                 slopes[..., end] = (1 + fraction) * chords[..., near] - fraction * chords[..., far]
         return self.interpolate_with_slopes(values, slopes)[0]
 
@@ -203,8 +211,8 @@ class LoadCrossings:
         """Return the slope of one quantity with respect to another, between the steps around each requested load."""
         index = np.maximum(self.index, 1)
         value_change, over_change = (
-            np.take_along_axis(each, index, axis=-1) - np.take_along_axis(each, index - 1, axis=-1)
-            for each in (values, over)
+            np.take_along_axis(curves, index, axis=-1) - np.take_along_axis(curves, index - 1, axis=-1)
+            for curves in (values, over)
         )
         return np.asarray(value_change / over_change)
 
@@ -282,13 +290,13 @@ class _QuantityAtLoads:
     def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
         """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of the quantity."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
-        sums = _core.jackknife_sums(
+        power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
         )
-        self._logarithms.add_sums(values.shape[2], sums[:4])
-        self._differences.add_sums(values.shape[2], sums[4:8])
-        self.keeps_sign &= sums[8] > MIN_RELATIVE_CHANGE
-        self.keeps_load &= sums[9] > MIN_RELATIVE_CHANGE
+        self._logarithms.add_sums(values.shape[2], power_sums[:4])
+        self._differences.add_sums(values.shape[2], power_sums[4:8])
+        self.keeps_sign &= power_sums[8] > MIN_RELATIVE_CHANGE
+        self.keeps_load &= power_sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the limits of the interval at each crossing.
@@ -321,10 +329,10 @@ class PowerSums:
     def add(self, values: Floats) -> None:
         """Add the first four powers of further jackknife values to the sums."""
         self._count += values.shape[-1]
-        square = values * values
+        squares = values * values
         self._sums[0] += values.sum(axis=-1)
         # `np.einsum` adds up products without storing the products in an array.
-        for index, factors in enumerate(((values, values), (square, values), (square, square)), start=1):
+        for index, factors in enumerate(((values, values), (squares, values), (squares, squares)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 
     def add_sums(self, count: int, sums: Floats) -> None:
@@ -348,8 +356,8 @@ class PowerSums:
                 fourth_power_sum, square_sum**2, out=np.full_like(square_sum, 3.0 / count), where=square_sum > 0
             )
             freedom = np.clip(2 * count / np.maximum(kurtosis - 1, 1e-9), 1, max(count - 1, 1))
-            error = np.sqrt((count - 1) / count * square_sum)
-        return np.asarray(student_quantile(freedom) * error)
+            standard_error = np.sqrt((count - 1) / count * square_sum)
+        return np.asarray(student_quantile(freedom) * standard_error)
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
@@ -357,11 +365,11 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
 
     Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
-    first = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
-    last = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
-    window_indices = first + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
-    is_inside = window_indices <= last
-    window_indices = np.minimum(window_indices, last)
+    first_step = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
+    last_step = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
+    window_indices = first_step + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
+    is_inside = window_indices <= last_step
+    window_indices = np.minimum(window_indices, last_step)
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
@@ -389,9 +397,9 @@ def average_independent_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     finite_values, count = np.where(is_known, values, 0.0), is_known.sum(axis=0)
     mean = finite_values.sum(axis=0) / np.maximum(count, 1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = np.sqrt(np.square(np.where(is_known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
+        standard_error = np.sqrt(np.square(np.where(is_known, values - mean, 0.0)).sum(axis=0) / (count - 1) / count)
     quantile = student_quantile(np.maximum(count - 1, 1))
-    half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * error, np.nan)
+    half_width = np.where(count >= MIN_SAMPLE_SIZE, quantile * standard_error, np.nan)
     mean = np.where(count > 0, mean, np.nan)
     return mean, *interval_around_mean(mean, half_width, (finite_values < 0).any(axis=0))
 
@@ -442,7 +450,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
         for batch_start in range(0, mean.size, batch_size):
             batch = slice(batch_start, batch_start + batch_size)
             lower[batch], upper[batch] = _compute_interval_of_correlated_mean(rows[batch], mean[batch])
-    return tuple(each.reshape(values.shape[1:]) for each in (mean, lower, upper))  # type: ignore[return-value]
+    return tuple(array.reshape(values.shape[1:]) for array in (mean, lower, upper))  # type: ignore[return-value]
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
@@ -454,9 +462,9 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
     # Divide deviations from the mean by their standard deviation, because squares of large values would overflow.
     value_count, deviations = values.shape[1], values - mean[:, np.newaxis]
-    deviation = np.sqrt(np.square(deviations).sum(axis=1) / (value_count - 1))
-    has_spread = (deviation > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(has_spread, deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
+    standard_deviation = np.sqrt(np.square(deviations).sum(axis=1) / (value_count - 1))
+    has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
+    y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
     # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over y.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
@@ -471,12 +479,12 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     weights = (value_count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)
     weights = np.exp(-0.5 * (weights - weights.min(axis=1, keepdims=True)))
     weights /= weights.sum(axis=1, keepdims=True)
-    errors = np.sqrt(squares / (value_count - 1) * inflation)
+    standard_errors = np.sqrt(squares / (value_count - 1) * inflation)
 
     # Above 0, the distribution function of the mean is concave, so Newton steps from below never exceed its quantile.
-    quantile_estimate, moving_rows = quantile * errors.min(axis=1), np.arange(mean.size)
+    quantile_estimate, moving_rows = quantile * standard_errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
-        row_weights, row_errors = weights[moving_rows], errors[moving_rows]
+        row_weights, row_errors = weights[moving_rows], standard_errors[moving_rows]
         t = quantile_estimate[moving_rows, np.newaxis] / row_errors
         slope = density * (row_weights * (1 + t * t / (value_count - 1)) ** (-value_count / 2) / row_errors).sum(axis=1)
         step = (0.5 + CONFIDENCE_LEVEL / 2 - (row_weights * stdtr(value_count - 1, t)).sum(axis=1)) / slope
@@ -485,12 +493,12 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
         if not moving_rows.size:
             break
     skewness = (y**3).mean(axis=1) / (y**2).mean(axis=1) ** 1.5 / 3
-    is_symmetric = np.abs(skewness) <= _MIN_SKEWNESS
+    is_symmetric = np.abs(skewness) <= _MAX_SYMMETRIC_SKEWNESS
     skewness = np.where(is_symmetric, 1.0, skewness)
     lower_width = np.where(is_symmetric, quantile_estimate, -np.expm1(-skewness * quantile_estimate) / skewness)
     upper_width = np.where(is_symmetric, quantile_estimate, np.expm1(skewness * quantile_estimate) / skewness)
-    lower = np.maximum(mean - deviation * lower_width, values.min(axis=1))
-    upper = np.minimum(mean + deviation * upper_width, values.max(axis=1))
+    lower = np.maximum(mean - standard_deviation * lower_width, values.min(axis=1))
+    upper = np.minimum(mean + standard_deviation * upper_width, values.max(axis=1))
     return np.where(has_spread, lower, np.nan), np.where(has_spread, upper, np.nan)
 
 
@@ -503,11 +511,13 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     if first_indices.size > 1:
         # Replace the values on each line by one number such that the mean of these numbers equals the mean over
         # positions.
-        counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
-        sums = np.zeros((first_indices.size, *values.shape[1:]))
-        np.add.at(sums, index, values)
-        overall_mean = np.ascontiguousarray(np.moveaxis(sums, 0, -1)).sum(axis=-1) / counts.sum()
-        line_means = (overall_mean + (sums - counts * overall_mean) / counts.mean())[np.argsort(first_indices)]
+        position_counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
+        line_sums = np.zeros((first_indices.size, *values.shape[1:]))
+        np.add.at(line_sums, index, values)
+        overall_mean = np.ascontiguousarray(np.moveaxis(line_sums, 0, -1)).sum(axis=-1) / position_counts.sum()
+        line_means = (overall_mean + (line_sums - position_counts * overall_mean) / position_counts.mean())[
+            np.argsort(first_indices)
+        ]
     mean, lower, upper = average_correlated_values(line_means)
     return mean, np.maximum(lower, values.min(axis=0)), np.minimum(upper, values.max(axis=0))
 

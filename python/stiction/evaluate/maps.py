@@ -282,8 +282,8 @@ def evaluate_ensemble_quantities(
     with executor_or_thread_pool(None) as pool:
 
         def average_cell(cell_index: tuple[int, ...]) -> intervals.MeansAtLoads:
-            normal, *values = (each[..., 0] for each in quantities.compute_curves(cell_index, averages))
-            return intervals.MeansAtLoads(normal, values, count, load_values)
+            normal_load, *values = (curve[..., 0] for curve in quantities.compute_curves(cell_index, averages))
+            return intervals.MeansAtLoads(normal_load, values, count, load_values)
 
         means_by_cell = dict(zip(cells, pool.map(average_cell, cells), strict=True))
         for piece in iterate_solved_pieces(result, quantities.required_variables(), transform):
@@ -291,10 +291,10 @@ def evaluate_ensemble_quantities(
 
             def add_members_to_cell(cell_index: tuple[int, ...], sums: Sequence[ContactSums]) -> None:
                 for batch_start in range(0, sums[0].contact_count.shape[-1], batch_size):
-                    normal, *values = quantities.compute_curves(
+                    normal_load, *values = quantities.compute_curves(
                         cell_index, sums, slice(batch_start, batch_start + batch_size)
                     )
-                    means_by_cell[cell_index].add(normal, values)
+                    means_by_cell[cell_index].add(normal_load, values)
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
             del piece, piece_sums  # release memory before the next piece is read
@@ -332,15 +332,15 @@ class _EnsembleQuantities:
         each array runs over all pairs of mu0 and tau0.
         """
         contact_sums, *quantity_sums = (
-            each.apply(operator.itemgetter((*cell, slice(None), selected_members))) for each in sums
+            curve_sums.apply(operator.itemgetter((*cell, slice(None), selected_members))) for curve_sums in sums
         )
         law = FrictionLaw(self.mu0[:, np.newaxis, np.newaxis, np.newaxis], self.tau0[:, np.newaxis, np.newaxis])
-        normal = law.load("normal", contact_sums)
+        normal_load = law.load("normal", contact_sums)
         values = (
-            np.broadcast_to(_compute_quantity_values(each, name, law), normal.shape)
-            for name, each in zip(self.names, quantity_sums, strict=True)
+            np.broadcast_to(_compute_quantity_values(sums_of_quantity, name, law), normal_load.shape)
+            for name, sums_of_quantity in zip(self.names, quantity_sums, strict=True)
         )
-        return [array.reshape(-1, *normal.shape[2:]) for array in (normal, *values)]
+        return [array.reshape(-1, *normal_load.shape[2:]) for array in (normal_load, *values)]
 
     def build_datasets(
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
@@ -361,9 +361,9 @@ class _EnsembleQuantities:
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
-            normal = self.compute_curves(cell, averages)[0][..., 0]
+            normal_load = self.compute_curves(cell, averages)[0][..., 0]
             # Friction locks the bodies if the normal load is not positive even at the largest approach.
-            is_locked = (cell_averages.contact_count[-1] > 0) & (normal[:, -1:] <= 0)
+            is_locked = (cell_averages.contact_count[-1] > 0) & (normal_load[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
                 below=means.crossing.below, locked=is_locked,
@@ -374,10 +374,11 @@ class _EnsembleQuantities:
             curves = {name: getattr(cell_averages, name) for name in self.ratio_sum_names if name in SUM_QUANTITIES}
             curves |= {name: values[cell] for name, values in ratio_operands.items()}
             sums_at_loads = {
-                name: means.crossing.interpolate(np.broadcast_to(curve, normal.shape)) for name, curve in curves.items()
+                name: means.crossing.interpolate(np.broadcast_to(curve, normal_load.shape))
+                for name, curve in curves.items()
             }
             ratios = compute_ratios(sums_at_loads, self.loads)
-            return {name: _reshape_curves(each, self.shape) for name, each in ratios.items()}
+            return {name: _reshape_curves(ratio, self.shape) for name, ratio in ratios.items()}
 
         ratios_by_cell = list(pool.map(evaluate_cell, means_by_cell.keys(), means_by_cell.values()))
         coordinates: dict[str, Any] = {name: self.head[name].variable for name in self.dims}
@@ -389,7 +390,7 @@ class _EnsembleQuantities:
         common_variables: dict[str, Any] = {
             "status": (dims, status, quantity_attributes("status")),
             **{
-                name: (dims, np.reshape([each[name] for each in ratios_by_cell], self.shape), quantity_attributes(name))
+                name: (dims, np.reshape([cell[name] for cell in ratios_by_cell], self.shape), quantity_attributes(name))
                 for name in ratios_by_cell[0]
             },
         }
@@ -438,7 +439,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
     def compute_quantity_sums(name: str) -> ContactSums:
         if QUANTITIES[name].weighted:
             return ContactSums.from_columns(
-                columns | {each: columns[each] * get_values_or_nan(name) for each in _LOAD_VARIABLES[1:]}
+                columns | {load: columns[load] * get_values_or_nan(name) for load in _LOAD_VARIABLES[1:]}
             )
         if name not in _VARIABLES_BY_QUANTITY:
             return ContactSums.from_columns(columns | {"contact_area": get_values_or_nan(name)})
@@ -446,7 +447,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
             return sums
         approach_step = compute_derivative(get_values_or_nan("approach")) if step_dimension == "load" else 1.0
         return ContactSums.from_columns(
-            columns | {each: compute_derivative(columns[each]) / approach_step for each in _LOAD_VARIABLES[1:]}
+            columns | {load: compute_derivative(columns[load]) / approach_step for load in _LOAD_VARIABLES[1:]}
         )
 
     def compute_derivative(values: NDArray[Any]) -> Floats:
@@ -501,7 +502,7 @@ def _average_sums(
         for name in operand_names:
             total_operands[name] = total_operands[name] + _get_values_or_nan(piece, name, step_dimension).sum(axis=-1)
         del piece  # release memory before the next piece is read
-    averages = [each.apply(lambda values: values / max(count, 1)) for each in total_sums]
+    averages = [total.apply(lambda values: values / max(count, 1)) for total in total_sums]
     return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 
 

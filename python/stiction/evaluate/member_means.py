@@ -66,7 +66,7 @@ def average_members(
         return include_interpolation_error(means, values, below, above, position, dependence.mean_with_interval)
 
     coordinates: dict[str, Any] = {
-        str(name): each for name, each in members.coords.items() if "repetition" not in each.dims
+        str(name): coordinate for name, coordinate in members.coords.items() if "repetition" not in coordinate.dims
     }
     nominal_area = float(members.coords.get("nominal_area", math.inf))
     find_limit = partial(find_upper_bound, nominal_area=nominal_area, uses_half_space=study.uses_half_space)
@@ -133,14 +133,14 @@ def average_members(
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
-    low, high = compute_sample_quantiles(
+    low_quantile, high_quantile = compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
     )  # NaN if no member has a coefficient
     statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
         # A member that slides by itself needs no tangential load, so its coefficient counts as 0.
-        "spread_low": (dims_of_mean, np.maximum(low, 0.0), quantity_attributes("spread_low")),
-        "spread_high": (dims_of_mean, np.maximum(high, 0.0), quantity_attributes("spread_high")),
+        "spread_low": (dims_of_mean, np.maximum(low_quantile, 0.0), quantity_attributes("spread_low")),
+        "spread_high": (dims_of_mean, np.maximum(high_quantile, 0.0), quantity_attributes("spread_high")),
         "status": (dims, statuses, quantity_attributes("status")),
         "ok": (dims, np.isin(status, friction.STATUSES_WITH_COEFFICIENT).sum(axis=0), quantity_attributes("ok")),
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
@@ -220,31 +220,31 @@ def include_interpolation_error(
     with np.errstate(all="ignore"):
         is_known = np.isfinite(below) & np.isfinite(above) & np.isfinite(values)
         is_positive = (~is_known | ((below > 0) & (above > 0) & (values > 0))).all(axis=0)
-        change = np.where(is_known, np.where(is_positive, np.log(above / below), above - below), np.nan)
+        change_between_loads = np.where(is_known, np.where(is_positive, np.log(above / below), above - below), np.nan)
         known_count = np.maximum(is_known.sum(axis=0), 1)
-        mean_change = np.where(is_known, change, 0.0).sum(axis=0) / known_count
-        deviation = (change - mean_change) * np.where(is_positive, values / mean, 1.0)
+        mean_change = np.where(is_known, change_between_loads, 0.0).sum(axis=0) / known_count
+        deviation = (change_between_loads - mean_change) * np.where(is_positive, values / mean, 1.0)
         deviation_limits = mean_with_interval(deviation)
         half_width = np.where(
             (deviation == 0).all(axis=0), 0.0, (deviation_limits[..., 2] - deviation_limits[..., 1]) / 2
         )
         random_error = np.sqrt(3 * position * (1 - position)) * half_width
         power_law = np.where(is_known, below ** (1 - position) * above**position, 0.0).sum(axis=0) / known_count
-        error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
+        log_error = np.where(is_positive, np.hypot(random_error, np.log(power_law / mean)), random_error)
         is_logarithmic = is_positive & (lower > 0)
-        absolute_error = np.where(is_positive, mean * error, error)
+        absolute_error = np.where(is_positive, mean * log_error, log_error)
         lower, upper = (
             np.where(
                 is_logarithmic,
-                mean * np.exp(sign * np.hypot(np.log(limit / mean), error)),
+                mean * np.exp(sign * np.hypot(np.log(limit / mean), log_error)),
                 mean + sign * np.hypot(limit - mean, absolute_error),
             )
             for sign, limit in ((-1, lower), (1, upper))
         )
-        is_signed = np.logical_or.reduce([(each < 0).any(axis=0) for each in (below, above, values)])
+        is_signed = np.logical_or.reduce([(array < 0).any(axis=0) for array in (below, above, values)])
     lower = np.where(is_signed | ~(mean >= 0), lower, np.maximum(lower, 0.0))
-    widened = np.stack([mean, lower, upper], axis=-1)
-    return np.where(np.broadcast_to(position > 0, mean.shape)[..., np.newaxis], widened, means)
+    widened_interval = np.stack([mean, lower, upper], axis=-1)
+    return np.where(np.broadcast_to(position > 0, mean.shape)[..., np.newaxis], widened_interval, means)
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
@@ -253,12 +253,12 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
     If any member has a coefficient, this is a status with a coefficient, such as "ok". Otherwise, it is the most
     frequent status.
     """
-    counts = np.stack([(statuses == each).sum(axis=0) for each in STATUSES])
-    most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[counts.argmax(axis=0)]
+    status_counts = np.stack([(statuses == status).sum(axis=0) for status in STATUSES])
+    most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[status_counts.argmax(axis=0)]
     with_coefficient = friction.STATUSES_WITH_COEFFICIENT
     return np.select(
-        [(statuses == each).any(axis=0) for each in with_coefficient],
-        [np.array(each, STATUS_DTYPE) for each in with_coefficient], most_frequent_statuses,
+        [(statuses == status).any(axis=0) for status in with_coefficient],
+        [np.array(status, STATUS_DTYPE) for status in with_coefficient], most_frequent_statuses,
     )  # fmt: skip
 
 
@@ -309,10 +309,10 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
     angles = np.mod(directions, 360.0)
     axes, direction_pairs = [], []
     for index, angle in enumerate(angles):
-        opposite = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
-        if angle < 180.0 and opposite.size:
+        opposite_indices = np.flatnonzero(np.abs(np.mod(angles - angle - 180.0 + 1e-6, 360.0)) < 2e-6)
+        if angle < 180.0 and opposite_indices.size:
             axes.append(float(angle))
-            direction_pairs.append((index, int(opposite[0])))
+            direction_pairs.append((index, int(opposite_indices[0])))
     order = np.argsort(axes)
     return np.array(axes)[order], np.array(direction_pairs, np.intp).reshape(-1, 2)[order]
 

@@ -169,9 +169,13 @@ def interpolate_member_sums(
         sums, load_crossings = _find_load_crossings(piece, loads, names)
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
         values = np.broadcast_arrays(*map(load_crossings.interpolate, sums.values()))
-        coordinates = {str(name): each for name, each in piece.coords.items() if {*each.dims} <= {*dims} - {"load"}}
+        coordinates = {
+            str(name): coordinate
+            for name, coordinate in piece.coords.items()
+            if {*coordinate.dims} <= {*dims} - {"load"}
+        }
         return xarray.Dataset(
-            {name: (dims, each) for name, each in zip(sums, values, strict=True)},
+            {name: (dims, array) for name, array in zip(sums, values, strict=True)},
             _get_missing_motion_coordinates(piece, study) | coordinates,
         )
 
@@ -251,21 +255,21 @@ def _evaluate_piece(
         )
     variables = _replace_sums_by_ratios(variables, piece.coords.get("nominal_area"))
     if onset is not None:
-        growth, _ = onset
+        area_growth, _ = onset
         area = np.asarray(variables["contact_area"][1])[..., np.newaxis, np.newaxis]
-        area_at_onset = area * np.where(np.isfinite(growth), growth, np.nan)[:, np.newaxis]
+        area_at_onset = area * np.where(np.isfinite(area_growth), area_growth, np.nan)[:, np.newaxis]
         variables["contact_area_at_onset"] = (
             (*member_dims, "load", "mu0", "tau0"), area_at_onset, quantity_attributes("contact_area_at_onset"),
         )  # fmt: skip
-    variables = {name: each for name, each in variables.items() if is_requested(name, requested_names)}
+    variables = {name: variable for name, variable in variables.items() if is_requested(name, requested_names)}
     coordinates: dict[str, Any] = {
-        str(name): each.variable
-        for name, each in piece.coords.items()
+        str(name): coordinate.variable
+        for name, coordinate in piece.coords.items()
         if name not in (find_step_dimension(piece), "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
     coordinates |= _get_missing_motion_coordinates(piece, study) | {
-        name: (name, each, quantity_attributes(name)) for name, each in parameters.items()
+        name: (name, parameter_values, quantity_attributes(name)) for name, parameter_values in parameters.items()
     }
     return xarray.Dataset(variables, coordinates, piece.attrs)
 
@@ -288,7 +292,7 @@ class _MemberForces:
     ) -> _MemberForces:
         """Compute normal and tangential loads from contact sums that are interpolated at elastic loads."""
         is_reached, is_below = (
-            each[..., None, None, :, None, None] for each in (load_crossings.reached, load_crossings.below)
+            mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
         return cls(*_compute_loads(contact_sums, law), is_reached, is_below)
 
@@ -298,17 +302,17 @@ class _MemberForces:
     ) -> _MemberForces:
         """Interpolate normal and tangential loads of members at given normal loads (mN)."""
         # Move the loading steps to the last axis, along which loads are interpolated.
-        normal, tangential = (np.moveaxis(each, -3, -1) for each in _compute_loads(sums_at_steps, law))
-        normal = np.broadcast_to(normal, tangential.shape)
+        normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
+        normal_load = np.broadcast_to(normal_load, tangential_load.shape)
         with np.errstate(invalid="ignore"):
-            positive_normal = np.where(normal > 0, normal, np.nan) if interpolates_ratio else normal
+            positive_normal = np.where(normal_load > 0, normal_load, np.nan) if interpolates_ratio else normal_load
         crossing = LoadCrossings.from_curves(
             positive_normal, loads, interpolates_ratio=interpolates_ratio
-        ).without_crossings_after_nan(normal, loads)
+        ).without_crossings_after_nan(normal_load, loads)
         arrays: tuple[Any, ...] = (
-            crossing.interpolate(normal), crossing.interpolate(tangential), crossing.reached, crossing.below
+            crossing.interpolate(normal_load), crossing.interpolate(tangential_load), crossing.reached, crossing.below
         )  # fmt: skip
-        return cls(*(np.moveaxis(each, -1, -3) for each in arrays))
+        return cls(*(np.moveaxis(array, -1, -3) for array in arrays))
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
@@ -318,27 +322,27 @@ def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats
 
 
 def _grow_contacts(
-    forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], growth: Floats,
+    forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], area_growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
     """Return loads and statuses of members after contacts have grown, or have lost area, under shear.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
-    and tau0 multiply. `growth` and `fraction` come from `compute_onset_factors`.
+    and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_factors`.
     """
-    growth, fraction = (each[:, np.newaxis, np.newaxis, np.newaxis] for each in (growth, fraction))
-    added_area = np.where(law.tau0 > 0, growth * fraction - 1, 0.0)
+    area_growth, fraction = (factors[:, np.newaxis, np.newaxis, np.newaxis] for factors in (area_growth, fraction))
+    added_area = np.where(law.tau0 > 0, area_growth * fraction - 1, 0.0)
     with np.errstate(invalid="ignore"):
-        normal, tangential = (
+        normal_load, tangential_load = (
             load + law.force((fraction - 1) * sums[f"{name}_frictional"], added_area * sums[f"{name}_adhesive"])
             for name, load in (("normal", forces.normal), ("tangential", forces.tangential))
         )
     has_coefficient = status == friction.STATUS_OK
-    status = np.array(np.broadcast_to(status, normal.shape))
+    status = np.array(np.broadcast_to(status, normal_load.shape))
     status[has_coefficient & (fraction < 1)] = friction.STATUS_BULK_SHEAR
-    status[has_coefficient & (normal <= 0)] = friction.STATUS_SELF_LOCKED
+    status[has_coefficient & (normal_load <= 0)] = friction.STATUS_SELF_LOCKED
     status[has_coefficient & np.isinf(added_area)] = friction.STATUS_SEIZURE
-    return replace(forces, normal=normal, tangential=tangential), status
+    return replace(forces, normal=normal_load, tangential=tangential_load), status
 
 
 def _compute_opposing_fraction(
@@ -348,13 +352,13 @@ def _compute_opposing_fraction(
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
-    opposing, total = (
+    opposing_load, total_load = (
         np.take(contact_sums["tangential_frictional"], rules.index(rule), axis=len(member_dims))
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         # To first order in the slopes, the denominator Σ F |t·s| equals the load.
-        fraction = opposing / total
+        fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
 
@@ -427,13 +431,13 @@ def _interpolate_by_stiffness(
     """
     steps = piece["load"].values
     for name, stiffness_names in _STIFFNESSES_BY_DISPLACEMENT.items():
-        if any(each not in piece.variables for each in (name, stiffness_names[0])):
+        if any(variable_name not in piece.variables for variable_name in (name, stiffness_names[0])):
             continue
         per_area = STIFFNESS_PER_AREA_FACTOR / float(piece["nominal_area"]) if name == "closure" else 1.0
         stored_values = {
-            each: _to_float_array(piece.variables[each], (*member_dims, "load"))
-            for each in (name, *stiffness_names)
-            if each in piece.variables
+            variable_name: _to_float_array(piece.variables[variable_name], (*member_dims, "load"))
+            for variable_name in (name, *stiffness_names)
+            if variable_name in piece.variables
         }
         loading = stored_values[stiffness_names[0]]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -450,11 +454,11 @@ def _interpolate_by_stiffness(
                 weight = np.nan_to_num(elasticity) ** ELASTICITY_EXPONENT
                 log_by_ratio = np.where(weight > 0, np.log(ratio * stiffness), 0.0)
                 values[stiffness_names[1]] = np.exp(weight * log_by_ratio + (1 - weight) * log_unloading)
-        for each, array in values.items():
-            if each in variables:
-                dims, interpolated, attributes = variables[each]
+        for variable_name, array in values.items():
+            if variable_name in variables:
+                dims, interpolated, attributes = variables[variable_name]
                 is_between_steps = np.isfinite(array) & (load_crossings.fraction != 1)
-                variables[each] = dims, np.where(is_between_steps, array, interpolated), attributes
+                variables[variable_name] = dims, np.where(is_between_steps, array, interpolated), attributes
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
@@ -528,9 +532,12 @@ def _find_load_crossings(
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
     """Return coordinates for sliding rule and direction, for results that lack these dimensions."""
-    values = {"sliding": list(study.contact.sliding_rules()), "direction": list(study.contact.direction_angles())}
+    coordinate_values = {
+        "sliding": list(study.contact.sliding_rules()),
+        "direction": list(study.contact.direction_angles()),
+    }
     return {
-        name: ((name,), values[name][:1], quantity_attributes(name))
+        name: ((name,), coordinate_values[name][:1], quantity_attributes(name))
         for name in MOTION_DIMENSIONS
         if name not in piece.dims
     }
@@ -543,10 +550,12 @@ def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dic
         pull_off = variables["pull_off"]
         pressure = pull_off.values / float(nominal_area)
         variables["pull_off_pressure"] = (pull_off.dims, pressure, quantity_attributes("pull_off_pressure"))
-    sums = {name: each[1] for name, each in variables.items() if isinstance(each, tuple)}
+    sums = {name: variable[1] for name, variable in variables.items() if isinstance(variable, tuple)}
     ratios = compute_ratios(sums, elastic, None if nominal_area is None else float(nominal_area))
     shown_variables = {
-        name: each for name, each in variables.items() if QUANTITIES[name].shown or name not in VALIDITY_RATIO_OPERANDS
+        name: variable
+        for name, variable in variables.items()
+        if QUANTITIES[name].shown or name not in VALIDITY_RATIO_OPERANDS
     }
     return shown_variables | {name: (dims, values, quantity_attributes(name)) for name, values in ratios.items()}
 

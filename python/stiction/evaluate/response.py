@@ -96,7 +96,9 @@ class ClosureCurve:
     def exponents_at(self, load: float) -> tuple[float, float]:
         """Return d ln(closure stiffness)/d ln(load) at a load (mN), for loading and for unloading."""
         log_load, log_loads = np.log(load), np.log(self.loads)
-        loading, unloading = (float(np.interp(log_load, log_loads, each)) for each in self.stiffness_exponents)
+        loading, unloading = (
+            float(np.interp(log_load, log_loads, exponents)) for exponents in self.stiffness_exponents
+        )
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
@@ -113,7 +115,9 @@ class ClosureCurve:
         """Interpolate closures at given loads (mN) by power laws, which also extrapolate beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
-        below, above = (np.take_along_axis(logs, each[np.newaxis], axis=0)[0] for each in (index - 1, index))
+        below, above = (
+            np.take_along_axis(logs, step_index[np.newaxis], axis=0)[0] for step_index in (index - 1, index)
+        )
         position = (np.log(load) - log_loads[index - 1]) / (log_loads[index] - log_loads[index - 1])
         return np.asarray(np.exp(below + position * (above - below)))
 
@@ -137,7 +141,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
             continue
         known_loads = loads[is_known]
         exponents = np.stack(
-            [compute_exponents(known_loads, each[is_known]) for each in (stiffnesses, unloading_stiffnesses)]
+            [compute_exponents(known_loads, stiffness[is_known]) for stiffness in (stiffnesses, unloading_stiffnesses)]
         )
         curves.append(ClosureCurve(known_loads, closures[is_known], exponents))
     return curves
@@ -177,7 +181,7 @@ class ResponseValues:
     def select(self, *indices: int) -> ResponseValues:
         """Return the quantities for a single sample of the inputs, selected by its indices."""
         shape = np.shape(self.friction_coefficient)
-        return ResponseValues(**{name: np.broadcast_to(each, shape)[indices] for name, each in vars(self).items()})
+        return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,7 +269,7 @@ class ContactResponse:
         yielding_ratio = area_before_shear / self.area(self.load / factor)
         yielded_fraction = 1.0 - float(self.area.elastic_area(self.load) / self.area(self.load))
         area_exponents = LOADING_STIFFNESS_EXPONENT * yielded_fraction, UNLOADING_STIFFNESS_EXPONENT
-        area_factors = [yielding_ratio**each for each in area_exponents]
+        area_factors = [yielding_ratio**exponent for exponent in area_exponents]
         curve = self.closure_curve
         closure_exponents = self.stiffness_exponents if curve is None else curve.exponents_at(self.load)
         return tuple(
@@ -313,8 +317,11 @@ class ContactResponse:
         curve = self.closure_curve
         assert curve is not None, "the closure is known"
         loads = np.broadcast_to(self.load / (inputs.modulus * inputs.height_factor), closures.shape[1:])
-        closure, central = curve.interpolate(closures, loads), curve.interpolate(curve.closures, np.asarray(self.load))
-        return np.asarray(inputs.height_factor * closure / central)
+        closure, central_closure = (
+            curve.interpolate(closures, loads),
+            curve.interpolate(curve.closures, np.asarray(self.load)),
+        )
+        return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
         """Return all quantities of the contact at the central inputs, some of which `changes` may replace."""

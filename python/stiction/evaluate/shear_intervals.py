@@ -1,7 +1,7 @@
 """Intervals of a shear test that include uncertain inputs and the scatter between strips of the faces.
 
 Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
-the contacts, so the test is repeated at the limits of each, and the curves are interpolated.
+the contacts, so the test is repeated at both limits of each of these inputs, and the curves are interpolated.
 """
 
 from __future__ import annotations
@@ -66,17 +66,18 @@ def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
     """Draw samples of a shear test's inputs and, for a calibrated interface, more samples with mu0 = 0 or tau0 = 0."""
-    uncertain, joint_strengths = find_inputs_and_strengths(inputs, strength)
-    if not uncertain and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
+    uncertain_inputs, joint_strengths = find_inputs_and_strengths(inputs, strength)
+    if not uncertain_inputs and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
         return []
-    *points, probabilities, interface_points = _draw_points(len(uncertain) + 2, num_displacements).T
-    values = {
-        name: each.estimate.quantile(column) for column, (name, each) in zip(points, uncertain.items(), strict=True)
+    *points, probabilities, interface_points = _draw_points(len(uncertain_inputs) + 2, num_displacements).T
+    input_samples = {
+        name: study_input.estimate.quantile(column)
+        for column, (name, study_input) in zip(points, uncertain_inputs.items(), strict=True)
     }
-    mu0, tau0 = (values.get(name, np.full(probabilities.size, inputs.central(name))) for name in ("mu0", "tau0"))
-    ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
-    if "hardness" in values:
-        ratios["hardness"] = values["hardness"] / inputs.central("hardness")
+    mu0, tau0 = (input_samples.get(name, np.full(probabilities.size, inputs.central(name))) for name in ("mu0", "tau0"))
+    ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(input_samples))}
+    if "hardness" in input_samples:
+        ratios["hardness"] = input_samples["hardness"] / inputs.central("hardness")
     samples = [ShearInputSamples(mu0, tau0, ratios, probabilities)]
     if joint_strengths:
         index = (interface_points * joint_strengths[0][0].size).astype(int)
@@ -89,8 +90,11 @@ def draw_shear_samples(
             for joint_mu0, joint_tau0, hardness, _ in joint_strengths
         ]  # fmt: skip
     return [
-        replace(each, contact_inputs={name: ratio for name, ratio in each.contact_inputs.items() if np.ptp(ratio) > 0})
-        for each in samples
+        replace(
+            test_samples,
+            contact_inputs={name: ratio for name, ratio in test_samples.contact_inputs.items() if np.ptp(ratio) > 0},
+        )
+        for test_samples in samples
     ]
 
 
@@ -101,7 +105,7 @@ class ContactVariation:
     name: str
     ratio: float
 
-    def apply(self, box: ShearBox) -> ShearBox:
+    def apply_to(self, box: ShearBox) -> ShearBox:
         """Return the shear test with the input set to this limit."""
         changes: Any = {self.name: getattr(box, self.name) * self.ratio}
         return replace(box, **changes)
@@ -140,8 +144,10 @@ class _SampledCurves:
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
         """Return the curve of the shear test that `get_curve` selects, for each sample of the inputs (first axis)."""
-        central = get_curve(self._test)
-        return central + sum(weight * np.nan_to_num(get_curve(other) - central) for weight, other in self._terms)
+        central_curve = get_curve(self._test)
+        return central_curve + sum(
+            weight * np.nan_to_num(get_curve(other) - central_curve) for weight, other in self._terms
+        )
 
 
 def _sample_test(
@@ -153,13 +159,15 @@ def _sample_test(
     """
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
-    sums = {name: curves.sample(partial(_divide_values, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES}
-    normal, tangential = (law.load(load, sums) for load in ("normal", "tangential"))
+    load_ratios = {
+        name: curves.sample(partial(_divide_values, name=name, divisor="normal_load")) for name in LOAD_SUM_NAMES
+    }
+    normal, tangential = (law.load(load, load_ratios) for load in ("normal", "tangential"))
     with np.errstate(invalid="ignore"):
         coefficient = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
     coefficient = np.where(curves.has_no_solution, np.inf, coefficient)
-    dilation = curves.sample(lambda each: each["dilation"].values)
-    stress = coefficient * curves.sample(lambda each: _divide_values(each, "normal_load", "overlap_area"))
+    dilation = curves.sample(lambda varied_test: varied_test["dilation"].values)
+    stress = coefficient * curves.sample(lambda varied_test: _divide_values(varied_test, "normal_load", "overlap_area"))
     return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape))
 
 
@@ -192,16 +200,18 @@ class _StripMeanErrors:
     errors: _Samples
     counts: _Samples
 
-    def shift(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
+    def error_quantiles(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
         """Return the quantiles of the error of a mean over strips at given probabilities (first axis).
 
         The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
         from scipy.special import stdtrit
 
-        error, count = (np.broadcast_to(each.get(name, np.nan), shape) for each in (self.errors, self.counts))
+        standard_error, strip_count = (
+            np.broadcast_to(values_by_name.get(name, np.nan), shape) for values_by_name in (self.errors, self.counts)
+        )
         probabilities = probabilities.reshape(-1, *[1] * len(shape))
-        return np.asarray(stdtrit(np.maximum(np.nan_to_num(count) - 1, 1), probabilities) * error)
+        return np.asarray(stdtrit(np.maximum(np.nan_to_num(strip_count) - 1, 1), probabilities) * standard_error)
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripMeanErrors:
@@ -210,20 +220,20 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     The peak of a strip is found among the displacements at which the strip has a solution.
     """
     coefficient = np.stack(
-        [_divide_values(each, "shear_stress", "normal_load") * each["overlap_area"].values for each in strips]
+        [_divide_values(strip, "shear_stress", "normal_load") * strip["overlap_area"].values for strip in strips]
     )
     coefficient = np.where(np.isfinite(coefficient), coefficient, np.nan)
-    stress, dilation = (np.stack([each[name].values for each in strips]) for name in ("shear_stress", "dilation"))
-    errors, counts = {}, {}
+    stress, dilation = (np.stack([strip[name].values for strip in strips]) for name in ("shear_stress", "dilation"))
+    standard_errors, strip_counts = {}, {}
     for name, values in _summarize_samples(test, coefficient, stress, dilation).items():
         is_known = np.isfinite(values)
-        counts[name] = is_known.sum(axis=0)
-        has_scatter = counts[name] > 1
-        mean = np.where(is_known, values, 0.0).sum(axis=0) / np.maximum(counts[name], 1)
+        strip_counts[name] = is_known.sum(axis=0)
+        has_scatter = strip_counts[name] > 1
+        mean = np.where(is_known, values, 0.0).sum(axis=0) / np.maximum(strip_counts[name], 1)
         squares = np.where(is_known, (values - mean) ** 2, 0.0).sum(axis=0)
-        freedom = np.where(has_scatter, counts[name] * (counts[name] - 1), 1)
-        errors[name] = np.where(has_scatter, np.sqrt(squares / freedom), np.nan)
-    return _StripMeanErrors(errors, counts)
+        freedom = np.where(has_scatter, strip_counts[name] * (strip_counts[name] - 1), 1)
+        standard_errors[name] = np.where(has_scatter, np.sqrt(squares / freedom), np.nan)
+    return _StripMeanErrors(standard_errors, strip_counts)
 
 
 def add_shear_intervals(
@@ -240,7 +250,7 @@ def add_shear_intervals(
     """
     strip_errors = _estimate_strip_errors(test, strips) if strips else None
     if samples:
-        sampled_tests = [_sample_test(test, each, variations) for each in samples]
+        sampled_tests = [_sample_test(test, input_samples, variations) for input_samples in samples]
         probabilities = samples[0].probabilities
     elif strips:
         curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVE_NAMES)
@@ -253,8 +263,10 @@ def add_shear_intervals(
     limits = {}
     for name in sampled_tests[0]:
         value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
-        shift = 0.0 if strip_errors is None else strip_errors.shift(name, value.shape, probabilities)
-        limits[name] = _extend_to_value(name, value, [_compute_limits(each[name] + shift) for each in sampled_tests])
+        shift = 0.0 if strip_errors is None else strip_errors.error_quantiles(name, value.shape, probabilities)
+        limits[name] = _extend_to_value(
+            name, value, [_compute_limits(sampled_test[name] + shift) for sampled_test in sampled_tests]
+        )
     return _store_limits(test, limits)
 
 
@@ -270,8 +282,8 @@ def _compute_limits(values: Floats) -> Floats:
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
     """Widen limits so that they enclose the computed value, and raise negative limits to 0 except for dilation."""
-    first, *other_limits = limits
-    extended_limits = extend_intervals(first, *other_limits, np.stack([value, value], axis=-1))
+    first_limits, *other_limits = limits
+    extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
@@ -284,7 +296,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # all samples peak at one computed displacement, but the true peak may lie between two displacements
+            # the peaks of all samples are at one computed displacement, but a true peak may be between two of them
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))

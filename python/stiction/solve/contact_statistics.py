@@ -163,8 +163,8 @@ def tabulate_contact_patches(solution: ContactSolution) -> ContactList:
 def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> ContactList:
     """Return the contacts of the asperity model, with the load, area, position and slope of each contact."""
     spacing, extent = body.spacings, np.atleast_1d(body.extent)
-    normal = contacts.normal
-    contact_slopes = -normal[:, :2] / normal[:, 2:]
+    normals = contacts.normal
+    contact_slopes = -normals[:, :2] / normals[:, 2:]
     x, y = contacts.centre[:, 0], contacts.centre[:, 1]
     half_width = contacts.axes[:, 0]
     if len(spacing) == 1:
@@ -176,7 +176,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
             (x - half_width < 0) | (x + half_width > extent[1]) | (y - half_width < 0) | (y + half_width > extent[0])
         )
     return ContactList(
-        x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=contacts.force * normal[:, 2], area=contacts.area,
+        x=x, y=y if len(spacing) == 2 else np.zeros(x.size), force=contacts.force * normals[:, 2], area=contacts.area,
         slope_x=contact_slopes[:, 0], slope_y=contact_slopes[:, 1] if len(spacing) == 2 else np.zeros(x.size),
         cells=width_in_cells,
         at_edge=at_edge, pressure=contacts.force / contacts.area, weight=contacts.area,
@@ -198,12 +198,18 @@ def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> 
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """
-    sorted_values, last = np.sort(values, axis=0), np.maximum((~np.isnan(values)).sum(axis=0) - 1, 0)
-    position = np.multiply.outer(np.array(probabilities), last)
+    sorted_values, last_index = np.sort(values, axis=0), np.maximum((~np.isnan(values)).sum(axis=0) - 1, 0)
+    position = np.multiply.outer(np.array(probabilities), last_index)
     lower_indices = position.astype(np.intp)
-    low, high = (
+    value_below, value_above = (
         np.take_along_axis(sorted_values, index, axis=0)
-        for index in (lower_indices, np.minimum(lower_indices + 1, last))
+        for index in (lower_indices, np.minimum(lower_indices + 1, last_index))
     )
     weight = position - lower_indices
-    return np.asarray(np.where(weight < 0.5, low + (high - low) * weight, high - (high - low) * (1 - weight)))
+    return np.asarray(
+        np.where(
+            weight < 0.5,
+            value_below + (value_above - value_below) * weight,
+            value_above - (value_above - value_below) * (1 - weight),
+        )
+    )

@@ -189,24 +189,24 @@ def progress_bar(
         yield lambda count=1: None
         return
     with contextlib.ExitStack() as stack:
-        show: Callable[[float, str], None] | None = None
+        show_progress: Callable[[float, str], None] | None = None
         may_show_bar = _may_show_progress_bar()
         start_time = last_time = time.monotonic()
         num_finished = finished
 
         def advance(count: int = 1) -> None:
-            nonlocal num_finished, last_time, show, may_show_bar
+            nonlocal num_finished, last_time, show_progress, may_show_bar
             num_finished += count
             completed, now = num_finished + estimate_progress(), time.monotonic()
             # Estimate the remaining time from the mean time of the tasks that this run has finished.
             left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
             left_text = format_duration(left) if completed > finished else "-"
-            if show is None and may_show_bar:
+            if show_progress is None and may_show_bar:
                 # Workers compute while this thread imports the package that draws the bar.
-                show = stack.enter_context(_progress_display(label, total, finished))
-                may_show_bar = show is not None
-            if show is not None:
-                show(completed, left_text)
+                show_progress = stack.enter_context(_progress_display(label, total, finished))
+                may_show_bar = show_progress is not None
+            if show_progress is not None:
+                show_progress(completed, left_text)
             elif now - last_time > PROGRESS_LINE_INTERVAL:
                 last_time = now
                 line = (

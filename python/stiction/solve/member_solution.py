@@ -195,8 +195,8 @@ def _solve_half_space(
             )
         values["error"][load_indices] = curve.error
         statistics = compute_patch_statistics([curve.at(index) for index in range(load_indices.size)], slopes)
-        for name, numbers in statistics.items():
-            values[name][load_indices] = numbers
+        for name, statistic in statistics.items():
+            values[name][load_indices] = statistic
     if contact.adheres:
         solution_at_no_load = solve_at_zero_load(solve)
         if solution_at_no_load is not None:
@@ -246,10 +246,10 @@ def _solve_asperities(
     list_contacts: Any = functools.partial(contacts, *bodies)
 
     def interpolate_at_jump(name: str, curve: Any) -> Floats:
-        normal, sums = curve.normal_elastic, getattr(curve, name)
+        elastic_load, sums = curve.normal_elastic, getattr(curve, name)
         load_jump, load_rise = (
-            normal[load_index] - normal[index_before_jump],
-            contact.loading_steps()[solved_loads] - normal[index_before_jump],
+            elastic_load[load_index] - elastic_load[index_before_jump],
+            contact.loading_steps()[solved_loads] - elastic_load[index_before_jump],
         )
         load_fraction = np.clip(
             np.divide(load_rise, load_jump, out=np.ones(solved_loads.size), where=load_jump > 0), 0, 1
@@ -270,8 +270,10 @@ def _solve_asperities(
                     [np.atleast_2d(interpolate_at_jump(name, curve)) for curve in curves]
                 )
     is_cylinder = isinstance(parse_contact_law(first_model.law), HertzCylinder)
-    normal = curves[0].normal_elastic
-    stiffness = (normal[upper_index] - normal[lower_index]) / (approaches[upper_index] - approaches[lower_index])
+    elastic_load = curves[0].normal_elastic
+    stiffness = (elastic_load[upper_index] - elastic_load[lower_index]) / (
+        approaches[upper_index] - approaches[lower_index]
+    )
     values["approach"][solved_loads] = values["closure"][solved_loads] = approach[solved_loads]
     values["normal_stiffness"][solved_loads] = stiffness
     values["closure_stiffness"][solved_loads] = stiffness / np.prod(upper.extent) * STIFFNESS_PER_AREA_FACTOR
@@ -568,8 +570,8 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
             index, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
             steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
-        values = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
-        for name, value in zip(ONSET_QUANTITIES, values, strict=True):
+        onset_quantities = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
+        for name, value in zip(ONSET_QUANTITIES, onset_quantities, strict=True):
             onsets[name][index] = value
     return onsets
 

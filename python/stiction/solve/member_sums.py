@@ -115,8 +115,8 @@ class MemberSums:
         sums over the pieces are bitwise reproducible.
         """
         if names is not None:
-            first = self._first_member if isinstance(self.source, StoredResult) else self.source
-            names, variables = parse_names("names", names), first.variables
+            first_members = self._first_member if isinstance(self.source, StoredResult) else self.source
+            names, variables = parse_names("names", names), first_members.variables
             if unknown_names := [name for name in names if name not in variables]:
                 raise ValueError(f"names must be variables of the result, got {short_repr(unknown_names[0])}")
         if isinstance(self.source, StoredResult):
@@ -124,7 +124,7 @@ class MemberSums:
             return
         count = self.source.sizes["repetition"]
         piece_size = compute_members_per_piece(
-            sum(each.nbytes for each in self.source.data_vars.values()) // max(1, count)
+            sum(variable.nbytes for variable in self.source.data_vars.values()) // max(1, count)
         )
         selected_dataset = self.source if names is None else self.source[list(names)]
         for piece_start in range(0, count, piece_size):

@@ -58,13 +58,15 @@ class MembersInProgress:
         self._finished_counts: list[int] = []
 
     @cached_property
-    def _key(self) -> str:
+    def _steps_key(self) -> str:
         """Checksum of everything that can affect the bits of a member: study, software and machine."""
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
         """Add a member, and return its new record, which contains the steps stored by an interrupted run."""
-        record = SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._key)
+        record = (
+            SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._steps_key)
+        )
         self._records[member] = record
         return record
 
@@ -80,10 +82,12 @@ class MembersInProgress:
         """Estimate the progress of all members in computation, as the sum of their finished fractions."""
         if not self._records:
             return 0.0
-        counts = [count for count in self._finished_counts if count > 0]
-        expected = sum(counts) / len(counts) if counts else self._estimate_iterations()
+        iteration_counts = [count for count in self._finished_counts if count > 0]
+        expected_iterations = (
+            sum(iteration_counts) / len(iteration_counts) if iteration_counts else self._estimate_iterations()
+        )
         return sum(
-            _estimate_finished_fraction(record.counter.count / max(expected, 1.0))
+            _estimate_finished_fraction(record.counter.count / max(expected_iterations, 1.0))
             for record in list(self._records.values())
         )
 
@@ -92,11 +96,11 @@ def compute_steps_key(inputs: str) -> str:
     """Compute a checksum of study, software and machine, which together determine every bit of a stored step."""
     import scipy
 
-    all_inputs = (
+    checksum_inputs = (
         inputs, __version__, sorted(_core.build().items()), np.__version__, scipy.__version__, platform.node(),
         platform.machine(),
     )  # fmt: skip
-    return hashlib.sha256(repr(all_inputs).encode()).hexdigest()[:16]
+    return hashlib.sha256(repr(checksum_inputs).encode()).hexdigest()[:16]
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
@@ -174,8 +178,8 @@ class _StoredRecord(SolutionRecord):
             result["iteration_count"] = self.counter.count - self._first_count
             if self._is_writable:
                 self._unsaved_steps.append((self._step, result))
-            if self._is_due():
-                self._write({})
+            if self._is_storage_due():
+                self._write_steps({})
         if "failure" in result:
             raise error_type(str(result["failure"]))
         return result
@@ -188,9 +192,9 @@ class _StoredRecord(SolutionRecord):
         return state
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        if self._is_due():
-            counts = {"step": self._step, "iteration_count": self.counter.count - self._first_count}
-            self._write(get_state() | counts)
+        if self._is_storage_due():
+            step_counts = {"step": self._step, "iteration_count": self.counter.count - self._first_count}
+            self._write_steps(get_state() | step_counts)
 
     @cached_property
     def _had_files(self) -> bool:
@@ -202,10 +206,10 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming = result is not None
         return result
 
-    def _is_due(self) -> bool:
+    def _is_storage_due(self) -> bool:
         return self._is_writable and time.monotonic() - self._last_time > STORAGE_INTERVAL
 
-    def _write(self, state: StepResult) -> None:
+    def _write_steps(self, state: StepResult) -> None:
         """Write the results of newly finished steps, and the state of the current step, to files.
 
         A failure to write does not end the computation; after an interruption, the member is computed again.

@@ -61,11 +61,11 @@ if TYPE_CHECKING:
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS = 16  # minimum number of blocks of a run, so that no worker waits long for the last block
+MIN_BLOCKS_PER_RUN = 16  # minimum number of blocks of a run, so that no worker waits long for the last block
 MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block, because the first file of each size takes 0.1 s to write
 MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if workers write the block files
 # Maximum number of submitted tasks if the main process writes the block files.
-MAX_RETURNED_TASKS = 256
+MAX_TASKS_THAT_RETURN_BLOCKS = 256
 PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
 SHUTDOWN_TIMEOUT = 3.0  # time (s) that an interrupted run waits for unfinished blocks
 # Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
@@ -78,7 +78,7 @@ def choose_block_size(study: Study) -> int:
     size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
     num_members = study.ensemble.repetitions
     min_size = min(math.ceil(MIN_BLOCK_TIME / max(estimate_member_time(study), 1e-9)), num_members // 4)
-    return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS, min_size)))
+    return max(1, min(size_by_time, size_by_bytes, max(num_members // MIN_BLOCKS_PER_RUN, min_size)))
 
 
 # ---- Runs -----------------------------------------------------------------------------------------------------------
@@ -136,11 +136,11 @@ def prepare_result_directory(
     if part is not None and not 1 <= part[0] <= part[1]:
         raise ValueError(f"the argument part must be (K, N) with K from 1 to N, got ({part[0]}, {part[1]})")
     if (size := compute_bytes_per_member(study)) > MAX_BYTES_IN_MEMORY:
-        keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
+        study_keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
         raise StudyError(
             f"a repetition would take {size / 2**30:.0f} GiB of memory, more than the limit of "
             f"{MAX_BYTES_IN_MEMORY / 2**30:.0f} GiB; reduce the number of values of "
-            f"contact.{study.step_quantity} or {keys}"
+            f"contact.{study.step_quantity} or {study_keys}"
         )
     if not is_complete(directory, study):
         check_last_member(study.with_checksums())
@@ -229,7 +229,7 @@ def _compute_blocks(
             announce(
                 _describe_remaining_work(stored_result, unfinished_members, is_local or is_visible, num_workers or 1)
             )
-        max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_RETURNED_TASKS
+        max_tasks = MAX_SUBMITTED_TASKS if is_visible else MAX_TASKS_THAT_RETURN_BLOCKS
         counts_iterations = is_local and stored_result.study.uses_half_space
         task = (
             functools.partial(compute_block, members_in_progress=members_in_progress)
@@ -374,8 +374,8 @@ class _UnfinishedMembers:
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
         self.block_size = choose_block_size(stored_result.study)
-        first, step = (1, 1) if part is None else part
-        self._blocks = range(first - 1, -(-num_members // self.block_size), step)
+        first_part, step = (1, 1) if part is None else part
+        self._blocks = range(first_part - 1, -(-num_members // self.block_size), step)
         self._is_finished = np.zeros(num_members, np.bool_)
         self._is_finished[stored_result.finished_members] = True
         finished_by_block = [
@@ -387,12 +387,12 @@ class _UnfinishedMembers:
     def __iter__(self) -> Iterator[range]:
         """Yield the ranges of missing members, block by block."""
         for block in self._blocks:
-            first = block * self.block_size
-            is_finished = self._is_finished[first : first + self.block_size]
+            first_index = block * self.block_size
+            is_finished = self._is_finished[first_index : first_index + self.block_size]
             # Find the first index of each range of missing members, and the index after its last member.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
-                yield range(first + start, first + end)
+                yield range(first_index + start, first_index + end)
 
 
 def _submit_member_ranges(

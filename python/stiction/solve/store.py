@@ -93,7 +93,7 @@ _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32
 # matches the first line that earlier versions wrote to a study file, without a checksum
 _OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
 MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory in one piece
-MAX_COMPANION_BYTES = 2**26  # maximum size (bytes) of a file that stores an onset or a contact map
+MAX_COMPANION_FILE_BYTES = 2**26  # maximum size (bytes) of a file that stores an onset or a contact map
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_WRITE_ATTEMPTS = 3
 
@@ -304,10 +304,12 @@ class StoredResult:
 
     def _read_checked_block(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
         """Read only the arrays in `names` from a block file that has been checked before."""
-        numbers = np.arange(block.first, block.last + 1)
-        shapes = {name: spec.shape for name, spec in variable_specs(self.study, numbers, names).items()}
+        member_numbers = np.arange(block.first, block.last + 1)
+        expected_shapes = {name: spec.shape for name, spec in variable_specs(self.study, member_numbers, names).items()}
         with self._convert_read_errors(block), _open_netcdf(self._read_block_bytes(block)) as file:
-            return {name: _read_member_array(file, name, shapes.get(name, numbers.shape)) for name in names}
+            return {
+                name: _read_member_array(file, name, expected_shapes.get(name, member_numbers.shape)) for name in names
+            }
 
     def _read_block_bytes(self, block: BlockFile) -> bytes:
         return read_file_bytes(self.path / BLOCKS_DIRECTORY / block.name, MAX_RESULT_BYTES)
@@ -381,7 +383,7 @@ def read_companion_file(
     import xarray
 
     try:
-        file_content = read_file_bytes(path, MAX_COMPANION_BYTES)
+        file_content = read_file_bytes(path, MAX_COMPANION_FILE_BYTES)
         options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _open_netcdf(file_content) as file:
             for name, spec in variables.items():
@@ -672,7 +674,7 @@ def _contains_study(path: Path, study: Study, *, repetitions_may_differ: bool = 
         return False
     if not repetitions_may_differ:
         return stored_study == study
-    return all(key == "ensemble.repetitions" for key, *_ in find_section_differences(stored_study, study))
+    return all(study_key == "ensemble.repetitions" for study_key, *_ in find_section_differences(stored_study, study))
 
 
 class EditedStudyError(StoreError):
@@ -778,12 +780,12 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
-    numbers = range(count)
-    arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, numbers).items()}
+    member_numbers = range(count)
+    arrays = {name: np.zeros(spec.shape, spec.dtype) for name, spec in variable_specs(study, member_numbers).items()}
     if study.is_measured:
         arrays |= {name: np.zeros(count, dtype) for name, dtype in MEMBER_COORDINATE_TYPES.items()}
     file_image = io.BytesIO()
-    write_dataset(build_dataset(study, numbers, arrays, find_body_attributes(study)), file_image)
+    write_dataset(build_dataset(study, member_numbers, arrays, find_body_attributes(study)), file_image)
     return file_image.getvalue()
 
 
@@ -811,7 +813,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
     for variable in variables.values():
         variable.encoding = {"_FillValue": None}
     variables, attributes = cf_encoder(variables, attributes)
-    numbers = {str(dim): number for number, dim in enumerate(dataset.sizes)}
+    dimension_numbers = {str(dim): number for number, dim in enumerate(dataset.sizes)}
     with h5py.File(file, "w", track_order=True) as output:
         _write_netcdf_properties(output)
         _write_attributes(output, attributes)
@@ -819,24 +821,26 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
         for dim, size in dataset.sizes.items():
             if dim not in variables:
                 scale = scales[str(dim)] = _create_variable(output, str(dim), np.zeros(size, ">f4"))
-                scale.make_scale(f"{NON_VARIABLE_DIMENSION_TEXT}{size:10}")
-                scale.attrs["_Netcdf4Dimid"] = np.int32(numbers[str(dim)])
+                scale.make_scale(f"{DIMENSION_WITHOUT_VARIABLE_TEXT}{size:10}")
+                scale.attrs["_Netcdf4Dimid"] = np.int32(dimension_numbers[str(dim)])
         # Write the coordinates of the dimensions first, because all other variables refer to them.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             netcdf_variable = _create_variable(output, str(name), variable.values)
             dims = [str(dim) for dim in variable.dims]
-            if name in numbers:
+            if name in dimension_numbers:
                 scales[str(name)] = netcdf_variable
                 netcdf_variable.make_scale(str(name))
-            for axis, dim in enumerate(dims if name not in numbers else ()):
+            for axis, dim in enumerate(dims if name not in dimension_numbers else ()):
                 h5py.h5ds.attach_scale(netcdf_variable.id, scales[dim].id, axis)
             if dims:
-                netcdf_variable.attrs["_Netcdf4Coordinates"] = np.array([numbers[dim] for dim in dims], np.int32)
-                netcdf_variable.attrs["_Netcdf4Dimid"] = np.int32(numbers[dims[0]])
+                netcdf_variable.attrs["_Netcdf4Coordinates"] = np.array(
+                    [dimension_numbers[dim] for dim in dims], np.int32
+                )
+                netcdf_variable.attrs["_Netcdf4Dimid"] = np.int32(dimension_numbers[dims[0]])
             _write_attributes(netcdf_variable, variable.attrs)
 
 
-NON_VARIABLE_DIMENSION_TEXT = "This is a netCDF dimension but not a netCDF variable."
+DIMENSION_WITHOUT_VARIABLE_TEXT = "This is a netCDF dimension but not a netCDF variable."
 """Beginning of the label that the netCDF format requires for a dimension without coordinates. The size follows."""
 
 
@@ -868,8 +872,8 @@ def _write_netcdf_properties(file: h5py.File) -> None:
     text = f"version=2,h5py={h5py.version.version},hdf5={h5py.version.hdf5_version}".encode()
     text_type = h5py.h5t.C_S1.copy()
     text_type.set_size(len(text) + 1)
-    space = h5py.h5s.create(h5py.h5s.SCALAR)
-    h5py.h5a.create(file.id, b"_NCProperties", text_type, space).write(np.array(text, f"S{len(text) + 1}"))
+    scalar_space = h5py.h5s.create(h5py.h5s.SCALAR)
+    h5py.h5a.create(file.id, b"_NCProperties", text_type, scalar_space).write(np.array(text, f"S{len(text) + 1}"))
 
 
 def append_checksum(file: io.BytesIO) -> None:
@@ -1005,10 +1009,10 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
 
     # These low-level functions of h5py take half the time that its classes would take, which matters for small
     # variables.
-    key = name.encode()
-    links = file.id.links
-    is_stored_here = links.exists(key) and links.get_info(key).type == h5py.h5l.TYPE_HARD
-    identifier: Any = h5py.h5o.open(file.id, key) if is_stored_here else None
+    encoded_name = name.encode()
+    hdf5_links = file.id.links
+    is_stored_here = hdf5_links.exists(encoded_name) and hdf5_links.get_info(encoded_name).type == h5py.h5l.TYPE_HARD
+    identifier: Any = h5py.h5o.open(file.id, encoded_name) if is_stored_here else None
     creation = identifier.get_create_plist() if isinstance(identifier, h5py.h5d.DatasetID) else None
     if creation is None or creation.get_external_count() or creation.get_layout() == h5py.h5d.VIRTUAL:
         raise DamagedFileError(f"has no variable {name}")

@@ -48,14 +48,14 @@ YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
 MIN_TOTAL_CONTACTS = 10  # minimum number of contacts in all members together for quoting a mean
-MIN_CONTACTS_PER_MEMBER, CAUTION_CONTACTS_PER_MEMBER = 5, 10
+MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 """Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
 # Largest fraction of the load that a single contact may carry if the coefficient is quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
 # largest load fraction on contacts at the edge without a caveat
-CAUTION_LOAD_FRACTION_AT_EDGE = 0.25
-CAUTION_LOAD_FRACTION_ON_CONTACT = 0.4  # largest load fraction on a single contact without a caveat
+MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
+MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4  # largest load fraction on a single contact without a caveat
 
 # Ratio of true to nominal area above which contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
@@ -78,8 +78,8 @@ MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans witho
 # Ratio of τ0 to H/√α above which the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
 # Fraction of input samples without an upper limit of friction above which the interval has no upper limit.
-MAX_UNLIMITED_FRACTION = 0.025
-MIN_UNLIMITED_FRACTION = 0.01
+MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
+MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
 
 The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
@@ -245,7 +245,7 @@ EQUALS_MU0_CHECK = LimitCheck(
 )  # fmt: skip
 
 _COMMON_CONTACT_CHECKS: CheckGroups = (
-    [_EDGE_LOAD_CHECK, _EDGE_LOAD_CHECK._replace(limit=CAUTION_LOAD_FRACTION_AT_EDGE, severity="caution")],
+    [_EDGE_LOAD_CHECK, _EDGE_LOAD_CHECK._replace(limit=MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT, severity="caution")],
     [
         LimitCheck("single_cells", MAX_AFFECTED_FRACTION, "contacts are single grid points", _FINER_SCAN_REMEDY),
         _build_fraction_check(
@@ -303,7 +303,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
               _MORE_CONTACTS_REMEDY, "caution", about="contact_count"),
         _build_fraction_check(
             "share_on_largest", LARGEST_CONTACT_LOAD_TEXT, _MORE_CONTACTS_REMEDY, "caution",
-            CAUTION_LOAD_FRACTION_ON_CONTACT,
+            MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT,
         ),
     )  # fmt: skip
 
@@ -405,7 +405,7 @@ def compute_checked_quantities(
         "contact_count": count,
         "contacts_missing_of_all": MIN_TOTAL_CONTACTS - count * members,
         "contacts_missing": MIN_CONTACTS_PER_MEMBER - separate_contacts,
-        "contacts_wanting": CAUTION_CONTACTS_PER_MEMBER - separate_contacts,
+        "contacts_wanting": MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT - separate_contacts,
         "share_of_mu0": 1 - np.abs(ratio_to_mu0 - 1),
         "beyond_mu0": value - mu0,
     }
@@ -454,16 +454,21 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 
     softer_material = softest_material(*find_materials(study))
     if softer_material is not None and softer_material.hardness is not None:
-        low, high = softer_material.hardness.low, softer_material.hardness.high
-        range_text = " to ".join(dict.fromkeys(format_with_unit(end, "GPa") for end in (low, high)))
+        smallest_hardness, largest_hardness = softer_material.hardness.low, softer_material.hardness.high
+        range_text = " to ".join(
+            dict.fromkeys(format_with_unit(end, "GPa") for end in (smallest_hardness, largest_hardness))
+        )
         text = f"the mean pressure in contact is {{}}, and {softer_material.name} yields at {range_text}"
         remedy = "use --mechanics half-space or --law jackson-green"
         return (
-            (build_pressure_check(high, text, remedy, "fault"), build_pressure_check(low, text, remedy, "caution")),
+            (
+                build_pressure_check(largest_hardness, text, remedy, "fault"),
+                build_pressure_check(smallest_hardness, text, remedy, "caution"),
+            ),
         )
     if modulus < MAX_RUBBER_MODULUS:
         return ()
-    yield_limit, high = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
+    yield_limit, metal_yield_limit = YIELD_PRESSURE_RATIO * modulus, METAL_YIELD_PRESSURE_RATIO * modulus
     if study.is_measured:
         yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
         hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
@@ -471,7 +476,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         return (
             (
                 build_pressure_check(yield_limit, yielded_text, remedy, "fault"),
-                build_pressure_check(high, hardness_text, remedy, "caution"),
+                build_pressure_check(metal_yield_limit, hardness_text, remedy, "caution"),
             ),
         )
     text = "the mean pressure in contact is {}, at which almost no material is still elastic"
@@ -529,7 +534,7 @@ def assess_ensemble_points(
 
 
 def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
-    """Return the assessment, such as "Quote it", that follows from the most severe of the given reasons."""
+    """Return the assessment, such as "Quote it", that follows from the most severe caveat or failed check."""
     severities = {reason.severity for reason in reasons}
     return ASSESSMENTS_BY_SEVERITY["fault" if "fault" in severities else "caution" if severities else ""]
 
@@ -641,13 +646,13 @@ def _find_unlimited_caveats(
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
-    if unlimited_fraction > MIN_UNLIMITED_FRACTION:
+    if unlimited_fraction > MIN_UNLIMITED_SAMPLE_FRACTION:
         text = (
             f"for {format_percent(unlimited_fraction)} of the samples of the inputs, the interface is stronger than "
             f"the softer body{'' if growth.uses_slip_lines else ' or its junctions grow over the whole area'}"
-            + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "")
+            + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
         )
-        severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_FRACTION else "caution"
+        severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
         # A smaller load can help: contacts yield at the same pressure, but do not grow over the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
@@ -728,11 +733,11 @@ def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
 
 
 def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    sides = ("upper", "lower")
-    if not all(f"{side}_spacing_um" in point.attrs for side in sides):
+    body_sides = ("upper", "lower")
+    if not all(f"{side}_spacing_um" in point.attrs for side in body_sides):
         return
-    spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in sides]
-    coarser_body, finer_body = (sides[spacings.index(select(spacings))] for select in (max, min))
+    spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in body_sides]
+    coarser_body, finer_body = (body_sides[spacings.index(select(spacings))] for select in (max, min))
     if max(spacings) > MAX_SPACING_RATIO * min(spacings):
         ratio_text = format_significant(max(spacings) / min(spacings), 2)
         text = (
@@ -743,7 +748,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
     # A gap has a single map, which stands for both bodies.
-    for side, name in [("upper", "gap")] if study.is_gap else zip(sides, sides, strict=True):
+    for side, name in [("upper", "gap")] if study.is_gap else zip(body_sides, body_sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
             text = f"{name}: {format_percent(interpolated_fraction)} of the points are interpolated"
@@ -755,7 +760,8 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
                 text, "use --missing mask to press measured points only, or --crop to a complete region", "caution"
             )
     missing_fraction = 1.0 - math.prod(
-        1 - float(np.max(point.attrs.get(f"{side}_pierced", 0.0))) for side in (("upper",) if study.is_gap else sides)
+        1 - float(np.max(point.attrs.get(f"{side}_pierced", 0.0)))
+        for side in (("upper",) if study.is_gap else body_sides)
     )
     if missing_fraction > MAX_SCATTERED_MISSING_FRACTION:
         text = (
@@ -765,7 +771,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "use --missing interpolate, or a scan with fewer missing points", "caution")
     if study.surfaces.press == "surrogates":
         piece_length = float(np.max(np.multiply(point.attrs["shape"], point.attrs["spacing_um"])))
-        scan_length = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in sides)
+        scan_length = max(float(np.max(point.attrs[f"{side}_extent_um"])) for side in body_sides)
         if piece_length < MAX_AFFECTED_FRACTION * scan_length:
             length_text = format_with_unit(piece_length, "um")
             text = f"pieces of {length_text} are pressed, without the longer wavelengths of the scan"

@@ -180,19 +180,19 @@ class Evaluation(MemberSums):
         return self.at(budget=True)
 
     def _evaluate_at_study_loads(self) -> xarray.Dataset:
-        values = self._at_all_dimensions
+        quantities = self._at_all_dimensions
         if self.study.is_measured:
-            return values
+            return quantities
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
-            return values
+            return quantities
         # If the study has a range of fractal dimensions, show only a few, which suffice for a curve. If the study lists
         # fractal dimensions, show all of them.
-        num_dimensions = values.sizes["fractal_dimension"]
+        num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
         )
-        return values.isel(fractal_dimension=shown_indices)
+        return quantities.isel(fractal_dimension=shown_indices)
 
     @property
     def at_report_loads(self) -> xarray.Dataset:

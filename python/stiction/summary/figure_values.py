@@ -43,8 +43,8 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
     """
     load, mu0, tau0 = (float(point[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
-    values = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
-    return point.assign(member_friction=values.transpose("repetition", "direction", ...))
+    member_friction = members["friction_coefficient"].isel(cut_off=0, load=0, mu0=0, tau0=0)
+    return point.assign(member_friction=member_friction.transpose("repetition", "direction", ...))
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
@@ -128,9 +128,9 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
     tau0 = [float(strength) for strength in strengths]
     points = result.at([*loads, curve_load], mu0=mu0, tau0=tau0, quantities=["share_beyond_hertz"])
     map_points, curve_points = points.sel(load=loads), points.sel(load=curve_load)
-    texts = [strength.text for strength in strengths]
+    strength_texts = [strength.text for strength in strengths]
     return [
-        FrictionOverDimension(result.study, map_points.isel(mu0=index), curve_points.isel(mu0=index), texts)
+        FrictionOverDimension(result.study, map_points.isel(mu0=index), curve_points.isel(mu0=index), strength_texts)
         for index in range(len(mu0))
     ]
 
@@ -165,8 +165,13 @@ def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
     if study.uses_half_space or study.contact.onset is None:
         return None
     settings = study.contact.onset
-    low, high = np.log(result.reached_loads(2))
-    loads = np.unique([float(f"{np.exp(low + fraction * (high - low)):.0e}") for fraction in CURVE_LOAD_FRACTIONS])
+    smallest_log_load, largest_log_load = np.log(result.reached_loads(2))
+    loads = np.unique(
+        [
+            float(f"{np.exp(smallest_log_load + fraction * (largest_log_load - smallest_log_load)):.0e}")
+            for fraction in CURVE_LOAD_FRACTIONS
+        ]
+    )
     return result.at(loads, mu0=settings.mu0, tau0=float(settings.tau0)).isel(mu0=0, tau0=0)
 
 

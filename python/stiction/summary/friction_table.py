@@ -240,8 +240,8 @@ def friction_table(
     coefficient = compute_ensemble_friction(dataset, dataset["load"].values, *strengths)
     at = evaluation.at(dataset["load"].values, mu0=strengths[0], tau0=strengths[1], load_definition="elastic")
     assessment = assess_coefficients(at, study).transpose("sliding", *_DIMENSION_ORDER[1:], "mu0", "tau0")
-    laws = _fit_area_and_stiffness_laws(pressure, is_light_load, values_of_pairs)
-    area_factor, stiffness_factor, exponent = (values[..., :1] for values in laws.values())
+    law_parameters = _fit_area_and_stiffness_laws(pressure, is_light_load, values_of_pairs)
+    area_factor, stiffness_factor, exponent = (values[..., :1] for values in law_parameters.values())
     fitted_laws = {
         "area": (area_factor * pressure, "contact_area_fraction"),
         "stiffness": (stiffness_factor * pressure**exponent, "normal_stiffness"),
@@ -264,7 +264,7 @@ def friction_table(
         ),
         **{
             name: ((*coordinate_names, "statistic"), values, quantity_attributes(name))
-            for name, values in laws.items()
+            for name, values in law_parameters.items()
         },
     }  # fmt: skip
     for name, (law, variable) in fitted_laws.items():
@@ -314,9 +314,9 @@ def _fit_area_and_stiffness_laws(
             parameters["stiffness_factor"][cell_index] = np.exp(
                 log_stiffness.mean(axis=1) - exponent * np.log(p).mean()
             )
-    laws = {
+    fitted_laws = {
         name: np.stack(intervals.average_independent_values(values), axis=-1) for name, values in parameters.items()
     }
     for name in names[1:]:
-        laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan
-    return laws
+        fitted_laws[name][~np.isfinite(parameters["stiffness_exponent"]).all(axis=0)] = np.nan
+    return fitted_laws

@@ -70,7 +70,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_SPECTRA_RATIO = 2.0  # largest ratio without a caveat of the spectra of two scans of one surface
+MAX_RATIO_OF_TWO_SPECTRA = 2.0  # largest ratio without a caveat of the spectra of two scans of one surface
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
 
@@ -138,7 +138,7 @@ def find_input_caveats(
     ]
     longest_cutoff = MAX_CUTOFF_FRACTION * min(_get_shortest_side_length(body) for body in (upper, lower))
     caveats = [replace(caveat, remedy=_adapt_remedy_to_max_cutoff(caveat, longest_cutoff)) for caveat in caveats]
-    mu0 = max(float(each) for each in study.friction.mu0)
+    mu0 = max(float(value) for value in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
@@ -170,14 +170,14 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
     surfaces: Any = study.surfaces
     if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no relative position
         return
-    facing: Any
+    facing_body: Any
     if isinstance(upper, Surface) and isinstance(lower, Surface):
-        facing = flipped(rotated(upper, surfaces.rotate) if surfaces.press == "areas" else upper)
+        facing_body = flipped(rotated(upper, surfaces.rotate) if surfaces.press == "areas" else upper)
     elif isinstance(upper, Profile) and isinstance(lower, Profile):
-        facing = flipped(upper)
+        facing_body = flipped(upper)
     else:
         return
-    if do_faces_fit(facing, lower):
+    if do_faces_fit(facing_body, lower):
         yield Caveat(
             "the faces fit into each other, but the result is a mean over positions at which they do not",
             "use stiction shear, which moves one face along the other",
@@ -185,7 +185,7 @@ def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) ->
         )
 
 
-MIN_GAP_REDUCTION = 2.0
+MIN_MIRRORED_GAP_REDUCTION = 2.0
 """Minimum factor by which a mirrored upper map must reduce the rms gap for a caveat about mirrored faces."""
 
 _MIRROR_ALTERNATIVES = (
@@ -207,15 +207,17 @@ def _find_mirror_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study)
         return
     if not (isinstance(upper, Surface) and isinstance(lower, Surface)) or surfaces.rotate % 90:
         return
-    facing = flipped(rotated(upper, surfaces.rotate))
-    if facing.heights.shape != lower.heights.shape or not np.allclose(facing.spacings, lower.spacings):
+    facing_map = flipped(rotated(upper, surfaces.rotate))
+    if facing_map.heights.shape != lower.heights.shape or not np.allclose(facing_map.spacings, lower.spacings):
         return
-    height = _measure_rms_gap(facing, lower)
-    gaps = [_measure_rms_gap(facing, lower, mirrored) for *_, mirrored in _MIRROR_ALTERNATIVES]
+    height = _measure_rms_gap(facing_map, lower)
+    gaps = [_measure_rms_gap(facing_map, lower, mirrored) for *_, mirrored in _MIRROR_ALTERNATIVES]
     smallest_gap_index = int(np.argmin(gaps))
-    if height > MIN_GAP_REDUCTION * gaps[smallest_gap_index]:
+    if height > MIN_MIRRORED_GAP_REDUCTION * gaps[smallest_gap_index]:
         description, remedy, _ = _MIRROR_ALTERNATIVES[smallest_gap_index]
-        gap_text, mirrored_gap_text = (format_with_unit(each, "um") for each in (height, gaps[smallest_gap_index]))
+        gap_text, mirrored_gap_text = (
+            format_with_unit(rms_gap, "um") for rms_gap in (height, gaps[smallest_gap_index])
+        )
         text = (
             f"the rms height of the gap at the position (0, 0) is {gap_text}, but {mirrored_gap_text} for the upper "
             f"map {description}"
@@ -352,7 +354,9 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
     """Return True if the spectrum of a scan differs from the others significantly and by at least a factor of 2."""
     with np.errstate(invalid="ignore"):
-        return bool((np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_SPECTRA_RATIO)).any())
+        return bool(
+            (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
+        )
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
@@ -451,11 +455,13 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
         text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
         yield Caveat(text, "try --level quadratic", "caution")
     if num_spikes := defects.num_spikes:
-        points_text, possessive = ("1 point is", "its") if num_spikes == 1 else (f"{num_spikes} points are", "their")
+        points_text, possessive_pronoun = (
+            ("1 point is", "its") if num_spikes == 1 else (f"{num_spikes} points are", "their")
+        )
         description = (
             f"more than {MIN_SPIKE_SHARPNESS_RATIO:g} times as sharp as usual"
             if isinstance(body, Profile)
-            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from {possessive} neighbours"
+            else f"more than {MIN_SPIKE_HEIGHT_RATIO:g} rms heights from {possessive_pronoun} neighbours"
         )
         text = f"{points_text} {description}, and would come into contact first"
         note = "; the interval includes the result for masked outliers" if has_masked_result else ""

@@ -50,7 +50,8 @@ JOINT_TITLES = {
     "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "stiffness of closure",
     "unloading_closure_stiffness": "stiffness of closure while unloading",
     "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
-    "friction_combined": "mu_s", **{f"friction_{each:g}": f"mu_s {each:g} %" for each in FRICTION_PERCENTILES},
+    "friction_combined": "mu_s",
+    **{f"friction_{percentile:g}": f"mu_s {percentile:g} %" for percentile in FRICTION_PERCENTILES},
 }  # fmt: skip
 """Column titles of a joint table. Stiffnesses are per nominal area."""
 
@@ -152,13 +153,15 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     if nominal_area is None or not study.is_measured:
         raise ValueError("a joint table needs a measured pair, got generated surfaces; use stiction table instead")
     steps = study.contact.loading_steps()
-    counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(int)
-    between = [
+    interval_counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(
+        int
+    )
+    loads_between_steps = [
         float(f"{load / nominal_area:.4g}") * nominal_area
-        for low, high, count in zip(steps[:-1], steps[1:], counts, strict=True)
-        for load in np.geomspace(low, high, count, endpoint=False)[1:].tolist()
+        for load_below, load_above, count in zip(steps[:-1], steps[1:], interval_counts, strict=True)
+        for load in np.geomspace(load_below, load_above, count, endpoint=False)[1:].tolist()
     ]
-    return np.unique([*between, *steps])
+    return np.unique([*loads_between_steps, *steps])
 
 
 def build_joint_study(study: Study, nominal_area: float | None) -> Study:
@@ -186,7 +189,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
     for load in at["load"].values.tolist():
         estimates = _read_row(at.sel(load=load), load / area)
         if math.isfinite(estimates["closure"].value):
-            converted_estimates = {name: parsed_units.convert(each) for name, each in estimates.items()}
+            converted_estimates = {name: parsed_units.convert(estimate) for name, estimate in estimates.items()}
             rows.append(JointRow(load, bool(np.isin(load, steps)), converted_estimates, assessments[load]))
         else:
             omitted_loads.append(load)
@@ -267,16 +270,16 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
     if "tangential_stiffness_per_area" not in at or np.isnan(at["tangential_stiffness_per_area"]).all():
         return "No tangential stiffness: the result was stored without the stiffness while unloading; compute it again."
     contact: Any = study.contact
-    given = contact.poisson
+    given_poisson = contact.poisson
     start = "Tangential stiffness: before slip, equal to the stiffness of closure while unloading"
     if has_grooves(study):
         text = f"{start}, because parallel grooves across the motion deform in plane strain."
     else:
-        ratios = np.unique(np.array(given or (DEFAULT_POISSON_RATIO,), float)).tolist()
-        poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given else " (assumed)")
+        ratios = np.unique(np.array(given_poisson or (DEFAULT_POISSON_RATIO,), float)).tolist()
+        poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given_poisson else " (assumed)")
         factor = find_tangential_stiffness_ratio(study)
         text = f"{start} times {factor:.3g}, Mindlin's ratio for isotropic surfaces with Poisson's ratio {poisson}."
-    beta = _compute_dundurs_beta(given or DEFAULT_POISSON_RATIO, getattr(contact, "compliance_share", 0.5))
+    beta = _compute_dundurs_beta(given_poisson or DEFAULT_POISSON_RATIO, getattr(contact, "compliance_share", 0.5))
     if beta < MIN_DUNDURS_BETA:
         return text
     return (
@@ -293,11 +296,15 @@ def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
     """Return a sentence that states how many rows of a joint table have each assessment."""
-    counts = Counter(row.assessment for row in rows)
-    texts = [
-        f"{text} ({counts[text]} of {len(rows)} pressures)" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text]
+    assessment_counts = Counter(row.assessment for row in rows)
+    assessment_texts = [
+        f"{text} ({assessment_counts[text]} of {len(rows)} pressures)"
+        for text in ASSESSMENTS_BY_SEVERITY.values()
+        if assessment_counts[text]
     ]
-    return f"Assessment of the coefficient: {', '.join(texts)}; for the reasons at a pressure, run stiction at."
+    return (
+        f"Assessment of the coefficient: {', '.join(assessment_texts)}; for the reasons at a pressure, run stiction at."
+    )
 
 
 def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
     from stiction.surfaces.measured.reading import FileReading
 
-MAX_FILE_READINGS = 4  # maximum number of scans per body for which a report describes how the file was read
+MAX_DESCRIBED_FILE_READINGS = 4  # maximum number of scans per body for which a report describes how the file was read
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,7 +108,7 @@ class BodyHistory:
     steps : list of str
         Processing steps.
     readings : list
-        Settings of each scan whose file can be read, and how the file was read; at most `MAX_FILE_READINGS` scans.
+        Settings of at most `MAX_DESCRIBED_FILE_READINGS` scans whose files can be read, and how each file was read.
     num_scans : int
     """
 
@@ -208,7 +208,7 @@ def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -
 
 def _read_body_history(body: MeasuredBodySettings, history: str | None) -> BodyHistory:
     readings = []
-    for scan in body.scans[:MAX_FILE_READINGS]:
+    for scan in body.scans[:MAX_DESCRIBED_FILE_READINGS]:
         with contextlib.suppress(ValueError, OSError):
             if (reading := scan.reading) is not None:
                 readings.append((scan, reading))

@@ -37,14 +37,14 @@ Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 
 # maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False)
 MAX_TAU0_STEPS = {True: 6, False: 5}
-MAX_SHOWN_FRICTION_VALUES = 9  # maximum number of mu0 or tau0 of a study in a report; a longer list is thinned out
+MAX_SHOWN_MU0_OR_TAU0 = 9  # maximum number of mu0 or tau0 of a study in a report; a longer list is thinned out
 MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
 NUM_REPORT_LOADS = 40  # number of loads in the report of generated surfaces
 # Quantities besides friction that a report on measured surfaces evaluates for all mu0 and tau0.
-ADDITIONAL_QUANTITIES = ("contact_count", "gentle_friction")
+QUANTITIES_BESIDES_FRICTION = ("contact_count", "gentle_friction")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +89,10 @@ class ReportGrid:
         if self.study.is_measured:
             return np.asarray(self.study.contact.loading_steps())
         try:
-            low, high = (float(f"{load:.3g}") for load in choose_loads_in_range(self.result, 2))
+            smallest_load, largest_load = (float(f"{load:.3g}") for load in choose_loads_in_range(self.result, 2))
         except ValueError:
             return np.zeros(0)
-        return np.array([float(f"{load:.5g}") for load in np.geomspace(low, high, NUM_REPORT_LOADS)])
+        return np.array([float(f"{load:.5g}") for load in np.geomspace(smallest_load, largest_load, NUM_REPORT_LOADS)])
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
@@ -122,7 +122,7 @@ class ReportGrid:
         Members of measured bodies have combined intervals, except surrogates that were computed in addition to shifted
         maps.
         """
-        names: Collection[str] | None = ADDITIONAL_QUANTITIES if self.study.is_measured else None
+        names: Collection[str] | None = QUANTITIES_BESIDES_FRICTION if self.study.is_measured else None
         mu0, tau0 = (axis.values for axis in self.axes)
         tables = []
         for kind in self.member_kinds:
@@ -147,7 +147,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     """Return the mu0 and tau0 (GPa) that a report offers: the values of the study, and round numbers from 0."""
     friction, is_measured = study.friction, study.is_measured
     names_with_range = set(Inputs.from_study(study).uncertain) | ({"mu0", "tau0"} if friction.interface else set())
-    mu0, tau0 = np.array(friction.mu0, float), np.array([float(each) for each in friction.tau0])
+    mu0, tau0 = np.array(friction.mu0, float), np.array([float(strength) for strength in friction.tau0])
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
@@ -174,10 +174,10 @@ def _round_steps(largest: float, max_count: int) -> Floats:
 
 
 def _build_axis(study_values: Floats, round_values: Floats, *, has_range: bool) -> ParameterAxis:
-    if study_values.size > MAX_SHOWN_FRICTION_VALUES:
+    if study_values.size > MAX_SHOWN_MU0_OR_TAU0:
         study_values = study_values[
-            np.unique(np.linspace(0, study_values.size - 1, MAX_SHOWN_FRICTION_VALUES).round().astype(int))
+            np.unique(np.linspace(0, study_values.size - 1, MAX_SHOWN_MU0_OR_TAU0).round().astype(int))
         ]
     difference = np.abs(round_values[:, np.newaxis] - study_values).min(axis=1)
-    values = np.union1d(study_values, round_values[difference > 2 * SAME_VALUE_TOLERANCE * round_values])
-    return ParameterAxis(values, has_range & (values > 0) & np.isin(values, study_values))
+    axis_values = np.union1d(study_values, round_values[difference > 2 * SAME_VALUE_TOLERANCE * round_values])
+    return ParameterAxis(axis_values, has_range & (axis_values > 0) & np.isin(axis_values, study_values))

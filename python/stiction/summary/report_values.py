@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 
     from stiction.study.study import Study
 
-ORDERED_STATUSES = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
+STATUSES_BY_CODE = (friction.STATUS_OK, *sorted(name for name in friction.STATUSES if name != friction.STATUS_OK))
 """Statuses by code. If several directions have no coefficient, the status with the smallest code is reported."""
 
-LEADING_DIMENSIONS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
+DIMENSIONS_OF_REPORT_ARRAYS = ("fractal_dimension", "amplitude", "sliding", "direction", "load", "mu0", "tau0")
 
 
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
@@ -62,7 +62,7 @@ class MeasuredReportValues:
     sampling : ndarray of float
         Estimates with intervals of the mean over positions.
     status_codes : ndarray of int
-        Indices into `ORDERED_STATUSES`.
+        Indices into `STATUSES_BY_CODE`.
     num_solved : ndarray of int
         Numbers of members with a coefficient.
     slopes : ndarray of float
@@ -156,14 +156,14 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
     """Return the status code of each coefficient averaged over directions, without the axis for the direction."""
-    bulk_shear_code = ORDERED_STATUSES.index(friction.STATUS_BULK_SHEAR)
-    codes = np.select([statuses == name for name in ORDERED_STATUSES], range(len(ORDERED_STATUSES)))
-    lowest_codes = np.where(codes == 0, len(ORDERED_STATUSES), codes).min(axis=2)
-    not_solved_code = ORDERED_STATUSES.index(friction.STATUS_NOT_SOLVED)
+    bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
+    codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
+    lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
+    not_solved_code = STATUSES_BY_CODE.index(friction.STATUS_NOT_SOLVED)
     is_lower_limit = (codes == bulk_shear_code).any(axis=2)
     return np.where(
         np.isfinite(values), np.where(is_lower_limit, bulk_shear_code, 0),
-        np.where(lowest_codes == len(ORDERED_STATUSES), not_solved_code, lowest_codes),
+        np.where(lowest_codes == len(STATUSES_BY_CODE), not_solved_code, lowest_codes),
     )  # fmt: skip
 
 
@@ -173,7 +173,7 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 # limit `MAX_AFFECTED_FRACTION` instead.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
-GENERATED_STATUSES = (
+STATUSES_OF_GENERATED_SURFACES = (
     (friction.STATUS_OK, True),
     (friction.STATUS_OK, False),
     *((name, False) for name in friction.STATUSES if name != friction.STATUS_OK),
@@ -197,7 +197,7 @@ class GeneratedReportValues:
     means : dict
         Means of all other quantities that reports show, by name.
     status_codes : ndarray of int
-        Indices into `GENERATED_STATUSES`.
+        Indices into `STATUSES_OF_GENERATED_SURFACES`.
     is_valid : ndarray of bool
         True if there is a coefficient, and no quantity in `means` exceeds its limit for a valid contact model.
     checked_numbers : dict
@@ -262,7 +262,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     is_beyond_limit = {name: values > get_validity_limit(name) for name, values in means.items()}
     hatched_masks = [mask for name, mask in is_beyond_limit.items() if "hatch" in QUANTITIES[name].shown]
     status_codes = np.where(np.logical_or.reduce([np.zeros(shape, bool), *hatched_masks]), 1, 0)
-    for code, (name, _) in enumerate(GENERATED_STATUSES):
+    for code, (name, _) in enumerate(STATUSES_OF_GENERATED_SURFACES):
         if name != friction.STATUS_OK:
             status_codes[statuses == name] = code
     return GeneratedReportValues(
@@ -314,6 +314,6 @@ def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Return an array with `LEADING_DIMENSIONS` as its first axes. A missing dimension becomes an axis of length 1."""
-    table = table.expand_dims([dim for dim in LEADING_DIMENSIONS if dim not in table.dims])
-    return np.asarray(table.transpose(*LEADING_DIMENSIONS, ...).values)
+    """Return an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`. A missing dimension gets length 1."""
+    table = table.expand_dims([dim for dim in DIMENSIONS_OF_REPORT_ARRAYS if dim not in table.dims])
+    return np.asarray(table.transpose(*DIMENSIONS_OF_REPORT_ARRAYS, ...).values)

@@ -276,12 +276,12 @@ class PointSummary:
     @property
     def contact_size(self) -> Estimate:
         """Median contact size (µm): the diameter of a circle of equal area or, for profiles, the contact length."""
-        median = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
+        median_area = self.distributions.get("patch_area", {}).get(0.5, Estimate(math.nan))
         sizes = [
             2 * math.sqrt(area / math.pi) if self.study.is_areal else area / PROFILE_WIDTH
-            for area in (median.value, median.lower, median.upper)
+            for area in (median_area.value, median_area.lower, median_area.upper)
         ]
-        return Estimate(*sizes, name="contact_size", unit="um", kind=median.kind)
+        return Estimate(*sizes, name="contact_size", unit="um", kind=median_area.kind)
 
     @property
     def faults(self) -> tuple[Caveat, ...]:
@@ -340,8 +340,8 @@ class Summary:
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
         """Friction at several cutoffs from the result or from its cutoff study, or None if there is only one cutoff."""
-        values = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
-        return None if values is None else sort_sliding_rules(values, self.study)
+        points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
+        return None if points is None else sort_sliding_rules(points, self.study)
 
     @cached_property
     def onset_values(self) -> OnsetValues | None:
@@ -450,7 +450,10 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
-    rules = tuple(_extend_value_to_other_cutoff(*each) for each in zip(point.rules, other_point.rules, strict=True))
+    rules = tuple(
+        _extend_value_to_other_cutoff(*coefficients)
+        for coefficients in zip(point.rules, other_point.rules, strict=True)
+    )
     other_budget = {entry.label: entry for entry in other_point.budget}
     # The interval is infinite or NaN if there are only one or two positions.
     has_interval = math.isfinite(point.upper - point.lower)
@@ -580,7 +583,9 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
     combined_interval = _get_interval(table, "friction_at_cutoff")
-    low, high, slopes = (mean_over_directions(table, each) for each in ("spread_low", "spread_high", "gentle_friction"))
+    low_quantile, high_quantile, slopes = (
+        mean_over_directions(table, quantity) for quantity in ("spread_low", "spread_high", "gentle_friction")
+    )
     return SlidingRuleCoefficient(
         mean.value,
         *(combined_interval or interval_of_mean),
@@ -590,8 +595,8 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
         interval_of_mean=interval_of_mean,
         prediction_interval=_get_interval(table, "friction_prediction") or UNKNOWN_INTERVAL,
         status=_find_first_failure(table),
-        low=low,
-        high=high,
+        low=low_quantile,
+        high=high_quantile,
         slopes=slopes,
         is_outside_asperity_model=_is_outside_asperity_model(table),
         by_axis=_read_coefficients(table, "friction_by_axis", "axis"),
@@ -611,7 +616,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficients along one dimension by coordinate, or {} if the dataset does not have the dimension."""
+    """Return the coefficient for each coordinate along a dimension, or {} if the dataset has no such dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -631,7 +636,7 @@ def _list_budget_entries(
         return ()
     budget = select_sliding_rule(point[["remaining_interval", "remaining_width"]], coefficient.rule)
     limits = budget["remaining_interval"].transpose("input", "statistic").values[:, find_statistic_indices(budget)]
-    intervals = (Interval(*each) for each in limits[:, 1:].tolist())
+    intervals = (Interval(*pair) for pair in limits[:, 1:].tolist())
     labels_and_widths = (budget[name].values.tolist() for name in ("input_label", "remaining_width"))
     entries = [
         UncertaintyBudgetEntry(

@@ -59,8 +59,12 @@ def _common_assessment_text(points: Sequence[PointSummary]) -> str:
 
 def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
     """Return the number of result points with each assessment, starting with "Do not quote"."""
-    counts = Counter(point.assessment for point in points)
-    return {assessment: counts[assessment] for assessment in ASSESSMENTS_BY_SEVERITY.values() if counts[assessment]}
+    assessment_counts = Counter(point.assessment for point in points)
+    return {
+        assessment: assessment_counts[assessment]
+        for assessment in ASSESSMENTS_BY_SEVERITY.values()
+        if assessment_counts[assessment]
+    }
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
@@ -84,8 +88,13 @@ _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
     """Merge a group of similar caveats into one, in whose text different numbers become ranges."""
-    numbers = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
-    range_texts = iter([_range_text(sorted(set(each), key=_number_with_unit)) for each in numbers])
+    numbers_by_position = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
+    range_texts = iter(
+        [
+            _range_text(sorted(set(differing_numbers), key=_number_with_unit))
+            for differing_numbers in numbers_by_position
+        ]
+    )
     return replace(group[0], text=_CAVEAT_NUMBER_PATTERN.sub(lambda _: next(range_texts), group[0].text))
 
 
@@ -97,10 +106,10 @@ def _number_with_unit(number: tuple[str, str]) -> float:
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
     """Return the range of numbers with units in ascending order as text, as in "95 to 116 MPa"."""
-    (low, low_unit), (high, high_unit) = numbers[0], numbers[-1]
-    if (low, low_unit) == (high, high_unit):
-        return f"{low}{low_unit}"
-    return f"{low}{'' if low_unit == high_unit else low_unit} to {high}{high_unit}"
+    (smallest, low_unit), (largest, high_unit) = numbers[0], numbers[-1]
+    if (smallest, low_unit) == (largest, high_unit):
+        return f"{smallest}{low_unit}"
+    return f"{smallest}{'' if low_unit == high_unit else low_unit} to {largest}{high_unit}"
 
 
 def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:

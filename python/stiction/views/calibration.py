@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_RANGE = 1e-6  # largest relative range of values of A/F that count as equal
+MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6  # largest relative range of values of A/F that count as equal
 # Fraction of an interval's width by which tests must move one limit to count as narrowing the interval.
-MIN_NARROWING = 0.05
+MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples (mu0, tau0) in a figure
 
 
@@ -92,20 +92,20 @@ def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionT
 def _area_per_load_text(interface: Interface) -> str:
     """Return a sentence on the ratio A/F in the tests: its mean with interval, and its range."""
     area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
-    is_exact = not np.isfinite(area_per_load).all() or _is_constant(area_per_load)
+    is_exact = not np.isfinite(area_per_load).all() or _are_ratios_equal(area_per_load)
     low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
     mean_text = (
         f"{interface.area_per_load:.3g}"
         if is_exact
         else Estimate(interface.area_per_load, float(low), float(high)).text()
     )
-    if ratios.size < 2 or _is_constant(ratios):
+    if ratios.size < 2 or _are_ratios_equal(ratios):
         return f"A/F of the tests: {mean_text} 1/GPa"
     return f"mean A/F of the tests: {mean_text} 1/GPa; the tests span {min(ratios):.3g} to {max(ratios):.3g} 1/GPa"
 
 
-def _is_constant(ratios: Floats) -> bool:
-    return bool(np.ptp(ratios) <= MIN_PRINTED_AREA_RANGE * np.median(ratios))
+def _are_ratios_equal(ratios: Floats) -> bool:
+    return bool(np.ptp(ratios) <= MIN_PRINTED_AREA_PER_LOAD_RANGE * np.median(ratios))
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
@@ -134,12 +134,14 @@ def _junction_growth_text(interface: Interface) -> str:
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
     if growth.is_exact:
         return f"{text}. A pair with this interface uses the same value."
-    low, value, high = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
+    lower_limit, value, upper_limit = np.quantile(interface.fits[0].junction_growth, [0.025, 0.5, 0.975])
     prior_low, prior_high = growth.quantile([0.025, 0.975])
-    if max(abs(low - prior_low), abs(high - prior_high)) <= MIN_NARROWING * (prior_high - prior_low):
+    if max(abs(lower_limit - prior_low), abs(upper_limit - prior_high)) <= MIN_NARROWING_FRACTION * (
+        prior_high - prior_low
+    ):
         return f"{text}, a range that the tests do not narrow. A pair with this interface uses the same range."
     name = "H/k" if growth.uses_slip_lines else "α"
-    text += f", and narrow the range to {name} = {Estimate(value, low, high).text()}"
+    text += f", and narrow the range to {name} = {Estimate(value, lower_limit, upper_limit).text()}"
     return f"{text}. A pair with this interface uses the narrowed range."
 
 
@@ -169,7 +171,7 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
     """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
-    values = [
+    estimate_records = [
         Estimate(*limits, name=name, unit=unit, kind="combined", status=status).to_record(coordinates)
         for name, limits, unit, coordinates, status in (
             ("identified", interface.identified, "1", coordinates, "ok"),
@@ -192,7 +194,7 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
         {"test": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice
     ]
     return record_json(
-        "calibrate", values, kind="interface", variation=interface.variation, separated=interface.separated,
+        "calibrate", estimate_records, kind="interface", variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
         pair_caveats=list(pair_caveats), lays=list(lays),

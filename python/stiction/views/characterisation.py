@@ -35,9 +35,9 @@ NEGLIGIBLE_SLOPE_FRACTION = 0.01
 # minimum spectral density at a reported peak, relative to the density at longer wavelengths
 _MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
-_MIN_PEAK_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
+_MIN_PEAK_MOMENT_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
 # Minimum dispersion of a spectrum about its fit for which the scatter is reported.
-_MAX_DISPERSION = 2.0
+_MIN_REPORTED_DISPERSION = 2.0
 
 _UNIT_SYMBOLS = {
     "1": "",
@@ -187,11 +187,11 @@ class CharacterisationTable:
         if not all(map(math.isfinite, self.scan.friction_estimates)):
             return "none: contacts on such steep slopes are self-locking"
         axis_texts = (" along x", " along y") if len(self.scan.friction_estimates) == 2 else ("",)
-        values = ", ".join(
+        coefficients_text = ", ".join(
             f"{value:.3f}{axis}" for value, axis in zip(self.scan.friction_estimates, axis_texts, strict=True)
         )
         return (
-            f"{SLIDING_RULE_DESCRIPTIONS['all']}: μ0; {SLIDING_RULE_DESCRIPTIONS['opposing']}: {values} "
+            f"{SLIDING_RULE_DESCRIPTIONS['all']}: μ0; {SLIDING_RULE_DESCRIPTIONS['opposing']}: {coefficients_text} "
             f"if μ0 = {ASSUMED_MU0:g}; small-slope estimates for two such surfaces without τ0"
         )
 
@@ -287,7 +287,7 @@ class CharacterisationTable:
                 TableRow("fractal dimension D", (classical_text if fit.value <= 1 else "none: 2 - H is below 1",)),
                 TableRow("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
             ]
-            if fit.dispersion > _MAX_DISPERSION:
+            if fit.dispersion > _MIN_REPORTED_DISPERSION:
                 text = f"{math.sqrt(fit.dispersion):.1f} times the expected scatter: see the spectrum"
                 rows.append(TableRow("scatter", (text,)))
             if fit.value > 1:
@@ -380,14 +380,14 @@ def find_outlier_caveats(
     `consequence` is a clause about the numbers that exclude the outliers. `option` is the option that removes the
     outliers from the scan.
     """
-    counts = [int(scan.excluded_outliers.sum()) for scan in scans]
+    outlier_counts = [int(scan.excluded_outliers.sum()) for scan in scans]
     return [
         Caveat(
             f"{name}: {_describe_outliers(count)}; {consequence}",
             f"{option} removes {'them' if count > 1 else 'it'}",
             "caution",
         )
-        for name, count in zip(names, counts, strict=True)
+        for name, count in zip(names, outlier_counts, strict=True)
         if count
     ]
 
@@ -504,14 +504,14 @@ def _parameter_table_row(
 
 def _spectral_peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
     result = find_spectral_peak(spectrum, lines=lines)
-    if result is None or result[1] < _MIN_PEAK_FRACTION:
+    if result is None or result[1] < _MIN_PEAK_MOMENT_FRACTION:
         return []
-    wavelength_text, contribution = length_text(result[0]), 100 * result[1]
+    wavelength_text, percentage = length_text(result[0]), 100 * result[1]
     return [
         TableRow(
             label,
             (
-                f"at {wavelength_text}, with {contribution:.0f} % of m4: from the instrument or a pattern; "
+                f"at {wavelength_text}, with {percentage:.0f} % of m4: from the instrument or a pattern; "
                 "see the spectrum",
             ),
         )
@@ -521,8 +521,10 @@ def _spectral_peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> 
 def _line_hurst_exponent_text(line: LineRoughness) -> str:
     if not line.hurst_exponents.size:
         return "none"
-    mean, scatter = line.hurst_exponents.mean(), line.hurst_exponents.std()
-    return f"{mean:.3f} ± {scatter:.3f}{' (smooth)' if mean > 1 else ''}" if line.is_straight else "none, no line"
+    mean, exponent_scatter = line.hurst_exponents.mean(), line.hurst_exponents.std()
+    return (
+        f"{mean:.3f} ± {exponent_scatter:.3f}{' (smooth)' if mean > 1 else ''}" if line.is_straight else "none, no line"
+    )
 
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
@@ -536,9 +538,13 @@ def _list_estimates(result: Characterisation) -> list[Estimate]:
 
 def characterisation_json(files: CharacterisedFiles, readings: Sequence[dict[str, Any]] = ()) -> str:
     """Return the characterisations of files as JSON, including how each file was read."""
-    values = [value.to_record({"file": file}) for file, result in files for value in _list_estimates(result)]
+    estimate_records = [value.to_record({"file": file}) for file, result in files for value in _list_estimates(result)]
     return record_json(
-        "characterise", values, kind="surface", surfaces=[_file_record(*item) for item in files], files=list(readings)
+        "characterise",
+        estimate_records,
+        kind="surface",
+        surfaces=[_file_record(*item) for item in files],
+        files=list(readings),
     )
 
 

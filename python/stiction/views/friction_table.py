@@ -113,10 +113,12 @@ def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
     assessments = table["assessment"].values.ravel().tolist()
     if set(assessments) <= {ASSESSMENTS_BY_SEVERITY[""]}:
         return ""
-    counts = Counter(assessments)
-    counts_text = ", ".join(f"{text} ({counts[text]})" for text in ASSESSMENTS_BY_SEVERITY.values() if counts[text])
+    assessment_counts = Counter(assessments)
+    counts_text = ", ".join(
+        f"{text} ({assessment_counts[text]})" for text in ASSESSMENTS_BY_SEVERITY.values() if assessment_counts[text]
+    )
     num_points_by_remedy = Counter(
-        remedy for point in summary.points for remedy in {each.remedy for each in point.faults}
+        remedy for point in summary.points for remedy in {fault.remedy for fault in point.faults}
     )
     remedies = "; ".join(remedy for remedy, _ in num_points_by_remedy.most_common(MAX_LISTED_REMEDIES))
     text = f"Assessment of {len(assessments)} coefficients (column assessment): {counts_text}."
@@ -127,5 +129,5 @@ def _coefficient_range_text(coefficients: xarray.DataArray) -> str:
     finite_coefficients = coefficients.values[np.isfinite(coefficients.values)]
     if not finite_coefficients.size:
         return "none"
-    low, high = f"{finite_coefficients.min():.3g}", f"{finite_coefficients.max():.3g}"
-    return low if low == high else f"{low} to {high}"
+    smallest_text, largest_text = f"{finite_coefficients.min():.3g}", f"{finite_coefficients.max():.3g}"
+    return smallest_text if smallest_text == largest_text else f"{smallest_text} to {largest_text}"

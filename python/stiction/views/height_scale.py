@@ -103,5 +103,5 @@ def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
     """Return friction for scaled heights as JSON."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
-    values = rows.values_frame(sort_sliding_rules(dataset, study))
-    return record_json("at", rows.value_records(values), **fields)
+    frame = rows.values_frame(sort_sliding_rules(dataset, study))
+    return record_json("at", rows.value_records(frame), **fields)

@@ -36,37 +36,39 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
     columns: dict[str, list[Any]] = {}
     for name, title in JOINT_TITLES.items():
         estimates = [row.estimates[name] for row in table.rows]
-        titles = estimate_column_titles(title, next((each.unit for each in estimates if each.unit != "1"), "1"))
-        columns[titles["value"]] = [each.value for each in estimates]
-        if any(each.has_interval for each in estimates):
-            columns[titles["lower"]] = [each.lower for each in estimates]
-            columns[titles["upper"]] = [each.upper for each in estimates]
-        if any(each.kind for each in estimates):
-            columns[f"{title}: kind"] = [each.kind for each in estimates]
+        titles = estimate_column_titles(
+            title, next((estimate.unit for estimate in estimates if estimate.unit != "1"), "1")
+        )
+        columns[titles["value"]] = [estimate.value for estimate in estimates]
+        if any(estimate.has_interval for estimate in estimates):
+            columns[titles["lower"]] = [estimate.lower for estimate in estimates]
+            columns[titles["upper"]] = [estimate.upper for estimate in estimates]
+        if any(estimate.kind for estimate in estimates):
+            columns[f"{title}: kind"] = [estimate.kind for estimate in estimates]
     columns["assessment"] = [row.assessment for row in table.rows]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
     return pandas.DataFrame(columns)
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return a joint table as CSV. Source and notes are left out."""
+    """Return a joint table as CSV, without the description of the pair and without the notes."""
     del source
     return frame_to_csv(joint_frame(table))
 
 
 def joint_json(table: JointTable, source: str) -> str:
     """Return a joint table as JSON, with its notes and a sentence that describes the pair."""
-    values = []
+    estimate_records = []
     for row in table.rows:
         at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
         for name, estimate in row.estimates.items():
             is_percentile = estimate.name == "friction_percentiles"
-            values.append(estimate.to_record(at | ({"percentile": float(name[9:])} if is_percentile else {})))
+            estimate_records.append(estimate.to_record(at | ({"percentile": float(name[9:])} if is_percentile else {})))
     units = {"length": table.units.length, "force": table.units.force, "pressure": table.units.pressure}
     assessments = [{"load": row.load, "assessment": row.assessment} for row in table.rows]
     return (
         record_json(
-            "export", values, kind="joint", units=units, assessments=assessments, notes=list(table.notes),
+            "export", estimate_records, kind="joint", units=units, assessments=assessments, notes=list(table.notes),
             sentence=source,
         )
         + "\n"
@@ -93,8 +95,8 @@ def abaqus_card(table: JointTable, source: str) -> str:
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
         "0, 0",
         *(
-            f"{_format_value(each.pressure)}, {_format_value(each.estimates['closure'])}"
-            for each in _list_increasing_rows(table)
+            f"{_format_value(row.pressure)}, {_format_value(row.estimates['closure'])}"
+            for row in _list_increasing_rows(table)
         ),
     ]  # fmt: skip
     if not math.isfinite(friction.value):
@@ -116,14 +118,14 @@ def abaqus_card(table: JointTable, source: str) -> str:
         ),
         "** *FRICTION",
     ]  # fmt: skip
-    lines += [f"** {_format_value(each.friction(50))}, , {_format_value(each.pressure)}" for each in table.rows]
+    lines += [f"** {_format_value(row.friction(50))}, , {_format_value(row.pressure)}" for row in table.rows]
     return "\n".join(lines) + "\n"
 
 
 def ansys_card(table: JointTable, source: str) -> str:
     """Return the input card for Ansys: a gasket material with the closure curve, and pressure-dependent friction."""
-    row, rows = table.reference, _list_increasing_rows(table)
-    stiffness = row.estimates["tangential_stiffness_per_area"]
+    reference, rows = table.reference, _list_increasing_rows(table)
+    stiffness = reference.estimates["tangential_stiffness_per_area"]
     lines = [
         *_describe_source(table, source, "! "),
         *_comment_table(table, "! ", given=("closure", "friction_50")),
@@ -133,15 +135,15 @@ def ansys_card(table: JointTable, source: str) -> str:
             "is stiffer if contacts have yielded.", "! ",
         ),
         f"TB,GASKET,1,,{len(rows)},COMP",
-        *(f"TBPT,,{_format_value(each.estimates['closure'])},{_format_value(each.pressure)}" for each in rows),
+        *(f"TBPT,,{_format_value(row.estimates['closure'])},{_format_value(row.pressure)}" for row in rows),
     ]  # fmt: skip
     if math.isfinite(stiffness.value):
         lines += [
-            *_format_comment(f"Transverse shear stiffness; one value only, that at {_pressure_text(row)}.", "! "),
+            *_format_comment(f"Transverse shear stiffness; one value only, that at {_pressure_text(reference)}.", "! "),
             "TB,GASKET,1,,,TSS",
             f"TBDATA,1,{_format_value(stiffness)}",
         ]
-    if math.isfinite(row.friction(50).value):
+    if math.isfinite(reference.friction(50).value):
         lines += [
             *_format_comment(
                 "Material 2: median of mu_s against pressure, for contact elements with the penalty method "
@@ -151,8 +153,9 @@ def ansys_card(table: JointTable, source: str) -> str:
             ),
             "TB,FRIC,2,,,ISO",
         ]  # fmt: skip
-        for each in table.rows:
-            lines += [f"TBFIELD,NPRES,{_format_value(each.pressure)}", f"TBDATA,1,{_format_value(each.friction(50))}"]
+        for row in table.rows:
+            pressure, coefficient = _format_value(row.pressure), _format_value(row.friction(50))
+            lines += [f"TBFIELD,NPRES,{pressure}", f"TBDATA,1,{coefficient}"]
     return "\n".join(lines) + "\n"
 
 
@@ -170,9 +173,9 @@ def liggghts_card(table: JointTable, source: str) -> str:
             "table above.", "# ",
         ),
         *(
-            f"variable {name}_per_area equal {_format_value(each)}"
-            for name, each in stiffnesses.items()
-            if math.isfinite(each.value)
+            f"variable {name}_per_area equal {_format_value(stiffness)}"
+            for name, stiffness in stiffnesses.items()
+            if math.isfinite(stiffness.value)
         ),
     ]  # fmt: skip
     if math.isfinite(row.friction(50).value):
@@ -201,20 +204,22 @@ def _pressure_text(row: JointRow) -> str:
 
 
 def _format_comment(text: str, prefix: str) -> list[str]:
-    ascii_text = "".join(_ASCII_REPLACEMENTS.get(each, each) for each in text).encode("ascii", "replace").decode()
+    ascii_text = (
+        "".join(_ASCII_REPLACEMENTS.get(character, character) for character in text).encode("ascii", "replace").decode()
+    )
     return [f"{prefix}{line}" for line in textwrap.wrap(ascii_text, CARD_WIDTH, break_long_words=False)]
 
 
 def _describe_source(table: JointTable, source: str, prefix: str) -> list[str]:
     """Return comment lines for an input card: version, pair, units and notes of the joint table."""
     units = table.units
-    texts = [
+    comment_texts = [
         f"Contact properties of a joint, computed with stiction {__version__}.",
         f"Units: {units.length}, {units.force}, {units.pressure}; stiffness {units.pressure}/{units.length}.",
         *table.notes,
         f"Pair: {source}",
     ]
-    return [line for text in texts for line in _format_comment(text, prefix)]
+    return [line for text in comment_texts for line in _format_comment(text, prefix)]
 
 
 _CARD_COLUMNS = (
@@ -233,11 +238,11 @@ def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) 
     The card itself contains the estimates named in `given`, so only their intervals are listed.
     """
 
-    def is_listed(name: str) -> bool:
+    def has_shown_column(name: str) -> bool:
         estimates = [row.estimates[name] for row in table.rows]
-        return any(each.has_interval if name in given else math.isfinite(each.value) for each in estimates)
+        return any(estimate.has_interval if name in given else math.isfinite(estimate.value) for estimate in estimates)
 
-    names = [name for name in _CARD_COLUMNS if is_listed(name)]
+    names = [name for name in _CARD_COLUMNS if has_shown_column(name)]
     titles = "; ".join("interval of the " * (name in given) + JOINT_TITLES[name] for name in names)
     lines = _format_comment(f"Table: {titles}; assessment of mu_s. In brackets: 95 % intervals.", prefix)
     for row in table.rows:

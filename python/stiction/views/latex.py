@@ -106,12 +106,14 @@ def _to_latex(text: str) -> str:
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
     """Return the cells of a table row: coefficients under all sliding rules, area fraction, and assessment."""
-    texts = [coefficient_text(point, rule) for rule in point.rules]
+    coefficient_texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)
         is_printed = point.contact_status == STATUS_OK and not math.isnan(fraction.value)
-        texts.append(f"{fraction.text()} %" if is_printed else point.contact_status.replace(STATUS_OK, "none"))
-    return [cell.translate(_LATEX_ESCAPES) for cell in (*texts, point.assessment)]
+        coefficient_texts.append(
+            f"{fraction.text()} %" if is_printed else point.contact_status.replace(STATUS_OK, "none")
+        )
+    return [cell.translate(_LATEX_ESCAPES) for cell in (*coefficient_texts, point.assessment)]
 
 
 def _column_heading(name: str) -> str:

@@ -96,18 +96,18 @@ _NO_BREAK_SPACE_PATTERN = re.compile(r"(?<=[^\s] =) | (?=[=<>] )|(?<=\d) (?=(?:[
 
 
 def _format_shortened_list(shortened_list: ShortenedList) -> str:
-    texts = [_format_item(line) for line in shortened_list.lines]
-    num_shown = len(texts) if shortened_list.max_shown is None else shortened_list.max_shown
+    line_texts = [_format_item(line) for line in shortened_list.lines]
+    num_shown = len(line_texts) if shortened_list.max_shown is None else shortened_list.max_shown
     if shortened_list.max_height is not None:
-        heights = itertools.accumulate(text.count("\n") + 1 for text in texts)
+        heights = itertools.accumulate(text.count("\n") + 1 for text in line_texts)
         num_shown = min(num_shown, sum(height <= shortened_list.max_height for height in heights))
     num_shown = max(num_shown, shortened_list.min_shown)
-    num_omitted = len(texts) - num_shown
-    lines = texts[:num_shown]
+    num_omitted = len(line_texts) - num_shown
+    lines = line_texts[:num_shown]
     if num_omitted > 0:
-        noun = shortened_list.noun + "s" * (num_omitted > 1)
+        omitted_noun = shortened_list.noun + "s" * (num_omitted > 1)
         # Do not wrap a line with a command, because the user may copy the command.
-        lines.append(f"  {num_omitted} more {noun}: {shortened_list.complete_command} shows all")
+        lines.append(f"  {num_omitted} more {omitted_noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 
 

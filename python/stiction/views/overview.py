@@ -78,8 +78,8 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
     exponents = {point.at["fractal_dimension"]: point.roughness_exponent[1] for point in points}
     labels = [[*(COORDINATE_LABELS[name] for name in varying_names), points[0].roughness_exponent[0]]]
     for key in cells_by_row:
-        texts = {name: coordinate_text(name, value) for name, value in zip(row_names, key, strict=True)}
-        labels.append([*(texts[name] for name in varying_names), f"{exponents[key[2]]:.4g}"])
+        coordinate_texts = {name: coordinate_text(name, value) for name, value in zip(row_names, key, strict=True)}
+        labels.append([*(coordinate_texts[name] for name in varying_names), f"{exponents[key[2]]:.4g}"])
     loads = [format_with_unit(load, "mN") for load in dict.fromkeys(point.at["load"] for point in points)]
     column_widths = [max(map(len, column)) for column in zip(*labels, strict=True)]
     rows = [

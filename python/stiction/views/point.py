@@ -53,8 +53,8 @@ def cutoff_text(cut_offs: ScanCutoffs, format_length: Callable[[float], str] | N
     """
     format_length = format_length or (lambda length: format_with_unit(length, "um"))
     body_texts = []
-    for lengths in cut_offs:
-        ends = [format_length(length) if length else "none" for length in (min(lengths), max(lengths))]
+    for cutoff_lengths in cut_offs:
+        ends = [format_length(length) if length else "none" for length in (min(cutoff_lengths), max(cutoff_lengths))]
         body_texts.append(" to ".join(dict.fromkeys(ends)))
     upper, lower = body_texts
     if upper == lower:

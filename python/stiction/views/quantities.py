@@ -75,8 +75,8 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
         is_bound = has_pull_off_bound and bool(QUANTITIES[name].bound_fraction)
         label = quantity_label(name, first_point.study) + " at least" * is_bound
         if name in first_point.numbers:
-            numbers = [Estimate(point.numbers[name]) for point in points]
-            yield QuantityRow(name, label, numbers, num_digits=2 if QUANTITIES[name].unit == "1" else 3)
+            number_estimates = [Estimate(point.numbers[name]) for point in points]
+            yield QuantityRow(name, label, number_estimates, num_digits=2 if QUANTITIES[name].unit == "1" else 3)
             continue
         estimates = [point.quantities[name] for point in points]
         statuses = [point.contact_status for point in points] if name == "contact_area_fraction" else ()

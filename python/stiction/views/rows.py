@@ -164,7 +164,9 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
             # If there is only one direction, its coefficients equal the mean over all directions.
             continue
         selected_rows = _quantity_rows(dataset, name)
-        coordinate_names = coordinate_names or [each for each in _POINT_COORDINATES if each in selected_rows]
+        coordinate_names = coordinate_names or [
+            coordinate_name for coordinate_name in _POINT_COORDINATES if coordinate_name in selected_rows
+        ]
         motion_column = (
             selected_rows[motion_label].map(_DIRECTION_LABEL_FORMATTERS[motion_label])
             if motion_label in dataset[name].dims
@@ -289,7 +291,8 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
     if all(upper == lower for upper, lower in cutoffs):
         return {}
     return {
-        f"{side} body cutoff (um)": list(each) for side, each in zip(SIDES, zip(*cutoffs, strict=True), strict=True)
+        f"{side} body cutoff (um)": list(body_cutoffs)
+        for side, body_cutoffs in zip(SIDES, zip(*cutoffs, strict=True), strict=True)
     }
 
 
@@ -315,13 +318,13 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     """Convert the rows of a data frame to records for the field `values` of a JSON record."""
-    values = []
+    estimate_records = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
         # a coordinate is NaN if the quantity does not depend on it
         coordinates = {name: value for name, value in row.items() if value == value}
-        values.append(Estimate(**selected_values).to_record(coordinates))
-    return values
+        estimate_records.append(Estimate(**selected_values).to_record(coordinates))
+    return estimate_records
 
 
 def point_record(point: PointSummary) -> dict[str, Any]:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # Minimum width of the range for finer scans, as a fraction of the interval's width, for which the range is printed.
-MIN_STATED_BRACKET_WIDTH = 0.05
+MIN_STATED_FINER_SCAN_RANGE = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value for which the small-slope estimate applies."""
 
@@ -179,11 +179,11 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
     """
-    values, lower, upper = zip(
+    hardnesses, lower, upper = zip(
         *(point.values["contact_hardness"].values.ravel().tolist() for point in points), strict=True
     )
     smallest_hardness, largest_hardness, low, high = (
-        format_with_unit(each, "GPa") for each in (min(values), max(values), min(lower), max(upper))
+        format_with_unit(hardness, "GPa") for hardness in (min(hardnesses), max(hardnesses), min(lower), max(upper))
     )
     hardness = " to ".join(dict.fromkeys((smallest_hardness, largest_hardness)))
     return f"measured {format_with_unit(indent, 'um')} deep, {hardness} [{low}, {high}] in the contacts"
@@ -381,7 +381,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
-    return not point.bracket[1] - point.bracket[0] < MIN_STATED_BRACKET_WIDTH * width
+    return not point.bracket[1] - point.bracket[0] < MIN_STATED_FINER_SCAN_RANGE * width
 
 
 def roughness_text(point: PointSummary) -> str:

@@ -19,7 +19,7 @@ from stiction.mechanics.friction import (
     STATUS_SELF_LOCKED,
 )
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
-from stiction.summary.assessment import CAUTION_CONTACTS_PER_MEMBER
+from stiction.summary.assessment import MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -32,14 +32,14 @@ MAX_PRINTED_DISPLACEMENTS = 13
 # Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
 MIN_PRINTED_ANGLE_RANGE = 1.0
 MAX_EDGE_LOAD_FRACTION = 0.2  # largest load fraction at the edges of the faces without a caveat
-MAX_HARDNESS_LOAD_FRACTION = 0.5  # largest load fraction on yielded points without a caveat
+MAX_YIELDED_LOAD_FRACTION = 0.5  # largest load fraction on yielded points without a caveat
 # largest initial contact area without a caveat, as a fraction of the overlap
 MAX_INITIAL_AREA_FRACTION = 0.5
 # largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design
-MAX_USUAL_PEAK = math.tan(math.radians(70))
+MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
 # Registered faces have a caveat if the rms gap exceeds both a multiple of the gap noise and a fraction of the rms
 # height change over the sampling interval of Z2.
-MAX_GAP_NOISE_RATIO, MIN_GAP_FRACTION = 3.0, 0.01
+MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 MIN_FIT_CORRELATION = 0.5  # minimum initial correlation between the slopes of both faces without a caveat
 
 _CSV_COLUMNS = {
@@ -68,9 +68,9 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
     limits = [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
-    values = test[name]
+    curve = test[name]
     return Estimate(
-        float(values[index]), *limits, name=name, unit=values.attrs["units"],
+        float(curve[index]), *limits, name=name, unit=curve.attrs["units"],
         kind="" if np.isnan(limits).any() else "combined", status=str(test["status"].values[index]),
     )  # fmt: skip
 
@@ -116,8 +116,9 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             "friction at all contacts: fit them with stiction calibrate --sliding all."
         )
     if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
-        first = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
-        caveats.append(f"There is no peak: at a displacement of {format_with_unit(first, 'um')}, {reason}.")
+        first_displacement = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
+        displacement_text = format_with_unit(first_displacement, "um")
+        caveats.append(f"There is no peak: at a displacement of {displacement_text}, {reason}.")
     elif test.attrs["peak_status"] == STATUS_OK:
         peak = int(np.nanargmax(test["friction_coefficient"].values))
         if peak == displacement.size - 1:
@@ -134,7 +135,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                     else "the overlap shrinks: choose a shorter path, or shear longer faces."
                 )
             )
-        if float(test.attrs["peak"]) > MAX_USUAL_PEAK:
+        if float(test.attrs["peak"]) > MAX_DESIGN_PEAK_COEFFICIENT:
             caveats.append("The peak is above 70°, the usual limit of rock joints: real asperities break before.")
         if peak == 0 and float(test["contact_area_fraction"][0]) > MAX_INITIAL_AREA_FRACTION:
             caveats.append(
@@ -153,14 +154,14 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 "Without a hardness, the asperities cannot fail, so the peak is an upper limit: give the strength of "
                 "the asperities as the hardness."
             )
-        elif at_hardness > MAX_HARDNESS_LOAD_FRACTION:
+        elif at_hardness > MAX_YIELDED_LOAD_FRACTION:
             caveats.append(
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
         contact_count = round(float(test["contact_count"][peak]))
         contact_text = "one contact carries" if contact_count == 1 else f"{contact_count} contacts carry"
-        if contact_count < CAUTION_CONTACTS_PER_MEMBER:
+        if contact_count < MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT:
             caveats.append(
                 f"At the peak, {contact_text} the load, so the result depends on chance: shear longer faces, or "
                 "several profiles."
@@ -174,9 +175,9 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         )
     for name, words in ((STATUS_DOWNHILL, "slide by themselves"), (STATUS_NO_CONTACT, "lose contact")):
         if (status == name).any():
-            first = format_with_unit(displacement[int(np.argmax(status == name))], "um")
+            displacement_text = format_with_unit(displacement[int(np.argmax(status == name))], "um")
             count_text = f"{int((status == name).sum())} of {status.size} displacements"
-            caveats.append(f"At {count_text}, first at {first}, the faces {words}.")
+            caveats.append(f"At {count_text}, first at {displacement_text}, the faces {words}.")
     return caveats
 
 
@@ -197,7 +198,7 @@ def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
         return []
     rms_gap, noise = float(attributes["registration_rms_gap_um"]), attributes.get("registration_gap_noise_um", math.nan)
     height_change = float(attributes["z2"]) * float(attributes["sampling_interval_um"])
-    if not rms_gap > max(MAX_GAP_NOISE_RATIO * float(noise), MIN_GAP_FRACTION * height_change):
+    if not rms_gap > max(MAX_GAP_NOISE_RATIO * float(noise), MIN_GAP_TO_HEIGHT_CHANGE_RATIO * height_change):
         return []
     return [
         f"Even where the faces fit best, their gap (rms {format_with_unit(rms_gap, 'um')}) is larger than their noise "
@@ -217,25 +218,25 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
 
 def headline_lines(test: xarray.Dataset) -> list[str]:
     """Return lines that summarize a shear test: peak, end, intervals, lower face, closure, and registration."""
-    values, end = headline_estimates(test), float(test["displacement"][-1])
+    estimates, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
-    if values["peak_friction_coefficient"].status == STATUS_OK:
-        lines += _peak_lines(values)
-    end_status = values["end_friction_coefficient"].status
+    if estimates["peak_friction_coefficient"].status == STATUS_OK:
+        lines += _peak_lines(estimates)
+    end_status = estimates["end_friction_coefficient"].status
     end_text = (
-        f"μ = {values['end_friction_coefficient'].text()}"
+        f"μ = {estimates['end_friction_coefficient'].text()}"
         if end_status == STATUS_OK
         else _STATUS_TEXTS[end_status]
     )  # fmt: skip
     dilation = float(test["dilation"][-1])
-    rise = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
-    lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{rise}")
-    if values["peak_friction_coefficient"].status == STATUS_OK:
-        strongest = int(np.nanargmax(test["shear_stress"].values))
-        strength = values["peak_shear_stress"].in_prefixed_unit()
+    dilation_text = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
+    lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{dilation_text}")
+    if estimates["peak_friction_coefficient"].status == STATUS_OK:
+        peak_stress_index = int(np.nanargmax(test["shear_stress"].values))
+        strength = estimates["peak_shear_stress"].in_prefixed_unit()
         lines.append(
             f"shear strength: {strength.text()} {strength.unit} at "
-            f"{format_with_unit(float(test['displacement'][strongest]), 'um')}"
+            f"{format_with_unit(float(test['displacement'][peak_stress_index]), 'um')}"
         )
     lines += [_interval_text(test.attrs)] * (test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "")
     lines.append(_roughness_text(test.attrs))
@@ -253,9 +254,9 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
     limits = (
         f" [{angle.lower:.0f}°, {angle.upper:.0f}°]" if angle.upper - angle.lower >= MIN_PRINTED_ANGLE_RANGE else ""
     )
-    place = displacement.text(1) if displacement.has_interval else format_significant(displacement.value, 3)
+    distance = displacement.text(1) if displacement.has_interval else format_significant(displacement.value, 3)
     return [
-        f"peak: μ = {coefficient.text()} at {place} {displacement.unit} (friction angle {friction_angle:.0f}°)",
+        f"peak: μ = {coefficient.text()} at {distance} {displacement.unit} (friction angle {friction_angle:.0f}°)",
         f"dilation angle at the peak: {angle.value:.0f}°{limits}",
     ]
 
@@ -348,8 +349,8 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
 def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
     """Return the heading and the numbers of a table column, in the unit that suits the largest number."""
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
-    numbers = [format_significant(value / factor, 3) for value in test[name].values]
-    return f"{name.replace('_', ' ')} ({unit})", numbers
+    number_texts = [format_significant(value / factor, 3) for value in test[name].values]
+    return f"{name.replace('_', ' ')} ({unit})", number_texts
 
 
 def shear_csv(test: xarray.Dataset) -> str:

@@ -24,7 +24,7 @@ INCHES_PER_MILLIMETRE = 1 / 25.4
 # Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width (inches) of a figure for two columns
-MIN_MILLIMETRE_LENGTH = 1000.0  # length (µm) from which an axis is labelled in mm
+MIN_LENGTH_IN_MILLIMETRES = 1000.0  # length (µm) from which an axis is labelled in mm
 MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or from the user in a figure
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {

@@ -264,10 +264,10 @@ def interpolation_records(
             "load": load,
             "between": [
                 {
-                    "load": each,
-                    "assessments": count_assessments([point for point in points if point.at["load"] == each]),
+                    "load": computed_load,
+                    "assessments": count_assessments([point for point in points if point.at["load"] == computed_load]),
                 }
-                for each in loads
+                for computed_load in loads
             ],
         }
         for load, loads in neighbours.items()
@@ -279,19 +279,19 @@ def interpolation_records(
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
     """Return at most `MAX_PRINTED_POINTS` result points, which are evenly spaced along each coordinate."""
-    values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
-    if "hurst_exponent" in values:
-        values.pop("fractal_dimension", None)
-    num_values = {name: len(coordinates) for name, coordinates in values.items()}
+    coordinate_values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
+    if "hurst_exponent" in coordinate_values:
+        coordinate_values.pop("fractal_dimension", None)
+    num_values = {name: len(coordinates) for name, coordinates in coordinate_values.items()}
     while math.prod(num_values.values()) > MAX_PRINTED_POINTS:
         num_values[max(reversed(num_values), key=lambda name: num_values[name])] -= 1
-    if num_values == {name: len(coordinates) for name, coordinates in values.items()}:
+    if num_values == {name: len(coordinates) for name, coordinates in coordinate_values.items()}:
         return points
     selected_values = {
         name: {
             coordinates[index] for index in np.linspace(0, len(coordinates) - 1, num_values[name]).round().astype(int)
         }
-        for name, coordinates in values.items()
+        for name, coordinates in coordinate_values.items()
     }
     return [point for point in points if all(point.at[name] in selected_values[name] for name in selected_values)]
 

@@ -20,7 +20,7 @@ from stiction.views.style import (
 
 # The figure shows an input if the interval would be narrower by more than this fraction with an exact value of the
 # input.
-MIN_DRAWN_REDUCTION = 0.02
+MIN_DRAWN_INTERVAL_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure of the uncertainty budget
 MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's label; longer labels are wrapped
 
@@ -28,7 +28,7 @@ MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: contributions to friction, combined interval, and uncertainty budget."""
     width = point.upper - point.lower
-    remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_REDUCTION) * width][
+    remaining_inputs = [item for item in point.budget if item.width < (1 - MIN_DRAWN_INTERVAL_REDUCTION) * width][
         :MAX_DRAWN_INPUTS
     ]
     test_interval = point.rules[0].prediction_interval
@@ -54,10 +54,17 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
     interval_distances = [[point.value - point.lower], [point.upper - point.value]]
     axes.errorbar([point.value], [0], xerr=interval_distances, color="black", capsize=3, linewidth=1.2)
     axes.plot(test_interval, [0.45, 0.45], color=FRICTION_COLOUR, linewidth=2, label="single test, 95 %")
-    for row, (_, low, high) in enumerate(rows, 1):
+    for row, (_, lower_limit, upper_limit) in enumerate(rows, 1):
         label = "95 % if this input were exact" if row == 2 else ""
         linewidth = 3 if row == 1 else 1.5
-        axes.plot([low, high], [row, row], color="black", linewidth=linewidth, solid_capstyle="butt", label=label)
+        axes.plot(
+            [lower_limit, upper_limit],
+            [row, row],
+            color="black",
+            linewidth=linewidth,
+            solid_capstyle="butt",
+            label=label,
+        )
     axes.set_yticks(range(len(rows) + 1), ["contributions", *row_labels])
     axes.invert_yaxis()
     title = f"{title}\n{point.rules[0]}".strip()

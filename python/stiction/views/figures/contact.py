@@ -21,7 +21,7 @@ from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
     LOWER_BODY_COLOUR,
-    MIN_MILLIMETRE_LENGTH,
+    MIN_LENGTH_IN_MILLIMETRES,
     NOT_OPPOSING_COLOUR,
     OPPOSING_COLOUR,
     UPPER_BODY_COLOUR,
@@ -33,7 +33,7 @@ from stiction.views.style import (
 
 # minimum half width (grid spacings) of the magnified range in the figure of contact forces
 _MIN_FORCE_ZOOM_HALF_WIDTH = 40
-_MAX_NANOMETRE_RANGE = 0.5  # height range (µm) below which an axis is labelled in nm
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # height range (µm) below which an axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of an arrow that represents a force
 _MIN_VISIBLE_FORCE_RATIO = 0.05  # minimum length of a visible arrow, divided by that of the longest one
 EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
@@ -52,7 +52,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     x, contact_force = forces["height_x"].values, forces["contact_force"].values
     centre_x, centre_z = forces["contact_centre"].values.T
     profiles = [forces[f"{side}_height"].values for side in ("upper", "lower")]
-    in_nanometres = max(float(np.ptp(heights)) for heights in profiles) < _MAX_NANOMETRE_RANGE
+    in_nanometres = max(float(np.ptp(heights)) for heights in profiles) < _MAX_HEIGHT_RANGE_IN_NANOMETRES
     unit_factor = 1000.0 if in_nanometres else 1.0
     bodies = [unit_factor * heights for heights in profiles]
     figure = new_figure(90)
@@ -134,7 +134,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        # In dark mode, a report shows light labels, but bodies with many points keep light colours as pixels.
+        # In dark mode, labels become light. Bodies with many points are pixels, whose light colours do not change.
         axes.text(
             0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment,
             bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
@@ -256,7 +256,7 @@ def contacts_and_pressure_figure(
 
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
     """Draw the heights of the lower body in grey, with a colour bar. `box` contains the sides of the map (µm)."""
-    in_nanometres = np.ptp(heights) < _MAX_NANOMETRE_RANGE
+    in_nanometres = np.ptp(heights) < _MAX_HEIGHT_RANGE_IN_NANOMETRES
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
     image = axes.imshow(
@@ -270,7 +270,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
     """Label the axes of a map in µm, or in mm for large maps. `box` contains the sides of the map (µm)."""
     left, right, bottom, top = box
-    in_millimetres = max(right - left, top - bottom) >= MIN_MILLIMETRE_LENGTH
+    in_millimetres = max(right - left, top - bottom) >= MIN_LENGTH_IN_MILLIMETRES
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
         axis.set_label_text(f"${name}$ (mm)" if in_millimetres else axis_label(name))
         if in_millimetres:
@@ -288,8 +288,8 @@ def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float,
     """Return the coordinates (µm) of the sides of a map: left, right, bottom, top."""
     extent: list[float] = []
     for axis in ("x", "y"):
-        values = picture[f"{name}_{axis}"].values
-        extent += [float(values[0]), float(2 * values[-1] - values[-2])]
+        cell_edges = picture[f"{name}_{axis}"].values
+        extent += [float(cell_edges[0]), float(2 * cell_edges[-1] - cell_edges[-2])]
     return extent[0], extent[1], extent[2], extent[3]
 
 

@@ -41,19 +41,20 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
     for rule in rules:
         colour, rule_values = SLIDING_RULE_COLOURS[rule], select_sliding_rule(dataset, rule)
         values = rule_values["friction_coefficient"].transpose("statistic", "direction")
-        mean, low, high = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
+        mean, lower_limits, upper_limits = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
         axes.plot(np.radians(degrees), mean, "o", color=colour, markersize=2.5, label=SLIDING_RULE_LABELS[rule])
         highest_coefficient = max(highest_coefficient, float(np.nanmax(mean, initial=0.0)))
         if np.isfinite(mean).all():
             axes.plot(
                 np.radians(fine_degrees), _interpolate_periodic(degrees, mean, fine_degrees), color=colour, linewidth=1
             )
-        if np.isfinite(low).all() and np.isfinite(high).all():
+        if np.isfinite(lower_limits).all() and np.isfinite(upper_limits).all():
             interval_limits = (
-                _interpolate_periodic(degrees, interval_end, fine_degrees) for interval_end in (low, high)
+                _interpolate_periodic(degrees, interval_end, fine_degrees)
+                for interval_end in (lower_limits, upper_limits)
             )
             axes.fill_between(np.radians(fine_degrees), *interval_limits, color=colour, alpha=0.2, linewidth=0)
-            highest_coefficient = max(highest_coefficient, min(float(high.max()), 2 * highest_coefficient))
+            highest_coefficient = max(highest_coefficient, min(float(upper_limits.max()), 2 * highest_coefficient))
         if "gentle_friction" in rule_values:
             slope_estimate = rule_values["gentle_friction"]
             slope_estimate = (
@@ -132,16 +133,19 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in
     ascending order. Directions are not averaged, because a test slides in one direction.
     """
-    values = point["member_friction"]
+    member_friction = point["member_friction"]
     figure = new_figure(62)
     axes = figure.subplots()
-    by_offset = _has_single_profile_pair(values)
-    highest_coefficient = float(np.nanmax(values.values)) if np.isfinite(values.values).any() else 1.0
+    by_offset = _has_single_profile_pair(member_friction)
+    highest_coefficient = float(np.nanmax(member_friction.values)) if np.isfinite(member_friction.values).any() else 1.0
     for rule in np.atleast_1d(point["sliding"].values).tolist():
-        rule_values = select_sliding_rule(values, rule)
+        rule_values = select_sliding_rule(member_friction, rule)
         finite_values = rule_values.values[np.isfinite(rule_values.values)]
         if by_offset:
-            x, y = np.repeat(values["x"].values, values.sizes["direction"]), rule_values.values.ravel()
+            x, y = (
+                np.repeat(member_friction["x"].values, member_friction.sizes["direction"]),
+                rule_values.values.ravel(),
+            )
         else:
             x, y = np.arange(1, finite_values.size + 1), np.sort(finite_values)
         axes.plot(
@@ -155,16 +159,16 @@ def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
             label=SLIDING_RULE_LABELS[rule],
         )
         mean = select_sliding_rule(point["mean_friction"], rule)
-        mean_value, low, high = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
-        axes.axhspan(low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
+        mean_value, lower_limit, upper_limit = (float(mean.sel(statistic=name)) for name in MEAN_AND_LIMITS)
+        axes.axhspan(lower_limit, upper_limit, color=SLIDING_RULE_COLOURS[rule], alpha=0.15, linewidth=0)
         axes.axhline(mean_value, color=SLIDING_RULE_COLOURS[rule], linewidth=0.6)
     axes.set(ylim=(0, 1.05 * max(highest_coefficient, 1e-3)), ylabel=axis_label("friction_coefficient"))
     axes.set_xlabel("offset of the upper body (µm)" if by_offset else "single results, in ascending order")
     parameters = friction_parameters_text(float(point["mu0"]), float(point["tau0"]))
     caption = f"at {format_with_unit(float(point['load']), 'mN')}, {parameters}, single directions"
     figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
-    num_missing = int(np.isnan(values.values).reshape(values.shape[0], -1).any(axis=-1).sum())
-    note = f"; {num_missing} of {values.shape[0]} results are incomplete" if num_missing else ""
+    num_missing = int(np.isnan(member_friction.values).reshape(member_friction.shape[0], -1).any(axis=-1).sum())
+    note = f"; {num_missing} of {member_friction.shape[0]} results are incomplete" if num_missing else ""
     legend_title = f"lines: means; bands: 95 %, intervals of the mean{note}"
     figure.legend(*axes.get_legend_handles_labels(), title=legend_title, loc="outside lower center", ncols=2)
     return figure

@@ -44,7 +44,7 @@ from stiction.views.style import (
     spread_label_positions,
 )
 
-MIN_FADED_WIDTH, FULLY_FADED_WIDTH, MAX_FADING = 0.3, 1.2, 0.85
+MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.85
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # minimum distance (mm) between curve labels
@@ -229,20 +229,22 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     """Return a logarithmic colour scale for the valid coefficients or, if few are valid, for all coefficients."""
-    values = maps["friction_coefficient"].sel(statistic="mean").values
-    is_positive = np.isfinite(values) & (values > 0)
+    coefficients = maps["friction_coefficient"].sel(statistic="mean").values
+    is_positive = np.isfinite(coefficients) & (coefficients > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
-    positive_values = values[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
-    low, high = np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
-    step = 10.0 ** np.floor(np.log10(low)) / 2  # step of which both limits of the colour scale are multiples
-    low, high = max(np.floor(low / step) * step, step), np.ceil(high / step) * step
-    return LogNorm(low, max(high, low + step))
+    positive_values = coefficients[is_valid if is_valid.sum() > 0.1 * is_positive.sum() else is_positive]
+    lower_limit, upper_limit = (
+        np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
+    )
+    step = 10.0 ** np.floor(np.log10(lower_limit)) / 2  # step of which both limits of the colour scale are multiples
+    lower_limit, upper_limit = max(np.floor(lower_limit / step) * step, step), np.ceil(upper_limit / step) * step
+    return LogNorm(lower_limit, max(upper_limit, lower_limit + step))
 
 
 def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: float) -> None:
     panel = panel.transpose("load", "fractal_dimension", "statistic")
     friction, status = panel["friction_coefficient"].values, panel["status"].values
-    values = friction[..., 0]
+    coefficients = friction[..., 0]
     edges = (
         _compute_cell_edges(panel["fractal_dimension"].values),
         np.exp(_compute_cell_edges(np.log(panel["load"].values))),
@@ -250,16 +252,16 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
-    is_finite = np.isfinite(values)
+    is_finite = np.isfinite(coefficients)
     # A cell with the coefficient 0, which has no logarithm, gets the lowest colour of the scale.
-    colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(values, norm.vmin), norm.vmin)))
+    colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(coefficients, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
     colours[..., 3] = is_finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
     fraction = find_fraction_beyond_hertz(panel)
     _hatch_cells(axes, *edges, is_finite & (fraction > MAX_AFFECTED_FRACTION))
-    if min(values.shape) > 1:
+    if min(coefficients.shape) > 1:
         masked_fractions = np.ma.masked_invalid(fraction)
         if masked_fractions.count() and masked_fractions.min() < MAX_AFFECTED_FRACTION < masked_fractions.max():
             axes.contour(
@@ -294,12 +296,15 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
     """Return the fading of each chart cell, which is 0 for narrow intervals and increases with their relative width."""
-    values, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
+    coefficients, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        width = (upper - lower) / values
-    width = np.nan_to_num(width, nan=FULLY_FADED_WIDTH, posinf=FULLY_FADED_WIDTH)
-    width = np.where(np.isfinite(values), width, MIN_FADED_WIDTH)
-    return np.asarray(MAX_FADING * np.clip((width - MIN_FADED_WIDTH) / (FULLY_FADED_WIDTH - MIN_FADED_WIDTH), 0, 1))
+        width = (upper - lower) / coefficients
+    width = np.nan_to_num(width, nan=FULLY_FADED_INTERVAL_WIDTH, posinf=FULLY_FADED_INTERVAL_WIDTH)
+    width = np.where(np.isfinite(coefficients), width, MIN_FADED_INTERVAL_WIDTH)
+    return np.asarray(
+        MAX_FADING
+        * np.clip((width - MIN_FADED_INTERVAL_WIDTH) / (FULLY_FADED_INTERVAL_WIDTH - MIN_FADED_INTERVAL_WIDTH), 0, 1)
+    )
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
@@ -389,16 +394,16 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
     is_valid = ~(find_fraction_beyond_hertz(areas, "contact_area") > MAX_AFFECTED_FRACTION)
-    positive = area[area > 0]
+    areas_above_zero = area[area > 0]
     for ax, area_factor in zip(axes, (np.ones(load.size), 1 / load), strict=True):
         ax.set(xscale="log", xlim=(load[0] / (load[-1] / load[0]) ** 0.24, load[-1] * 1.2))
-        if not positive.size:
+        if not areas_above_zero.size:
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
         # Compute the axis limits from the means alone, so that very wide interval bands are cut off.
-        values = (area_factor * area)[area > 0]
-        ax.set_ylim(values.min() / MAX_DRAWN_BAND_RATIO, values.max() * MAX_DRAWN_BAND_RATIO)
+        positive_areas = (area_factor * area)[area > 0]
+        ax.set_ylim(positive_areas.min() / MAX_DRAWN_BAND_RATIO, positive_areas.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)
         labels, label_heights = [], []
         for curve_index, colour in enumerate(fractal_dimension_colours(dimensions)):
@@ -421,9 +426,11 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
             if indices.size:
                 labels.append((load[indices[0]], dimensions[curve_index], colour))
                 label_heights.append(np.log(area_factor[indices[0]] * area[curve_index, indices[0]]))
-        low, high = np.log(ax.get_ylim())
-        spread_heights = spread_label_positions(label_heights, label_distance * (high - low))
-        spread_heights += max(0, low + label_distance * (high - low) - spread_heights.min(initial=high))
+        log_bottom, log_top = np.log(ax.get_ylim())
+        spread_heights = spread_label_positions(label_heights, label_distance * (log_top - log_bottom))
+        spread_heights += max(
+            0, log_bottom + label_distance * (log_top - log_bottom) - spread_heights.min(initial=log_top)
+        )
         for (curve_start, dimension, colour), label_height in zip(labels, spread_heights, strict=True):
             text = f"{dimension:.2f}" if dimension != dimensions[0] else f"$D$ = {dimension:.2f}"
             ax.text(curve_start / 1.12, np.exp(label_height), text, color=colour, fontsize=6, ha="right", va="center")

@@ -37,10 +37,12 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in np.atleast_1d(points["sliding"].values).tolist():
         combined_friction = select_sliding_rule(points["friction_combined"], rule)
-        mean, low, high = (
+        mean, lower_limits, upper_limits = (
             combined_friction.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS
         )
-        friction_axes.fill_between(rms_gradient, low, high, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0)
+        friction_axes.fill_between(
+            rms_gradient, lower_limits, upper_limits, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0
+        )
         friction_axes.plot(
             rms_gradient,
             mean,
@@ -52,8 +54,8 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         )
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-    area_axes.fill_between(rms_gradient, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+    mean, lower_limits, upper_limits = (area.sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
+    area_axes.fill_between(rms_gradient, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
     area_axes.plot(rms_gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
     area_axes.set_xscale("log")
     if (mean > 0).any():
@@ -67,8 +69,8 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         ylabel=axis_label("contact_area_fraction" if has_fraction else "contact_area"),
     )
     format_log_axis(area_axes.xaxis)
-    low, high = area_axes.get_ylim()
-    if area_axes.get_yscale() == "log" and high < 30 * low:
+    bottom, top = area_axes.get_ylim()
+    if area_axes.get_yscale() == "log" and top < 30 * bottom:
         format_log_axis(area_axes.yaxis)
     # if both bodies are scaled, the rms gradient is proportional to the height factor
     if points.attrs["scaled"] == "both":

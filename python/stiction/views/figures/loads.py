@@ -73,12 +73,14 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
-        mean, low, high = (points[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-        ax.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+        mean, lower_limits, upper_limits = (
+            points[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
+        )
+        ax.fill_between(x, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
         ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
-    bands_label = INTERVAL_BAND_LEGENDS[False] if np.isfinite(low).any() else ""
+    bands_label = INTERVAL_BAND_LEGENDS[False] if np.isfinite(lower_limits).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands_label))), fontsize=6)
     return figure
 
@@ -137,22 +139,22 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     cut_off = np.asarray(limits.points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
     unfiltered_position = limits.shortest or shortest_cutoff
-    if not unfiltered_position < shortest_cutoff / MIN_POSITION_RATIO:
-        unfiltered_position = shortest_cutoff / UNFILTERED_POSITION_RATIO
+    if not unfiltered_position < shortest_cutoff / MIN_MARKER_WAVELENGTH_RATIO:
+        unfiltered_position = shortest_cutoff / UNFILTERED_MARKER_WAVELENGTH_RATIO
     positions = np.where(cut_off > 0, cut_off, unfiltered_position)
     figure = _friction_and_area_figure(limits.points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
     return figure
 
 
-MIN_POSITION_RATIO = 1.05  # minimum ratio of two wavelengths whose markers do not overlap
-UNFILTERED_POSITION_RATIO = 1.5
+MIN_MARKER_WAVELENGTH_RATIO = 1.05  # minimum ratio of two wavelengths whose markers do not overlap
+UNFILTERED_MARKER_WAVELENGTH_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
 # longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff
-MAX_ESTIMATE_WAVELENGTH_RATIO = 8.0
+MAX_CLOSED_FORM_TO_CUTOFF_RATIO = 8.0
 # shortest wavelength for which extrapolated friction is drawn, as a fraction of the first cutoff
-MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1 / 16
+MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
@@ -164,29 +166,29 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
         )
         area_axes.axhline(100 * area_fraction, color=AREA_COLOUR, linewidth=0.8, linestyle=":")
     wavelengths = limits.wavelengths
-    is_shown = wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x[x > 0].min()
-    for axes, values, colour in (
+    is_shown = wavelengths >= MIN_EXTRAPOLATED_TO_CUTOFF_RATIO * x[x > 0].min()
+    for axes, spectral_friction, colour in (
         (friction_axes, limits.friction, SLIDING_RULE_COLOURS["all"]),
         (area_axes, 100 * limits.area_fractions, AREA_COLOUR),
     ):
-        if not np.isfinite(values[is_shown, 0]).any():
+        if not np.isfinite(spectral_friction[is_shown, 0]).any():
             continue
-        mean, low, high = values[is_shown].T
+        mean, lower_limits, upper_limits = spectral_friction[is_shown].T
         curve_label = "extrapolated with H" if axes is friction_axes else None
-        axes.fill_between(wavelengths[is_shown], low, high, color=colour, alpha=0.1, linewidth=0)
+        axes.fill_between(wavelengths[is_shown], lower_limits, upper_limits, color=colour, alpha=0.1, linewidth=0)
         axes.plot(wavelengths[is_shown], mean, "--", color=colour, linewidth=0.8, label=curve_label)
         if axes is friction_axes:
             axes.set_ylim(0, max(axes.get_ylim()[1], 1.05 * float(np.nanmax(mean))))
     if (spectral_estimate := limits.spectral) is not None:
         spectral_estimate = spectral_estimate.isel(
-            wavelength=spectral_estimate.wavelength <= MAX_ESTIMATE_WAVELENGTH_RATIO * x.max()
+            wavelength=spectral_estimate.wavelength <= MAX_CLOSED_FORM_TO_CUTOFF_RATIO * x.max()
         )
         for rule in spectral_estimate.sliding.values:
             curve_label = "estimate from spectra" if rule == "all" else None
-            values = spectral_estimate.friction_coefficient.sel(sliding=rule)
+            spectral_friction = spectral_estimate.friction_coefficient.sel(sliding=rule)
             friction_axes.plot(
                 spectral_estimate.wavelength,
-                values,
+                spectral_friction,
                 "-.",
                 color=SLIDING_RULE_COLOURS[str(rule)],
                 linewidth=0.8,
@@ -215,18 +217,22 @@ def _friction_and_area_figure(
     has_combined = "friction_combined" in points
     for rule in _list_sliding_rules(points):
         dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
-        mean, low, high = (dataset["mean_friction"].sel(statistic=name).values for name in MEAN_AND_LIMITS)
-        friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+        mean, lower_limits, upper_limits = (
+            dataset["mean_friction"].sel(statistic=name).values for name in MEAN_AND_LIMITS
+        )
+        friction_axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
         if has_combined:
-            low, high = (dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:])
-            friction_axes.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
+            lower_limits, upper_limits = (
+                dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:]
+            )
+            friction_axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
         friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=SLIDING_RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
     _mark_incomplete_points(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, low, high = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
-    area_axes.fill_between(x, low, high, color=AREA_COLOUR, alpha=0.2, linewidth=0)
+    mean, lower_limits, upper_limits = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
+    area_axes.fill_between(x, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
     area_axes.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
     for ax in (friction_axes, area_axes):
         ax.set_xscale("log")
@@ -239,19 +245,19 @@ def _friction_and_area_figure(
         0, min(friction_axes.get_ylim()[1], MAX_FRICTION_AXIS_RATIO * highest_mean) if highest_mean > 0 else None
     )
     if limits is not None:
-        is_shown = limits.wavelengths >= MIN_EXTRAPOLATED_WAVELENGTH_RATIO * x.min()
+        is_shown = limits.wavelengths >= MIN_EXTRAPOLATED_TO_CUTOFF_RATIO * x.min()
         left_limit = min([*x, *limits.wavelengths[is_shown]])
         _draw_resolution_limits(friction_axes, area_axes, limits, x)
         area_axes.set_xlim(
-            left_limit / 1.2, (1.2 if limits.spectral is None else MAX_ESTIMATE_WAVELENGTH_RATIO) * x.max()
+            left_limit / 1.2, (1.2 if limits.spectral is None else MAX_CLOSED_FORM_TO_CUTOFF_RATIO) * x.max()
         )
     friction_axes.set_ylabel(axis_label("friction_coefficient"))
     area_axes.set_ylabel(axis_label("contact_area_fraction" if has_fraction else "contact_area"))
     for ax in (friction_axes, area_axes):
         set_log_tick_labels(ax)
     format_log_axis(area_axes.xaxis)
-    low, high = area_axes.get_ylim()
-    if area_axes.get_yscale() == "log" and high < 30 * low:
+    bottom, top = area_axes.get_ylim()
+    if area_axes.get_yscale() == "log" and top < 30 * bottom:
         format_log_axis(area_axes.yaxis)
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
@@ -295,12 +301,12 @@ def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> Non
     Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. For a secondary axis, `limits`
     are the limits of its main axis, because a secondary axis has no limits before it is drawn.
     """
-    low, high = limits or axis.get_view_interval()
-    if high > MAX_PLAIN_LABEL_RATIO * low:
+    axis_start, axis_end = limits or axis.get_view_interval()
+    if axis_end > MAX_PLAIN_LABEL_RATIO * axis_start:
         axis.set_major_locator(LogLocator(numticks=8))
         axis.set_major_formatter(LogFormatterMathtext())
     else:
-        spans_decade = high >= 10 * low
+        spans_decade = axis_end >= 10 * axis_start
         axis.set_major_locator(
             LogLocator(subs=(1.0, 2.0, 5.0), numticks=8) if spans_decade else MaxNLocator(4, steps=[1, 2, 5, 10])
         )

@@ -57,9 +57,13 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     )[:, 0]
     if has_displacement:
         axes = panels[0]
-        low, high = (_prepend_zero(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper"))
-        if np.isfinite(low).all():
-            axes.fill_betweenx(load, 1e3 * low, 1e3 * high, color=FORCE_COLOUR, alpha=0.15, linewidth=0)
+        lower_limits, upper_limits = (
+            _prepend_zero(onset["displacement"].sel(statistic=item).values) for item in ("lower", "upper")
+        )
+        if np.isfinite(lower_limits).all():
+            axes.fill_betweenx(
+                load, 1e3 * lower_limits, 1e3 * upper_limits, color=FORCE_COLOUR, alpha=0.15, linewidth=0
+            )
         for amplitude, colour in zip(CYCLE_AMPLITUDES, LOAD_CYCLE_COLOURS, strict=True):
             load_cycle = _build_masing_cycle(
                 displacement, load, float(mean_onset["tangential_load"].sel(fraction=amplitude))
@@ -79,11 +83,11 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         ("slipped_area", "of the true contact area", "-", AREA_COLOUR),
         ("slipped_load", "of the normal load", "--", FORCE_COLOUR),
     ):
-        mean, low, high = (
+        mean, lower_limits, upper_limits = (
             100 * _prepend_zero(onset[name].sel(statistic=statistic).values) for statistic in MEAN_AND_LIMITS
         )
-        if np.isfinite(low).all():
-            axes.fill_between(fraction, low, high, color=colour, alpha=0.15, linewidth=0)
+        if np.isfinite(lower_limits).all():
+            axes.fill_between(fraction, lower_limits, upper_limits, color=colour, alpha=0.15, linewidth=0)
         axes.plot(fraction, mean, line_style, color=colour, linewidth=1, label=text)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="ratio of tangential to sliding load", ylabel="slipping fraction (%)")
     axes.legend(loc="upper left")

@@ -19,12 +19,12 @@ from stiction.surfaces.lines import LineRoughness
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
-from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_MILLIMETRE_LENGTH, PAGE_WIDTH, new_figure
+from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_LENGTH_IN_MILLIMETRES, PAGE_WIDTH, new_figure
 
 # maximum number of drawn points of a profile; neighbouring points of a longer profile are averaged
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
-MEASURED_COLOUR, FITTED_COLOUR = "#0072b2", "#d55e00"
+MEASURED_SPECTRUM_COLOUR, FITTED_LINE_COLOUR = "#0072b2", "#d55e00"
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # allowed distances between ticks, divided by a power of ten
 
 
@@ -67,11 +67,11 @@ def _draw_profile_heights(axes: Axes, profile: Profile) -> None:
         -1, group_size
     )
     x = profile.spacing * (group_size * np.arange(len(height_groups)) + (group_size - 1) / 2)
-    unit, unit_length = ("mm", 1000) if x[-1] >= MIN_MILLIMETRE_LENGTH else ("µm", 1)
-    axes.plot(x / unit_length, height_groups.mean(axis=1), color=MEASURED_COLOUR, linewidth=0.7)
+    unit, unit_length = ("mm", 1000) if x[-1] >= MIN_LENGTH_IN_MILLIMETRES else ("µm", 1)
+    axes.plot(x / unit_length, height_groups.mean(axis=1), color=MEASURED_SPECTRUM_COLOUR, linewidth=0.7)
     if group_size > 1:
         height_ranges = height_groups.min(axis=1), height_groups.max(axis=1)
-        axes.fill_between(x / unit_length, *height_ranges, color=MEASURED_COLOUR, alpha=0.4, linewidth=0)
+        axes.fill_between(x / unit_length, *height_ranges, color=MEASURED_SPECTRUM_COLOUR, alpha=0.4, linewidth=0)
     axes.set(xlabel=f"position $x$ ({unit})", ylabel=f"height ({height_unit})")
     axes.locator_params(nbins=4, steps=TICK_STEPS)
 
@@ -82,9 +82,9 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     rms_height = float(deviations.std())
     density, bin_edges = np.histogram(deviations, NUM_HEIGHT_BINS, density=True)
     x = (bin_edges[1:] + bin_edges[:-1]) / 2
-    axes.plot(x, density, color=MEASURED_COLOUR, linewidth=0.7)
+    axes.plot(x, density, color=MEASURED_SPECTRUM_COLOUR, linewidth=0.7)
     normal_density = np.exp(-((x / rms_height) ** 2) / 2) / (rms_height * math.sqrt(2 * math.pi))
-    axes.plot(x, normal_density, "--", color=FITTED_COLOUR, linewidth=1.2)
+    axes.plot(x, normal_density, "--", color=FITTED_LINE_COLOUR, linewidth=1.2)
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
@@ -102,7 +102,7 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
     axes.plot(
         result.binned_spectrum.wave_number[has_power],
         result.binned_spectrum.density[has_power],
-        color=MEASURED_COLOUR,
+        color=MEASURED_SPECTRUM_COLOUR,
         linewidth=0.6,
         marker="o",
         markersize=2,
@@ -114,8 +114,8 @@ def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
     else:
         q = np.geomspace(2 * math.pi / law.longest_wavelength, 2 * math.pi / law.shortest_wavelength, 40)
         name = f"$q^{{-{2 - is_profile}-2H}}$, $H$ = {law.value:.2f} [{law.lower:.2f}, {law.upper:.2f}]"
-        axes.plot(q, law.density(q), "--", color=FITTED_COLOUR, linewidth=1.2, label=name)
-        axes.axvspan(q[0], q[-1], color=FITTED_COLOUR, alpha=0.12, linewidth=0, label="fitted band")
+        axes.plot(q, law.density(q), "--", color=FITTED_LINE_COLOUR, linewidth=1.2, label=name)
+        axes.axvspan(q[0], q[-1], color=FITTED_LINE_COLOUR, alpha=0.12, linewidth=0, label="fitted band")
         classical_text = f"{law.fractal_dimension_classical:.2f} (classical), " if law.value <= 1 else ""
         note = f"$D$ = {classical_text}{law.fractal_dimension_paper:.2f} (paper)"
     axes.plot([], [], " ", label=note)
@@ -129,7 +129,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         spectrum.wave_number[has_power], spectrum.density[has_power], color=colour, linewidth=0.7, label=f"along {axis}"
     )
     if line.is_straight and line.band is not None:
-        exponent, scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
+        exponent, exponent_scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
         # Draw the fitted line through the mean level of the spectrum in the fitted band.
@@ -137,7 +137,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()
         q = np.geomspace(min_wave_number, max_wave_number, 40)
-        name = f"$q^{{-1-2H}}$, $H$ = {exponent:.2f} ± {scatter:.2f}"
+        name = f"$q^{{-1-2H}}$, $H$ = {exponent:.2f} ± {exponent_scatter:.2f}"
         axes.plot(q, np.exp(mean_log_factor) * q ** (-1 - 2 * exponent), "--", color=colour, linewidth=1.2, label=name)
 
 
@@ -153,7 +153,7 @@ def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) 
 
 
 def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
-    unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_MILLIMETRE_LENGTH else ("µm", 1.0)
+    unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_LENGTH_IN_MILLIMETRES else ("µm", 1.0)
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)

@@ -103,9 +103,9 @@ def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) ->
     )
     facts = {}
     for name, axis, initial_value, unit in zip(("mu0", "tau0"), axes, initial_values, (1.0, 1e3), strict=True):
-        values = np.array([float(f"{unit * value:.12g}") for value in axis.values])
+        slider_values = np.array([float(f"{unit * value:.12g}") for value in axis.values])
         facts[name] = {
-            "values": values.tolist(), "start": float(values[axis.find_index(initial_value)]),
-            "ranged": values[axis.has_range].tolist(),
+            "values": slider_values.tolist(), "start": float(slider_values[axis.find_index(initial_value)]),
+            "ranged": slider_values[axis.has_range].tolist(),
         }  # fmt: skip
     return facts

@@ -17,8 +17,8 @@ from stiction.study.study import Study
 from stiction.summary.assessment import Caveat, LimitCheck
 from stiction.summary.report_data import GeneratedReportData
 from stiction.summary.report_values import (
-    GENERATED_STATUSES,
     QUANTITIES_BY_PANEL,
+    STATUSES_OF_GENERATED_SURFACES,
     GeneratedReportValues,
     get_validity_limit,
 )
@@ -47,8 +47,8 @@ def generated_report_content(
         facts |= _value_facts(values, data.study) | {"maps": list(colour_ranges)}
         arrays |= _create_report_arrays(values)
         for quantity_name, ends in colour_ranges.items():
-            for end, numbers in zip(("low", "high"), ends, strict=True):
-                arrays[f"colours_{quantity_name}_{end}"] = NumberArray(numbers, list_number_formats("digits"))
+            for end, limit_values in zip(("low", "high"), ends, strict=True):
+                arrays[f"colours_{quantity_name}_{end}"] = NumberArray(limit_values, list_number_formats("digits"))
     return ReportContent(
         name=name,
         heading_lines=_heading_lines(data),
@@ -70,7 +70,7 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
         },
         "cells": {
             "values": data.dimensions.tolist(),
-            "texts": [f"D = {coordinate_text('fractal_dimension', each)}" for each in data.dimensions.tolist()],
+            "texts": [f"D = {coordinate_text('fractal_dimension', number)}" for number in data.dimensions.tolist()],
         },
         "amplitudes": [format_with_unit(amplitude, "um") for amplitude in data.amplitudes],
         "measure": "total height" if surfaces.amplitude_measure == "height" else surfaces.amplitude_measure,
@@ -94,7 +94,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
     return {
         "statuses": [
             {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": is_trusted}
-            for name, is_trusted in GENERATED_STATUSES
+            for name, is_trusted in STATUSES_OF_GENERATED_SURFACES
         ],
         "means": [_quantity_record(name, study) for name in values.means],
         "judgements": [
@@ -178,8 +178,8 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
         with warnings.catch_warnings():
             # NumPy warns about slices that contain only NaN, which result from points without a coefficient.
             warnings.simplefilter("ignore", RuntimeWarning)
-            low, high = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
-        ranges[name] = low, np.maximum(high, 1.05 * low)
+            lower_limits, upper_limits = np.nanquantile(positive_values, COLOUR_RANGE_QUANTILES, axis=(0, 4))
+        ranges[name] = lower_limits, np.maximum(upper_limits, 1.05 * lower_limits)
     return ranges
 
 

@@ -12,8 +12,8 @@ from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
-from stiction.summary.report_data import MAX_FILE_READINGS, BodyHistory, MeasuredReportData
-from stiction.summary.report_values import ORDERED_STATUSES, MeasuredReportValues, is_shown_in_report
+from stiction.summary.report_data import MAX_DESCRIBED_FILE_READINGS, BodyHistory, MeasuredReportData
+from stiction.summary.report_values import STATUSES_BY_CODE, MeasuredReportValues, is_shown_in_report
 from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
@@ -100,7 +100,7 @@ def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[
         ],
         "statuses": [
             {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": True}
-            for name in ORDERED_STATUSES
+            for name in STATUSES_BY_CODE
         ],
         "combined": [kind != "surrogates" for kind in values.member_kinds],
         "memberCounts": values.member_counts,
@@ -187,16 +187,16 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     ]
 
 
-MAX_LISTED_STEPS = 20  # maximum number of listed processing steps of a body
+MAX_LISTED_PROCESSING_STEPS = 20  # maximum number of listed processing steps of a body
 
 
 def _history_markup(side: str, history: BodyHistory) -> str:
-    lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.steps[:MAX_LISTED_STEPS])
+    lines = "".join(f"<li>{escape_html(line)}</li>" for line in history.steps[:MAX_LISTED_PROCESSING_STEPS])
     readings = "".join(
         file_reading_table(reading, {name: getattr(scan, name) for name in LISTED_READING_OPTIONS})
         for scan, reading in history.readings
     )
-    num_omitted = history.num_scans - MAX_FILE_READINGS
+    num_omitted = history.num_scans - MAX_DESCRIBED_FILE_READINGS
     readings += (
         f"<p>{num_omitted} more scans are in the JSON of <code>stiction pair</code>.</p>" if num_omitted > 0 else ""
     )

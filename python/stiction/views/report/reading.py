@@ -66,5 +66,5 @@ def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> 
 
 
 def _option_text(name: str, value: Any) -> str:
-    values = value if isinstance(value, (list, tuple)) else [value]
-    return f"{name.replace('_', ' ')} = {', '.join(str(getattr(item, 'text', item)) for item in values)}"
+    option_values = value if isinstance(value, (list, tuple)) else [value]
+    return f"{name.replace('_', ' ')} = {', '.join(str(getattr(item, 'text', item)) for item in option_values)}"

@@ -49,8 +49,8 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
     )
-    values = [f"{value:.2f}" for value in characterisation.friction_estimates]
-    axes_text = " along x and y" if len(values) == 2 else ""
+    coefficient_texts = [f"{value:.2f}" for value in characterisation.friction_estimates]
+    axes_text = " along x and y" if len(coefficient_texts) == 2 else ""
     limit = characterisation.instrument_limit
     grid_wavelength = limit.pixels
     fraction = float(characterisation.roughness.fraction_below(2 * grid_wavelength))
@@ -72,8 +72,8 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
     paragraphs = [
         f"Small-slope estimates for two such surfaces, elastic and without τ0: μₛ = μ0 with "
         f"{SLIDING_RULE_DESCRIPTIONS['all']}; with {SLIDING_RULE_DESCRIPTIONS['opposing']}, "
-        f"μₛ = {' and '.join(values)}{axes_text} if μ0 = {ASSUMED_MU0:g}."
-        if values
+        f"μₛ = {' and '.join(coefficient_texts)}{axes_text} if μ0 = {ASSUMED_MU0:g}."
+        if coefficient_texts
         else "The surface is flat, and so has no small-slope estimate.",
         finer_scan_text,
         "For friction at a given load, compute a pair of surfaces; stiction pair --help shows examples.",

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
-from stiction._number_format import MIN_ROUNDED_TO_ONE, NumberFormat
+from stiction._number_format import MIN_NUMBER_ROUNDED_TO_ONE, NumberFormat
 
 # Number of leading bytes of each double that a report stores. Four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
@@ -88,7 +88,7 @@ class NumberArray:
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
     """Return the index of the format with which `format_number` would print each number."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
-    minima = MIN_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
+    minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
 
 
