@@ -352,7 +352,7 @@ class Server:
                 raise HTTPException(400)
             if name == "set" and not ALLOWED_STUDY_CHANGE_PATTERN.fullmatch(value):
                 raise HTTPException(
-                    400, f"the field set must be one of the settings on the page, got {short_repr(value)}"
+                    400, f"the field 'set' must be one of the settings on the page, got {short_repr(value)}"
                 )
             if name == "interface" and value not in interfaces() and value not in self.scans:
                 raise HTTPException(

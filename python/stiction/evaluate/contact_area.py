@@ -321,7 +321,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the factors of `compute_yield_factors` at a given hardness (GPa) of the contacts."""
+    """Return the true area at a given hardness (GPa), divided by the stored area (see `compute_yield_factors`)."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -299,7 +299,7 @@ class _QuantityAtLoads:
         self.keeps_load &= power_sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the limits of the interval at each crossing.
+        """Return the limits of the interval at each crossing of a load curve with a requested load.
 
         `curve` contains the index of the curve of each crossing.
         """

@@ -22,7 +22,7 @@ def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) 
     elastic_loads = MemberSums.of(result).mean_elastic_loads
     highest_load = float(elastic_loads.max())
     if not highest_load > 0:
-        raise ValueError("no pair of this result is in contact at any step, so there is nothing to draw")
+        raise ValueError("no pair of this result is in contact at any loading step, so there is nothing to draw")
     lowest_load = float(
         elastic_loads.isel({find_step_dimension(elastic_loads.to_dataset(name="load_of_step")): 0}).max()
     )

@@ -248,10 +248,9 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return the status that represents all members (first axis).
+    """Return one status for all members (first axis): a status with a coefficient, if any, or else the most frequent.
 
-    If any member has a coefficient, this is a status with a coefficient, such as "ok". Otherwise, it is the most
-    frequent status.
+    The statuses with a coefficient are "ok" and "bulk-shear", for a lower limit.
     """
     status_counts = np.stack([(statuses == status).sum(axis=0) for status in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[status_counts.argmax(axis=0)]

@@ -296,7 +296,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # the peaks of all samples are at one computed displacement, but a true peak may be between two of them
+            # all peaks are at one computed displacement, but the true peaks may be between two displacements
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))

@@ -452,7 +452,7 @@ class SharedResultDirectory:
     """Result directory in which workers write block files themselves, if they can access the directory."""
 
     path: Path
-    token: str  # name of the file in the blocks directory that exists until the run ends
+    token: str  # name of a file in the blocks directory, which exists until the run ends
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the directory, and the run is still active."""

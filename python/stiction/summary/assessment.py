@@ -53,15 +53,15 @@ MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 
 # Largest fraction of the load that a single contact may carry if the coefficient is quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# largest load fraction on contacts at the edge without a caveat
+# load fraction on contacts at the edge above which there is a caveat
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
-MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4  # largest load fraction on a single contact without a caveat
+MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4  # load fraction on one contact above which there is a caveat
 
 # Ratio of true to nominal area above which contacts are assumed to have merged.
 MIN_MERGED_AREA_FRACTION = 0.3
-# Largest fraction of the load, the members or the scan length that a problem may affect without a caveat.
+# Affected fraction of the load, the members or the scan length above which a problem causes a caveat.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # largest fraction of interpolated points in a scan without a caveat
+MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which there is a caveat
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -73,7 +73,7 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-MAX_SPACING_RATIO = 3.0  # largest ratio of the grid spacings of two scans without a caveat
+MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which there is a caveat
 
 # Ratio of τ0 to H/√α above which the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
@@ -97,7 +97,7 @@ MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a yielding body of unknown material is assumed to be a metal."""
 
-# Largest load that neglected adhesion may add, as a fraction of the applied load, without a caveat.
+# Estimated load due to neglected adhesion, as a fraction of the applied load, above which there is a caveat.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
 RIM_ATTRACTION_FACTOR = 4.3
@@ -108,7 +108,7 @@ docs/explanation/adhesion.md describes the fit.
 
 MAX_DEVIATION_FROM_MU0 = 0.02  # largest relative difference of a coefficient that counts as equal to mu0
 ROUND_UP_FACTOR = 1 + 1e-12  # factor by which ties such as 2.25 are raised, so that they round up as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # largest relative half width of an interval without a caveat
+MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which there is a caveat
 
 
 @dataclass(frozen=True)

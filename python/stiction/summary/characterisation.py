@@ -81,7 +81,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body that gives the roughness parameters: the profile itself, or the surface after its filters."""
+        """Body from which the roughness parameters are computed: the profile itself, or the filtered surface."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -122,7 +122,7 @@ class Characterisation:
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body with interpolated outliers, which gives the spectrum."""
+        """Body in which outliers are interpolated, and from which the spectrum is computed."""
         return self.defects.body_without_outliers
 
     @property

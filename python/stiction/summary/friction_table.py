@@ -28,7 +28,7 @@ MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures that a stiffn
 # Directions of motion (degrees) over which the coefficient of isotropic surfaces is averaged.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 MAX_FITTED_AREA_FRACTION = 0.1  # largest true area fraction to which the laws of area and stiffness are fitted
-MAX_LAW_DEVIATION = 0.1  # largest relative deviation of a mean from a fitted law without a caveat
+MAX_LAW_DEVIATION = 0.1  # relative deviation of a mean from a fitted law above which there is a caveat
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 

@@ -63,14 +63,14 @@ MAX_STEP_MEAN_SQUARE_FRACTION = 0.65
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# Largest fraction of the fourth spectral moment that a spectral peak may contribute without a caveat.
+# Fraction of the fourth spectral moment from a single spectral peak above which there is a caveat.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_RATIO_OF_TWO_SPECTRA = 2.0  # largest ratio without a caveat of the spectra of two scans of one surface
+MAX_RATIO_OF_TWO_SPECTRA = 2.0  # ratio of the spectra of two scans of one surface above which there is a caveat
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
 

@@ -194,7 +194,7 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
         else:
             omitted_loads.append(load)
     if not rows:
-        raise ValueError("a joint table needs the closure of the pair, which is unknown at all of these loads")
+        raise ValueError("a joint table needs the closure of the pair, which is unknown at all loads of the table")
     first_load = float(study.friction.load[0])
     reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
     notes = (

@@ -111,7 +111,7 @@ class ReportGrid:
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report: all kinds of members, cells, motions, loads, mu0 and tau0."""
+        """Number of coefficients in a report: all kinds of members, cells, direction groups, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)

@@ -126,7 +126,10 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return arrays over motions: coefficients, means, status codes, member counts and small-slope estimates."""
+    """Return coefficients, means, status codes, member counts and small-slope estimates as arrays.
+
+    The arrays have one index for each group of directions in `motions`.
+    """
     dims = ("cut_off", "sliding", "direction", "load", "mu0", "tau0")
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values

@@ -36,7 +36,7 @@ def coordinate_text(name: str, value: float) -> str:
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return the value of a point's coordinate as text.
+    """Return the value of one coordinate of a result point as text, for example of its load.
 
     For the cutoff, both bodies are named if their cutoffs differ.
     """
