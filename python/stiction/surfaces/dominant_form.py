@@ -56,12 +56,12 @@ def measure_parabola_fraction(body: Surface) -> float:
         return 0.0
     coordinates, heights, mean_square = blocks
     x, y = coordinates
-    powers = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
-    design = np.stack([x**i * y**j for i, j in powers], axis=1)
+    exponent_pairs = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
+    design = np.stack([x**i * y**j for i, j in exponent_pairs], axis=1)
     # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, the others cubic and quartic terms.
     basis, _ = np.linalg.qr(design)
-    energies = np.square(basis.T @ heights) / heights.size
-    parabola, higher_terms = energies[3:6].sum(), energies[6:].sum()
+    mean_squares = np.square(basis.T @ heights) / heights.size
+    parabola, higher_terms = mean_squares[3:6].sum(), mean_squares[6:].sum()
     is_dominant = parabola > MIN_PARABOLA_DOMINANCE * higher_terms
     return float(min(parabola / mean_square, 1.0)) if is_dominant else 0.0
 
@@ -77,27 +77,32 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     coordinates, heights, mean_square = blocks
     trend_basis, _ = np.linalg.qr(np.stack([np.ones_like(heights), *coordinates], axis=1))
     count, is_map = heights.size, len(coordinates) == 2
-    sizes, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
-    candidates = slice(margin - 1, count - margin)
-    best_gain, best_height, best_edge, best_distances_across = 0.0, 0.0, 0.0, coordinates[0]
+    num_blocks_below, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
+    candidate_edges = slice(margin - 1, count - margin)
+    best_square_sum, best_height, best_edge, best_distances_across = 0.0, 0.0, 0.0, coordinates[0]
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
-        order = np.argsort(distance_across, kind="stable")
+        block_order = np.argsort(distance_across, kind="stable")
         # For every possible edge of a height step, project the heights onto a step function without mean and tilt.
-        projections = np.cumsum(heights[order])[candidates]
-        square_norms = (sizes - np.square(np.cumsum(trend_basis[order], axis=0)).sum(axis=1))[candidates]
-        gains = np.square(projections) / square_norms
-        index = int(np.argmax(gains))
-        if gains[index] > best_gain:
-            best_gain, best_height = float(gains[index]), -float(projections[index] / square_norms[index])
-            best_edge = float(distance_across[order][margin - 1 + index : margin + 1 + index].mean())
+        projections = np.cumsum(heights[block_order])[candidate_edges]
+        square_norms = (num_blocks_below - np.square(np.cumsum(trend_basis[block_order], axis=0)).sum(axis=1))[
+            candidate_edges
+        ]
+        explained_square_sums = np.square(projections) / square_norms
+        best_index = int(np.argmax(explained_square_sums))
+        if explained_square_sums[best_index] > best_square_sum:
+            best_square_sum, best_height = (
+                float(explained_square_sums[best_index]),
+                -float(projections[best_index] / square_norms[best_index]),
+            )
+            best_edge = float(distance_across[block_order][margin - 1 + best_index : margin + 1 + best_index].mean())
             best_distances_across = distance_across
     distances = best_distances_across - best_edge
     nearest_distance, farthest_distance = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
     heights_below, heights_above = (
         heights[(sign * distances > nearest_distance) & (sign * distances < farthest_distance)] for sign in (-1, 1)
     )
-    if not (best_gain > 0 and heights_below.size and heights_above.size):
+    if not (best_square_sum > 0 and heights_below.size and heights_above.size):
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
@@ -105,7 +110,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]
-    return DominantStep(abs(float(height)), min(best_gain / count / mean_square, 1.0))
+    return DominantStep(abs(float(height)), min(best_square_sum / count / mean_square, 1.0))
 
 
 def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, float] | None:
@@ -127,7 +132,7 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     split_axes = tuple(range(1, 2 * heights.ndim, 2))
     measured_counts = np.prod(block_sizes) - missing.reshape(split_shape).sum(axis=split_axes)
 
-    def average(values: Floats) -> Floats:
+    def average_over_blocks(values: Floats) -> Floats:
         kept_values = np.where(missing, 0.0, values) if has_missing else values
         sums = kept_values.reshape(split_shape).sum(axis=split_axes)
         return np.asarray((sums / np.maximum(measured_counts, 1))[measured_counts > 0])
@@ -135,14 +140,14 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     axes = [np.linspace(1 / points - 1, 1 - 1 / points, points) for points in heights.shape]
     grid = [np.broadcast_to(axis, heights.shape) for axis in np.ix_(*axes)][::-1]
     if has_missing:
-        coordinates = [average(axis) for axis in grid]
+        coordinates = [average_over_blocks(axis) for axis in grid]
     else:
         block_axes = [axis.reshape(-1, size).mean(axis=1) for axis, size in zip(axes, block_sizes, strict=True)]
         coordinates = [axis.ravel() for axis in np.meshgrid(*block_axes, indexing="ij")][::-1]
-    means = average(heights)
-    trend, *_ = np.linalg.lstsq(np.stack([np.ones_like(means), *coordinates], axis=1), means, rcond=None)
+    block_means = average_over_blocks(heights)
+    trend, *_ = np.linalg.lstsq(np.stack([np.ones_like(block_means), *coordinates], axis=1), block_means, rcond=None)
     levelled_heights = heights - trend[0]
     for slope, axis in zip(trend[1:], grid, strict=True):
         levelled_heights -= slope * axis
     mean_square = float(np.nanmean(np.square(levelled_heights)))
-    return (coordinates, average(levelled_heights), mean_square) if mean_square > 0 else None
+    return (coordinates, average_over_blocks(levelled_heights), mean_square) if mean_square > 0 else None

@@ -38,17 +38,17 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     on any path to a higher peak. The maximum spanning tree of the saddles between neighbouring hills contains these
     saddles.
     """
-    order = np.argsort(heights, axis=None, kind="stable")
+    height_order = np.argsort(heights, axis=None, kind="stable")
     rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their index in the flattened array
-    rank[order] = np.arange(heights.size)
-    hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), order)
+    rank[height_order] = np.arange(heights.size)
+    hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), height_order)
     peaks, hill_of_point = np.unique(hill_of_point, return_inverse=True)
     if peaks.size == 1:
         return peaks
     first_hill, second_hill, saddle_ranks = _find_saddles(
         hill_of_point.reshape(heights.shape), rank.reshape(heights.shape), peaks.size
     )
-    saddle_heights = heights.ravel()[order[saddle_ranks]].tolist()
+    saddle_heights = heights.ravel()[height_order[saddle_ranks]].tolist()
     peak_heights = heights.ravel()[peaks].tolist()
     peak_ranks = rank[peaks].tolist()
     parents = list(range(peaks.size))
@@ -69,11 +69,11 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     return np.asarray(peaks[is_significant])
 
 
-def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _IndexArray:
+def _find_peak_of_each_point(rank: NDArray[np.int64], height_order: _IndexArray) -> _IndexArray:
     """Return, for each point of a map, the index of the peak of the hill that contains the point."""
     from scipy.ndimage import maximum_filter
 
-    uphill_point = order[maximum_filter(rank, size=3, mode="nearest").ravel()]
+    uphill_point = height_order[maximum_filter(rank, size=3, mode="nearest").ravel()]
     while True:
         next_uphill_point = uphill_point[uphill_point]
         if np.array_equal(next_uphill_point, uphill_point):
@@ -82,7 +82,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], order: _IndexArray) -> _In
 
 
 def _find_saddles(
-    hill: _IndexArray, rank: NDArray[np.int64], count: int
+    hill: _IndexArray, rank: NDArray[np.int64], hill_count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
     """Return the saddles of the maximum spanning tree of hills: pairs of hills and height ranks, highest first."""
     from scipy.sparse import coo_array
@@ -95,15 +95,16 @@ def _find_saddles(
     ):  # fmt: skip
         is_between_hills = hill[point] != hill[neighbour]
         a, b = hill[point][is_between_hills], hill[neighbour][is_between_hills]
-        pair_keys.append(np.minimum(a, b) * count + np.maximum(a, b))
+        pair_keys.append(np.minimum(a, b) * hill_count + np.maximum(a, b))
         saddle_ranks.append(np.minimum(rank[point][is_between_hills], rank[neighbour][is_between_hills]))
     pair_key, saddle_rank = np.concatenate(pair_keys), np.concatenate(saddle_ranks)
-    order = np.lexsort((saddle_rank, pair_key))
-    pair_key, saddle_rank = pair_key[order], saddle_rank[order]
+    pair_order = np.lexsort((saddle_rank, pair_key))
+    pair_key, saddle_rank = pair_key[pair_order], saddle_rank[pair_order]
     is_highest = np.append(pair_key[1:] != pair_key[:-1], True)
     pair_key, saddle_rank = pair_key[is_highest], saddle_rank[is_highest]
     edges = coo_array(
-        ((rank.size - saddle_rank).astype(np.float64), (pair_key // count, pair_key % count)), shape=(count, count)
+        ((rank.size - saddle_rank).astype(np.float64), (pair_key // hill_count, pair_key % hill_count)),
+        shape=(hill_count, hill_count),
     )
     tree = minimum_spanning_tree(edges.tocsr()).tocoo()
     tree_saddle_rank = (rank.size - tree.data).astype(np.intp)
@@ -130,13 +131,17 @@ def feature_parameters(deviation: Floats, spacing: tuple[float, float]) -> Featu
     threshold = PRUNING_FRACTION * float(np.ptp(deviation))
     peaks, pits = (find_significant_peaks(heights, threshold) for heights in (deviation, -deviation))
     rows, columns = deviation.shape
-    row, column = np.divmod(peaks, columns)
-    is_interior = (row > 0) & (row < rows - 1) & (column > 0) & (column < columns - 1)
-    row, column = row[is_interior], column[is_interior]
-    peak_height = deviation[row, column]
-    second_derivative_y = (deviation[row - 1, column] - 2 * peak_height + deviation[row + 1, column]) / spacing[0] ** 2
-    second_derivative_x = (deviation[row, column - 1] - 2 * peak_height + deviation[row, column + 1]) / spacing[1] ** 2
-    curvature = -float(np.mean(second_derivative_x + second_derivative_y)) / 2 if row.size else math.nan
+    peak_rows, peak_columns = np.divmod(peaks, columns)
+    is_interior = (peak_rows > 0) & (peak_rows < rows - 1) & (peak_columns > 0) & (peak_columns < columns - 1)
+    peak_rows, peak_columns = peak_rows[is_interior], peak_columns[is_interior]
+    peak_height = deviation[peak_rows, peak_columns]
+    second_derivative_y = (
+        deviation[peak_rows - 1, peak_columns] - 2 * peak_height + deviation[peak_rows + 1, peak_columns]
+    ) / spacing[0] ** 2
+    second_derivative_x = (
+        deviation[peak_rows, peak_columns - 1] - 2 * peak_height + deviation[peak_rows, peak_columns + 1]
+    ) / spacing[1] ** 2
+    curvature = -float(np.mean(second_derivative_x + second_derivative_y)) / 2 if peak_rows.size else math.nan
     flat_heights = deviation.ravel()
     return FeatureParameters(
         density=peaks.size / (rows * spacing[0] * columns * spacing[1]), curvature=curvature,

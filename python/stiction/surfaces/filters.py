@@ -35,7 +35,7 @@ _MIN_PIVOT = 1e-9
 _BIWEIGHT_SCALE = 4.4478
 # The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_FILTER_TOLERANCE = 1e-4
-_MAX_ITERATIONS = 200
+_MAX_ROBUST_ITERATIONS = 200
 
 
 def filtered(
@@ -124,17 +124,17 @@ def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: 
     Returns the cutoff.
     """
     side_lengths = [points * step for points, step in zip(body.heights.shape, body.spacings, strict=True)]
-    length = validate_number(name, value, unit="µm", above=0)
+    cutoff = validate_number(name, value, unit="µm", above=0)
     min_cutoff, max_cutoff = MIN_CUTOFF_POINTS * min(body.spacings), longest * min(side_lengths)
-    if not min_cutoff <= length * ROUND_OFF_FACTOR or not length <= max_cutoff * ROUND_OFF_FACTOR:
+    if not min_cutoff <= cutoff * ROUND_OFF_FACTOR or not cutoff <= max_cutoff * ROUND_OFF_FACTOR:
         limit_text = "the shortest side" if longest == 1 else "a third of the shortest side"
-        shown_value = repr(value) if isinstance(value, str) else f"{length:g} µm"
+        shown_value = repr(value) if isinstance(value, str) else f"{cutoff:g} µm"
         raise ArgumentError(
             f"{{{name}}} must be between {min_cutoff:g} µm (half the spacing) and {max_cutoff:g} µm ({limit_text}), "
             "got {got}",
             got=shown_value,
         )
-    return length
+    return cutoff
 
 
 def gaussian_transmission(wave_number: Floats, cutoff: float) -> Floats:
@@ -170,9 +170,9 @@ def gaussian_low_pass(
         )
     else:
         mean_line = heights
-        for axis, length in enumerate(cutoffs_in_points):
+        for axis, cutoff_in_points in enumerate(cutoffs_in_points):
             if mean_line.shape[axis] > 1:
-                mean_line = _fit_local_lines(mean_line, axis, length, samples_weights)
+                mean_line = _fit_local_lines(mean_line, axis, cutoff_in_points, samples_weights)
     return np.asarray(mean_line + mean)
 
 
@@ -183,39 +183,44 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
     cutoffs_in_points = [cutoff / step for step in body.spacings]
     measured_weights = np.ones(heights.shape) if body.missing is None else (~body.missing).astype(np.float64)
     weights, previous_mean_line = measured_weights, heights
-    for _ in range(_MAX_ITERATIONS):
+    for _ in range(_MAX_ROBUST_ITERATIONS):
         mean_line = _fit_local_polynomials(heights, weights, cutoffs_in_points, _quadratic_exponents(heights.ndim))
         residual = np.abs(heights - mean_line)
-        scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
-        if np.abs(mean_line - previous_mean_line).max() <= _ROBUST_FILTER_TOLERANCE * scale or scale == 0:
+        biweight_scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
+        if (
+            np.abs(mean_line - previous_mean_line).max() <= _ROBUST_FILTER_TOLERANCE * biweight_scale
+            or biweight_scale == 0
+        ):
             return np.asarray(mean_line + mean)
         weights, previous_mean_line = (
-            measured_weights * np.square(np.maximum(1 - np.square(residual / scale), 0)),
+            measured_weights * np.square(np.maximum(1 - np.square(residual / biweight_scale), 0)),
             mean_line,
         )
     raise ValueError(
-        f"the robust filter did not converge in {_MAX_ITERATIONS} iterations; use the Gaussian filter instead"
+        f"the robust filter did not converge in {_MAX_ROBUST_ITERATIONS} iterations; use the Gaussian filter instead"
     )
 
 
 # ---- Weighted sums --------------------------------------------------------------------------------------------------
 
 
-def _filter_periodic(heights: Floats, lengths: Sequence[float]) -> Floats:
+def _filter_periodic(heights: Floats, cutoffs_in_points: Sequence[float]) -> Floats:
     """Apply a Gaussian low-pass filter to periodic heights.
 
-    `lengths` contains the cutoff along each axis, in points.
+    `cutoffs_in_points` contains the cutoff along each axis.
     """
     from scipy.fft import irfft, rfft, rfftfreq
 
-    for axis, length in enumerate(lengths):
+    for axis, cutoff_in_points in enumerate(cutoffs_in_points):
         points = heights.shape[axis]
-        factor = _reshape_along_axis(gaussian_transmission(2 * math.pi * rfftfreq(points), length), axis, heights.ndim)
-        heights = irfft(rfft(heights, axis=axis) * factor, points, axis=axis)
+        transmission = _reshape_along_axis(
+            gaussian_transmission(2 * math.pi * rfftfreq(points), cutoff_in_points), axis, heights.ndim
+        )
+        heights = irfft(rfft(heights, axis=axis) * transmission, points, axis=axis)
     return heights
 
 
-def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
+def _filter_reflected(heights: Floats, cutoffs_in_points: Sequence[float]) -> Floats:
     """Apply a Gaussian low-pass filter to heights that are extended by reflection at the ends of the profile or map.
 
     A tilt is not changed.
@@ -227,14 +232,14 @@ def _filter_reflected(heights: Floats, lengths: Sequence[float]) -> Floats:
 
     tilt_plane = np.zeros_like(heights)
     transmission = np.ones_like(heights)
-    for axis, length in enumerate(lengths):
+    for axis, cutoff_in_points in enumerate(cutoffs_in_points):
         points = heights.shape[axis]
         centred_index = np.arange(points) - (points - 1) / 2
         other_axes = tuple(other for other in range(heights.ndim) if other != axis)
         slope = centred_index @ heights.mean(axis=other_axes) / max(float(centred_index @ centred_index), 1.0)
         tilt_plane = tilt_plane + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
         transmission = transmission * _reshape_along_axis(
-            gaussian_transmission(np.pi * np.arange(points) / points, length), axis, heights.ndim
+            gaussian_transmission(np.pi * np.arange(points) / points, cutoff_in_points), axis, heights.ndim
         )
     return np.asarray(tilt_plane + idctn(dctn(heights - tilt_plane, norm="ortho") * transmission, norm="ortho"))
 
@@ -263,13 +268,13 @@ def _quadratic_exponents(ndim: int) -> list[MonomialExponents]:
 class _FilterKernel:
     """Gaussian filter weights along one axis, for convolution with heights by a fast Fourier transform."""
 
-    def __init__(self, points: int, length: float, samples_weights: bool = False) -> None:
+    def __init__(self, points: int, cutoff_in_points: float, samples_weights: bool = False) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * length), _MIN_HALF_WIDTH_POINTS))
+        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * cutoff_in_points), _MIN_HALF_WIDTH_POINTS))
         self.points = points
         self.padded_size: int = next_fast_len(points + half_width, real=True)
-        self._offset = np.arange(half_width + 1) / length
+        self._offset = np.arange(half_width + 1) / cutoff_in_points
         if samples_weights:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
@@ -277,10 +282,10 @@ class _FilterKernel:
         # The inverse transform yields weights with exactly the analytic transmission up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
-            gaussian_transmission(2 * math.pi * rfftfreq(transform_length), length), transform_length
+            gaussian_transmission(2 * math.pi * rfftfreq(transform_length), cutoff_in_points), transform_length
         )[: half_width + 1]
 
-    def cyclic_weights(self, power: int) -> Floats:
+    def compute_cyclic_weights(self, power: int) -> Floats:
         """Return filter weights times a power of the distance, in the order of a discrete Fourier transform."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
@@ -290,13 +295,13 @@ class _FilterKernel:
         return weights
 
 
-def _fit_local_lines(heights: Floats, axis: int, length: float, samples_weights: bool) -> Floats:
+def _fit_local_lines(heights: Floats, axis: int, cutoff_in_points: float, samples_weights: bool) -> Floats:
     """Fit a line with Gaussian weights around each point along an axis, and return the line's height at the point."""
     from scipy.fft import irfft, rfft
 
-    kernel = _FilterKernel(heights.shape[axis], length, samples_weights)
+    kernel = _FilterKernel(heights.shape[axis], cutoff_in_points, samples_weights)
     kernel_transforms = [
-        _reshape_along_axis(rfft(kernel.cyclic_weights(power)), axis, heights.ndim) for power in range(3)
+        _reshape_along_axis(rfft(kernel.compute_cyclic_weights(power)), axis, heights.ndim) for power in range(3)
     ]
     unpadded_slices = tuple(slice(kernel.points) if index == axis else slice(None) for index in range(heights.ndim))
     transform = rfft(heights, kernel.padded_size, axis=axis)
@@ -313,41 +318,46 @@ def _fit_local_lines(heights: Floats, axis: int, length: float, samples_weights:
 
 
 def _fit_local_polynomials(
-    heights: Floats, weights: Floats, lengths: Sequence[float], basis: Sequence[MonomialExponents],
+    heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
     """Fit a polynomial around each point, with Gaussian weights times `weights`, and return the fitted height there."""
     from scipy.fft import irfftn, rfft, rfftn
 
-    kernels = [_FilterKernel(*pair, samples_weights) for pair in zip(heights.shape, lengths, strict=True)]
+    kernels = [
+        _FilterKernel(*points_and_cutoff, samples_weights)
+        for points_and_cutoff in zip(heights.shape, cutoffs_in_points, strict=True)
+    ]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
     # Like `rfftn`, compute half of the transform along the last array axis, and the full transform along other axes.
     kernel_transforms = [
         [
             _reshape_along_axis(
-                (np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.cyclic_weights(power)), axis, heights.ndim
+                (np.fft.fft if axis < heights.ndim - 1 else rfft)(kernel.compute_cyclic_weights(power)),
+                axis,
+                heights.ndim,
             )
             for power in range(2 * max(map(max, basis)) + 1)
         ]
         for axis, kernel in enumerate(kernels)
     ]
 
-    def weighted_sums(transform: Any, powers: Sequence[int]) -> Floats:
+    def compute_weighted_sums(transform: Any, powers: Sequence[int]) -> Floats:
         for axis, power in enumerate(powers):
             transform = transform * kernel_transforms[axis][power]
         return np.asarray(irfftn(transform, padded_shape)[unpadded_slices])
 
     weights_transform, heights_transform = rfftn(weights, padded_shape), rfftn(weights * heights, padded_shape)
-    right_sides = [weighted_sums(heights_transform, powers) for powers in basis]
-    products = {_multiply_monomials(a, b) for a in basis for b in basis}
-    moments = {powers: weighted_sums(weights_transform, powers) for powers in products}
+    right_sides = [compute_weighted_sums(heights_transform, powers) for powers in basis]
+    product_exponents = {_multiply_monomials(a, b) for a in basis for b in basis}
+    moments = {powers: compute_weighted_sums(weights_transform, powers) for powers in product_exponents}
     return _solve_constant_terms(basis, moments, right_sides, heights)
 
 
-def _multiply_monomials(item: MonomialExponents, other: MonomialExponents) -> MonomialExponents:
+def _multiply_monomials(first_exponents: MonomialExponents, second_exponents: MonomialExponents) -> MonomialExponents:
     """Return the exponents of the product of two polynomial terms, given the exponents of both terms."""
-    return tuple(a + b for a, b in zip(item, other, strict=True))
+    return tuple(a + b for a, b in zip(first_exponents, second_exponents, strict=True))
 
 
 def _solve_constant_terms(
@@ -370,18 +380,18 @@ def _solve_constant_terms(
         for k in term_indices
         for m in range(k + 1)
     }
-    values = [side / total_weight for side in right_sides]
-    constant_terms = values[0]
+    reduced_right_sides = [right_side / total_weight for right_side in right_sides]
+    constant_terms = reduced_right_sides[0]
     is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     is_covered = is_regular.copy()
     for eliminated_term in reversed(term_indices[1:]):
         is_regular &= rows[eliminated_term, eliminated_term] > _MIN_PIVOT
         pivot = np.where(is_regular, rows[eliminated_term, eliminated_term], 1)
         for k in range(eliminated_term):
-            factor = rows[eliminated_term, k] / pivot
-            values[k] = values[k] - factor * values[eliminated_term]
+            elimination_factor = rows[eliminated_term, k] / pivot
+            reduced_right_sides[k] = reduced_right_sides[k] - elimination_factor * reduced_right_sides[eliminated_term]
             for m in range(k + 1):
-                rows[k, m] = rows[k, m] - factor * rows[eliminated_term, m]
+                rows[k, m] = rows[k, m] - elimination_factor * rows[eliminated_term, m]
     is_regular &= rows[0, 0] > _MIN_PIVOT
-    solved_terms = values[0] / np.where(is_regular, rows[0, 0], 1)
+    solved_terms = reduced_right_sides[0] / np.where(is_regular, rows[0, 0], 1)
     return np.where(is_regular, solved_terms, np.where(is_covered, constant_terms, heights))

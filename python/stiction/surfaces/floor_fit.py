@@ -62,25 +62,30 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
     for log_q, density, weight, _ in scaled_spectra:
         exponent = float(np.clip(-np.polyfit(log_q, np.log(density), 1, w=np.sqrt(weight))[0], *exponents))
         initial_parameters += [float(np.average(np.log(density) + exponent * log_q, weights=weight)), exponent]
-    lower, upper = (
+    lower_bounds, upper_bounds = (
         np.array([*(infinity, exponent) * len(spectra), 0.0])
         for infinity, exponent in zip((-math.inf, math.inf), exponents, strict=True)
     )
-    without_floor, loss_without_floor = _minimize_loss(scaled_spectra, [*initial_parameters, 0.0], lower, upper)
-    upper[-1] = math.inf
-    with_floor, loss_with_floor = _minimize_loss(
-        scaled_spectra, [*without_floor[:-1], _INITIAL_FLOOR_FRACTION], lower, upper
+    parameters_without_floor, loss_without_floor = _minimize_loss(
+        scaled_spectra, [*initial_parameters, 0.0], lower_bounds, upper_bounds
+    )
+    upper_bounds[-1] = math.inf
+    parameters_with_floor, loss_with_floor = _minimize_loss(
+        scaled_spectra, [*parameters_without_floor[:-1], _INITIAL_FLOOR_FRACTION], lower_bounds, upper_bounds
     )
     has_floor = loss_with_floor < loss_without_floor
-    *law_parameters, level = (with_floor if has_floor else without_floor).tolist()
-    ratios = tuple(level * math.exp(-value) for value in law_parameters[::2])
+    *power_law_parameters, level = (parameters_with_floor if has_floor else parameters_without_floor).tolist()
+    ratios = tuple(level * math.exp(-log_prefactor) for log_prefactor in power_law_parameters[::2])
     return NoiseFloorFit(
-        max_floor_level * level, max(loss_without_floor - loss_with_floor, 0.0), tuple(law_parameters[1::2]), ratios
+        max_floor_level * level,
+        max(loss_without_floor - loss_with_floor, 0.0),
+        tuple(power_law_parameters[1::2]),
+        ratios,
     )
 
 
 def _minimize_loss(
-    spectra: Sequence[BinnedSpectrum], start: Sequence[float], lower: Floats, upper: Floats
+    spectra: Sequence[BinnedSpectrum], initial_parameters: Sequence[float], lower_bounds: Floats, upper_bounds: Floats
 ) -> tuple[Floats, float]:
     """Minimise the loss (negative log-likelihood) of the fit within bounds, by damped Newton steps.
 
@@ -88,19 +93,23 @@ def _minimize_loss(
 
     `scipy.optimize` has such methods, but its import takes longer than the fits of all scans of a pair.
     """
-    parameters, damping = np.array(start), _INITIAL_DAMPING
-    loss, gradient, hessian, scale = _compute_loss(spectra, parameters)
+    parameters, damping = np.array(initial_parameters), _INITIAL_DAMPING
+    loss, gradient, hessian, damping_scale = _compute_loss(spectra, parameters)
     for _ in range(_MAX_FIT_STEPS):
-        is_free = ((parameters > lower) | (gradient < 0)) & ((parameters < upper) | (gradient > 0)) & (lower < upper)
+        is_free = (
+            ((parameters > lower_bounds) | (gradient < 0))
+            & ((parameters < upper_bounds) | (gradient > 0))
+            & (lower_bounds < upper_bounds)
+        )
         free_indices = np.flatnonzero(is_free)
         if not free_indices.size:
             break
-        matrix = hessian[np.ix_(free_indices, free_indices)] + np.diag(damping * scale[free_indices])
+        damped_hessian = hessian[np.ix_(free_indices, free_indices)] + np.diag(damping * damping_scale[free_indices])
         trial_parameters, trial_loss = parameters.copy(), math.inf
-        eigenvalues, eigenvectors = np.linalg.eigh(matrix)
+        eigenvalues, eigenvectors = np.linalg.eigh(damped_hessian)
         if eigenvalues[0] > 0:
             trial_parameters[free_indices] -= eigenvectors @ (eigenvectors.T @ gradient[free_indices] / eigenvalues)
-            trial_parameters = np.clip(trial_parameters, lower, upper)
+            trial_parameters = np.clip(trial_parameters, lower_bounds, upper_bounds)
             with np.errstate(over="ignore", invalid="ignore"):
                 trial_loss, *derivatives = _compute_loss(spectra, trial_parameters)
         if not trial_loss < loss:
@@ -109,7 +118,7 @@ def _minimize_loss(
                 break
             continue
         is_converged = loss - trial_loss <= _LOSS_TOLERANCE * abs(loss)
-        parameters, loss, (gradient, hessian, scale) = trial_parameters, trial_loss, derivatives
+        parameters, loss, (gradient, hessian, damping_scale) = trial_parameters, trial_loss, derivatives
         damping *= _DAMPING_DECREASE
         if is_converged:
             break
@@ -122,24 +131,24 @@ def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tupl
     The diagonal of the expected Hessian is positive. The log-likelihood has an arbitrary constant.
     """
     loss, size = 0.0, parameters.size
-    gradient, hessian, scale = np.zeros(size), np.zeros((size, size)), np.zeros(size)
+    gradient, hessian, damping_scale = np.zeros(size), np.zeros((size, size)), np.zeros(size)
     for index, (log_q, density, weight, _) in enumerate(spectra):
         power_law = np.exp(parameters[2 * index] - parameters[2 * index + 1] * log_q)
         model = power_law + parameters[-1]
         loss += float(weight @ (np.log(model) + density / model))
-        columns = [2 * index, 2 * index + 1, size - 1]
+        parameter_indices = [2 * index, 2 * index + 1, size - 1]
         # Derivatives of the model with respect to the logarithm of A, the exponent, and the level of the floor.
         derivatives = np.stack([power_law, -power_law * log_q, np.ones(power_law.size)])
-        slope = weight * (1 - density / model) / model
-        curvature = weight * (2 * density / model - 1) / np.square(model)
-        gradient[columns] += derivatives @ slope
-        hessian_block = (derivatives * curvature) @ derivatives.T
+        loss_derivative = weight * (1 - density / model) / model
+        loss_curvature = weight * (2 * density / model - 1) / np.square(model)
+        gradient[parameter_indices] += derivatives @ loss_derivative
+        hessian_block = (derivatives * loss_curvature) @ derivatives.T
         hessian_block[:2, :2] += np.array([[1, -1], [-1, 1]]) * np.array(
             [
-                [slope @ power_law, slope @ (power_law * log_q)],
-                [slope @ (power_law * log_q), slope @ (power_law * np.square(log_q))],
+                [loss_derivative @ power_law, loss_derivative @ (power_law * log_q)],
+                [loss_derivative @ (power_law * log_q), loss_derivative @ (power_law * np.square(log_q))],
             ]
         )
-        hessian[np.ix_(columns, columns)] += hessian_block
-        scale[columns] += np.square(derivatives) @ (weight / np.square(model))
-    return loss, gradient, hessian, scale
+        hessian[np.ix_(parameter_indices, parameter_indices)] += hessian_block
+        damping_scale[parameter_indices] += np.square(derivatives) @ (weight / np.square(model))
+    return loss, gradient, hessian, damping_scale

@@ -50,50 +50,55 @@ def fit_round_form(
     measured_mask = np.ones(heights.shape, bool) if missing is None else ~missing
     measured_positions = positions[0][measured_mask], positions[1][measured_mask]
     measured_heights = heights[measured_mask]
-    model, initial_values = _FORM_MODELS[form], _estimate_form_parameters(form, measured_positions, measured_heights)
-    value_scales = np.maximum(
-        np.abs(initial_values), _form_parameter_scales(form, measured_positions, measured_heights)
+    model, initial_parameters = (
+        _FORM_MODELS[form],
+        _estimate_form_parameters(form, measured_positions, measured_heights),
     )
-    fitted_values = least_squares(
-        lambda values: model(values * value_scales, measured_positions) - measured_heights,
-        initial_values / value_scales, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
-    ).x * value_scales  # fmt: skip
-    curvature = float(fitted_values[1])
+    parameter_scales = np.maximum(
+        np.abs(initial_parameters), _estimate_parameter_scales(form, measured_positions, measured_heights)
+    )
+    fitted_parameters = least_squares(
+        lambda scaled_parameters: model(scaled_parameters * parameter_scales, measured_positions) - measured_heights,
+        initial_parameters / parameter_scales, xtol=_FIT_TOLERANCE, ftol=_FIT_TOLERANCE
+    ).x * parameter_scales  # fmt: skip
+    curvature = float(fitted_parameters[1])
     radius = "an infinite radius" if curvature == 0 else f"radius {format_with_unit(1 / abs(curvature), 'µm')}"
-    return model(fitted_values, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
+    return model(fitted_parameters, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
-def _arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
+def _compute_arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
     """Return heights of a tilted circular arc relative to its middle, at given squared distances from the middle."""
     rise = curvature * squared_distance + 2 * tilt * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
 
 
-def _sphere_heights(values: Floats, points: PointCoordinates) -> Floats:
-    height, curvature, slope_x, slope_y = values
+def _compute_sphere_heights(parameters: Floats, points: PointCoordinates) -> Floats:
+    height, curvature, slope_x, slope_y = parameters
     x, y = points
     cosine = 1 / math.sqrt(1 + slope_x**2 + slope_y**2)
-    return np.asarray(height + _arc_heights(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
+    return np.asarray(height + _compute_arc_heights(x**2 + y**2, slope_x * x + slope_y * y, curvature, cosine))
 
 
-def _circle_heights(values: Floats, points: PointCoordinates) -> Floats:
-    return _sphere_heights(np.append(values, 0.0), (points[0], np.zeros_like(points[0])))
+def _compute_circle_heights(parameters: Floats, points: PointCoordinates) -> Floats:
+    return _compute_sphere_heights(np.append(parameters, 0.0), (points[0], np.zeros_like(points[0])))
 
 
-def _cylinder_heights(values: Floats, points: PointCoordinates) -> Floats:
-    height, curvature, slope, slope_along_axis, angle = values
+def _compute_cylinder_heights(parameters: Floats, points: PointCoordinates) -> Floats:
+    height, curvature, slope, slope_along_axis, angle = parameters
     x, y = points
     distance_across = y * math.cos(angle) - x * math.sin(angle)
     along_axis = x * math.cos(angle) + y * math.sin(angle)
-    arc_heights = _arc_heights(distance_across**2, slope * distance_across, curvature, 1 / math.sqrt(1 + slope**2))
+    arc_heights = _compute_arc_heights(
+        distance_across**2, slope * distance_across, curvature, 1 / math.sqrt(1 + slope**2)
+    )
     return np.asarray(height + slope_along_axis * along_axis + arc_heights)
 
 
 _FORM_MODELS: dict[str, _FormModel] = {
-    "circle": _circle_heights,
-    "sphere": _sphere_heights,
-    "cylinder": _cylinder_heights,
+    "circle": _compute_circle_heights,
+    "sphere": _compute_sphere_heights,
+    "cylinder": _compute_cylinder_heights,
 }
 
 
@@ -116,9 +121,13 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
     return np.array([height, float(curvatures[int(np.argmax(np.abs(curvatures)))]), slope, slope_along_axis, angle])
 
 
-def _form_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
+def _estimate_parameter_scales(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
     """Return typical magnitudes of the parameters of a circle, sphere or cylinder, to normalise them in the fit."""
-    size = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
+    largest_extent = max(float(np.ptp(points[0])), float(np.ptp(points[1])))
     height = float(np.ptp(heights))
-    slopes = {"circle": [height / size], "sphere": [height / size] * 2, "cylinder": [height / size] * 2 + [1.0]}
-    return np.array([height, 8 * height / size**2, *slopes[form]])
+    slopes = {
+        "circle": [height / largest_extent],
+        "sphere": [height / largest_extent] * 2,
+        "cylinder": [height / largest_extent] * 2 + [1.0],
+    }
+    return np.array([height, 8 * height / largest_extent**2, *slopes[form]])

@@ -162,7 +162,7 @@ def fill_profile_family(
     num_frequencies = phase_array.shape[1]
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
     amplitudes = [
-        _frequency_amplitudes(dimension, num_frequencies, scale, gamma, convention) for dimension in dimensions
+        _compute_frequency_amplitudes(dimension, num_frequencies, scale, gamma, convention) for dimension in dimensions
     ]
     return stiction._core.harmonic_profiles(
         phase_array, np.array(amplitudes).reshape(len(amplitudes), num_frequencies), family,
@@ -176,7 +176,7 @@ def _validate_length_scale_and_gamma(length_scale: Any, gamma: Any, band_limit: 
     return validate_number("length_scale", length_scale, unit="µm", above=0), validate_number("gamma", gamma, above=1)
 
 
-def _frequency_amplitudes(
+def _compute_frequency_amplitudes(
     dimension: Any, frequencies: int, scale: float, gamma: float, convention: FractalConvention
 ) -> Floats:
     """Return the amplitude (µm) of each frequency in the Weierstrass-Mandelbrot function (Eq. 1 of the paper)."""
@@ -320,7 +320,7 @@ def weierstrass_mandelbrot_surface(
     rows, columns = parse_shape(shape, min_count=2)
     extents = parse_lengths("extent", extent)
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, band_limit)
-    amplitudes = _frequency_amplitudes(fractal_dimension, num_frequencies, scale, gamma, convention)
+    amplitudes = _compute_frequency_amplitudes(fractal_dimension, num_frequencies, scale, gamma, convention)
     heights = np.empty((rows, columns))
     spacing = extents[0] / rows, extents[1] / columns
     stiction._core.harmonic_surface(
@@ -387,7 +387,7 @@ def weierstrass_mandelbrot_moments(
     frequencies = validate_whole_number("frequencies", frequencies, minimum=1)
     scale, gamma = _validate_length_scale_and_gamma(length_scale, gamma, None)
     shortest = validate_number("shortest_wavelength", shortest_wavelength, unit="µm")
-    amplitudes = _frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
+    amplitudes = _compute_frequency_amplitudes(fractal_dimension, frequencies, scale, gamma, convention)
     m = np.arange(1, directions + 1)
     cosines = np.where(2 * m == directions, 0.0, np.cos(np.pi * m / directions))
     wave_numbers = 2 * np.pi / scale * np.outer(cosines, gamma ** np.arange(frequencies))

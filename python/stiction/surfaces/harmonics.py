@@ -55,20 +55,20 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
             harmonic_orders = np.arange(
                 1, min(order_step * _MAX_COMPARED_HARMONICS, int(nyquist_bin / (peak + 1))) + 1, order_step
             )
-            background = _median_between_harmonics(padded_density, peak * harmonic_orders, order_step * peak)
-            bins = np.rint(first_harmonics[:, np.newaxis] * harmonic_orders).astype(np.intp)
-            density_ratio = padded_density[np.minimum(bins, nyquist_bin)] / background
+            background = _compute_median_between_harmonics(padded_density, peak * harmonic_orders, order_step * peak)
+            harmonic_bins = np.rint(first_harmonics[:, np.newaxis] * harmonic_orders).astype(np.intp)
+            density_ratio = padded_density[np.minimum(harmonic_bins, nyquist_bin)] / background
             scores = np.log(np.maximum(density_ratio, 1.0)).sum(axis=1)
             is_significant = density_ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
             min_significant = max(_MIN_SIGNIFICANT_HARMONICS, is_significant.size // 3 + 1)
             if is_significant[0] and is_significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())
-                period = float(first_harmonics[scores == scores.max()].mean())
-                best_harmonics = period, order_step * period
+                first_harmonic = float(first_harmonics[scores == scores.max()].mean())
+                best_harmonics = first_harmonic, order_step * first_harmonic
     return best_harmonics
 
 
-def density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
+def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
     """Estimate the spectrum without texture harmonics from a low quantile of the density over one harmonic distance.
 
     Parameters
@@ -89,12 +89,12 @@ def density_between_harmonics(density: Floats, count: Floats, distance: float) -
     return np.asarray(low_quantile * gamma_shape / gammaincinv(gamma_shape, _BACKGROUND_DENSITY_QUANTILE))
 
 
-def _median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
+def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
     """Return, for each harmonic, the median density on both sides of the peak, up to halfway to the next harmonic."""
     bins = np.arange(padded_density.size)
     medians = []
-    for position in harmonics.tolist():
-        distances = np.abs(bins - position)
+    for harmonic in harmonics.tolist():
+        distances = np.abs(bins - harmonic)
         nearby_densities = padded_density[
             (distances > min(_PEAK_HALF_WIDTH, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
         ]

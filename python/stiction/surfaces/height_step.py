@@ -9,7 +9,7 @@ from stiction._checks import Floats
 
 # Second differences of the heights are regarded as equal if they differ by at most this fraction of the height range.
 # This tolerance exceeds the round-off of levelling and of single-precision heights.
-_TOLERANCE_RATIO = 1e-6
+_EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 _MIN_REPETITIONS = 5  # minimum number of occurrences of a second difference that is attributed to rounding
 _MIN_REPEATED_FRACTION = 0.5  # minimum fraction of the second differences that occur repeatedly if heights are rounded
 # minimum fraction of second differences that are multiples of the rounding step, and tolerance of a multiple (steps)
@@ -45,24 +45,26 @@ def find_height_step(heights: Floats) -> float:
     is subtracted. Single spikes do not have equal second differences of both signs.
     """
     is_measured = np.isfinite(heights)
-    tolerance = _TOLERANCE_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
+    tolerance = _EQUAL_DIFFERENCE_TOLERANCE * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
     if not tolerance > 0:
         return 0.0
-    differences = np.concatenate([_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
+    differences = np.concatenate([_compute_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
     whole_numbers, repetition_counts = _count_whole_numbers(np.rint(differences / tolerance))
     is_repeated = repetition_counts >= _MIN_REPETITIONS
     if repetition_counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
         return 0.0
-    positive, negative = (
+    positive_numbers, negative_numbers = (
         whole_numbers[is_repeated & (whole_numbers > 0)],
         -whole_numbers[is_repeated & (whole_numbers < 0)],
     )
-    has_both_signs = np.isin(positive, np.concatenate([negative - 1, negative, negative + 1]))
+    has_both_signs = np.isin(
+        positive_numbers, np.concatenate([negative_numbers - 1, negative_numbers, negative_numbers + 1])
+    )
     if not has_both_signs.any():
         return 0.0
-    repeated_number = float(positive[has_both_signs].min())
+    repeated_number = float(positive_numbers[has_both_signs].min())
     step = float(np.median(differences[np.rint(differences / tolerance) == repeated_number]))
-    if step > _MAX_STEP_RATIO * tolerance / _TOLERANCE_RATIO:
+    if step > _MAX_STEP_RATIO * tolerance / _EQUAL_DIFFERENCE_TOLERANCE:
         return 0.0
     multiples = differences / step
     is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE
@@ -73,17 +75,17 @@ def find_height_step(heights: Floats) -> float:
     return step if is_rounded else 0.0
 
 
-def _count_whole_numbers(values: Floats) -> tuple[Floats, NDArray[np.intp]]:
+def _count_whole_numbers(numbers: Floats) -> tuple[Floats, NDArray[np.intp]]:
     """Return the distinct whole numbers of an array in ascending order, with the count of each number."""
-    lowest = values.min(initial=0)
-    if not values.max(initial=0) - lowest < values.size:
-        return np.unique(values, return_counts=True)
-    counts = np.bincount((values - lowest).astype(np.intp))
+    lowest_number = numbers.min(initial=0)
+    if not numbers.max(initial=0) - lowest_number < numbers.size:
+        return np.unique(numbers, return_counts=True)
+    counts = np.bincount((numbers - lowest_number).astype(np.intp))
     indices = np.flatnonzero(counts)
-    return indices + lowest, counts[indices]
+    return indices + lowest_number, counts[indices]
 
 
-def _centred_second_differences(heights: Floats, axis: int) -> Floats:
+def _compute_centred_second_differences(heights: Floats, axis: int) -> Floats:
     """Return the second differences of measured heights along an axis, minus the median of these differences."""
     differences = np.diff(heights, 2, axis=axis)
     differences = differences[np.isfinite(differences)]

@@ -72,7 +72,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     noise_fraction = noise_mean_square_slope / mean_square_slope
     if not fit.is_significant or noise_fraction <= MAX_UNATTRIBUTED_FRACTION:
         return None
-    if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _short_wavelength_noise_variance(
+    if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _estimate_short_wavelength_noise(
         body, periodic
     ):
         return None
@@ -86,7 +86,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
     )
 
 
-def _short_wavelength_noise_variance(surface: Surface, periodic: bool) -> float:
+def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
     """Return the variance (µm²) of white noise with the same median spectral density as a map at short wavelengths.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
@@ -108,10 +108,12 @@ def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpec
     q, density, count = q[is_fitted], density[is_fitted], count[is_fitted]
     if not q.size or not density.all():
         return None
-    _, index = np.unique(np.floor(_BINS_PER_OCTAVE * np.log2(q[-1] / q) + 1e-9), return_inverse=True)
-    total = np.bincount(index, count)
-    if total.size < _MIN_FIT_BINS:
+    _, bin_index = np.unique(np.floor(_BINS_PER_OCTAVE * np.log2(q[-1] / q) + 1e-9), return_inverse=True)
+    total_count = np.bincount(bin_index, count)
+    if total_count.size < _MIN_FIT_BINS:
         return None
-    log_q: Floats = np.bincount(index, count * np.log(q)) / total
-    variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / total + _RELATIVE_MODEL_ERROR**2
-    return BinnedSpectrum(log_q, np.bincount(index, count * density) / total, 1 / variance, spacing)
+    log_q: Floats = np.bincount(bin_index, count * np.log(q)) / total_count
+    log_density_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / total_count + _RELATIVE_MODEL_ERROR**2
+    return BinnedSpectrum(
+        log_q, np.bincount(bin_index, count * density) / total_count, 1 / log_density_variance, spacing
+    )

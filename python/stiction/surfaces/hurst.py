@@ -19,7 +19,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_within_wavelength_band, profile_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
-_NUM_NEWTON_STEPS, _NUM_HALVINGS = 50, 30
+_NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
 # maximum width of the 95 % interval of a Hurst exponent that is narrow enough to be useful
 MAX_HURST_INTERVAL_WIDTH = 0.5
 MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to which a Hurst exponent is fitted
@@ -41,7 +41,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
-_MAX_DEVIANCE = 10.0
+_MAX_DEVIANCE_PER_BIN = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
 # Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
 _ROLL_OFF_PENALTY = 2.0
@@ -82,7 +82,7 @@ class PowerLawFit:
             inner_offset, outer_offset = 0.0, 0.1
             while self.loss(self.exponent + sign * outer_offset) < max_loss:
                 inner_offset, outer_offset = outer_offset, 2 * outer_offset
-            for _ in range(_NUM_HALVINGS):
+            for _ in range(_NUM_BISECTION_STEPS):
                 middle_offset = (inner_offset + outer_offset) / 2
                 inner_offset, outer_offset = (
                     (middle_offset, outer_offset)
@@ -96,20 +96,20 @@ class PowerLawFit:
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
     """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
-    rows = np.arange(len(power))  # rows whose exponents have not converged yet
+    open_rows = np.arange(len(power))  # rows whose exponents have not converged yet
     # Newton's method converges, because the loss is a convex log-sum-exp function.
     for _ in range(_NUM_NEWTON_STEPS):
-        scaled_power = power * np.exp(exponents[rows, np.newaxis] * log_q)
+        scaled_power = power * np.exp(exponents[open_rows, np.newaxis] * log_q)
         scaled_power /= scaled_power.sum(axis=-1, keepdims=True)
         # Use sums instead of BLAS dot products, whose round-off depends on the number of threads.
         gradient = (scaled_power * log_q).sum(axis=-1, keepdims=True)
-        step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
-        exponents[rows] -= np.clip(step, -2.0, 2.0)
-        is_open = np.abs(step) >= 1e-10
+        newton_step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
+        exponents[open_rows] -= np.clip(newton_step, -2.0, 2.0)
+        is_open = np.abs(newton_step) >= 1e-10
         if not is_open.any():
             break
         if not is_open.all():
-            rows, power, log_q = rows[is_open], power[is_open], log_q[is_open]
+            open_rows, power, log_q = open_rows[is_open], power[is_open], log_q[is_open]
     return exponents
 
 
@@ -119,13 +119,13 @@ def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Float
     This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
     """
     total_weight = weight.sum(axis=-1, keepdims=True)
-    fraction = weight / total_weight
-    centred_log_q = log_q - (fraction * log_q).sum(axis=-1, keepdims=True)
+    weight_fraction = weight / total_weight
+    centred_log_q = log_q - (weight_fraction * log_q).sum(axis=-1, keepdims=True)
     max_power = power.max(axis=-1, keepdims=True)
-    scaled_power = fraction * power / max_power
+    scaled_power = weight_fraction * power / max_power
     exponents = _fit_exponents(centred_log_q, scaled_power)
-    sums = (scaled_power * np.exp(exponents[:, np.newaxis] * centred_log_q)).sum(axis=-1)
-    return exponents, total_weight[:, 0] * (np.log(sums) + np.log(max_power[:, 0]))
+    power_sums = (scaled_power * np.exp(exponents[:, np.newaxis] * centred_log_q)).sum(axis=-1)
+    return exponents, total_weight[:, 0] * (np.log(power_sums) + np.log(max_power[:, 0]))
 
 
 @dataclass(frozen=True, repr=False)
@@ -286,9 +286,9 @@ def estimate_hurst_exponent(
     check_bool("periodic", periodic)
     reject_flat_body(body)
     if isinstance(body, Profile):
-        dimensions, (wave_number, power, scale) = 1, _profile_harmonics_to_fit(body, periodic)
+        dimensions, (wave_number, power, height_scale) = 1, _select_profile_harmonics(body, periodic)
     else:
-        dimensions, (wave_number, power, scale) = 2, _areal_harmonics_to_fit(body, periodic)
+        dimensions, (wave_number, power, height_scale) = 2, _select_areal_harmonics(body, periodic)
     variance_factor = 1.0 if periodic else HANN_VARIANCE_FACTOR**dimensions
 
     selection: slice | NDArray[np.bool_]
@@ -326,7 +326,7 @@ def estimate_hurst_exponent(
         ]
         lower = min([lower, *(interval[0] for interval in intervals)])
         upper = max([upper, *(interval[1] for interval in intervals)])
-    log_prefactor = fit.log_prefactor + 2 * math.log(scale)
+    log_prefactor = fit.log_prefactor + 2 * math.log(height_scale)
     return HurstEstimate(
         value=(fit.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
         shortest_wavelength=2 * math.pi / float(q[-1]), longest_wavelength=2 * math.pi / float(q[0]),
@@ -334,7 +334,7 @@ def estimate_hurst_exponent(
     )  # fmt: skip
 
 
-def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
+def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return wave numbers and powers of a profile for a power-law fit, and the height (µm) that scaled the profile."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
@@ -343,31 +343,31 @@ def _profile_harmonics_to_fit(profile: Profile, periodic: bool) -> tuple[Floats,
         if not np.abs(levelled_heights).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
             raise ValueError("profile must not be a straight line, which has no roughness")
         heights = levelled_heights
-    scale = float(np.abs(heights).max())
-    spectrum = profile_spectrum(heights / scale, profile.spacing, windowed=not periodic)
+    height_scale = float(np.abs(heights).max())
+    spectrum = profile_spectrum(heights / height_scale, profile.spacing, windowed=not periodic)
     is_harmonic = spectrum.count == 1
     if not periodic:
         is_harmonic[:_NUM_EXCLUDED_HARMONICS] = False
     # Above the highest harmonic of the profile, the spectrum contains only round-off.
     power = np.maximum(spectrum.density[is_harmonic], np.finfo(float).eps ** 2 * spectrum.density.max())
-    return spectrum.wave_number[is_harmonic], power, scale
+    return spectrum.wave_number[is_harmonic], power, height_scale
 
 
-def _areal_harmonics_to_fit(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
+def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
     """Return wave numbers and powers of a map for a power-law fit, and the height (µm) by which the map was scaled."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
         if not heights.any():
             raise ValueError("surface must not be a plane, which has no roughness")
-    scale = float(np.abs(heights).max())
-    spectrum = areal_spectrum(heights / scale, surface.spacing, windowed=not periodic)
+    height_scale = float(np.abs(heights).max())
+    spectrum = areal_spectrum(heights / height_scale, surface.spacing, windowed=not periodic)
     wave_number, _, density = spectrum.waves()
     is_harmonic = np.full(wave_number.shape, True)
     if not periodic:
         is_harmonic = wave_number > (_NUM_EXCLUDED_HARMONICS + 0.5) * 2 * math.pi / min(surface.extent)
     density = np.maximum(density, np.finfo(float).eps ** 2 * density.max())
-    return wave_number[is_harmonic], (density * wave_number)[is_harmonic], scale
+    return wave_number[is_harmonic], (density * wave_number)[is_harmonic], height_scale
 
 
 @dataclass(frozen=True)
@@ -407,31 +407,37 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
         starts, piece_ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
         pieces = _select_spectrum_pieces(bins.log_q.size, starts, piece_ends, losses)
         for max_exponent in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
-            max_width = _MIN_BAND_WIDTH
+            max_band_width = _MIN_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
                 if not 1 < exponents[piece] < max_exponent:
                     continue
-                start, end = int(starts[piece]), int(piece_ends[piece])
-                if bins.slice_bins(start, end).deviance(exponents[piece], weight[start:end]) > _MAX_DEVIANCE:
+                start_bin, end_bin = int(starts[piece]), int(piece_ends[piece])
+                if (
+                    bins.slice_bins(start_bin, end_bin).deviance(exponents[piece], weight[start_bin:end_bin])
+                    > _MAX_DEVIANCE_PER_BIN
+                ):
                     continue
-                end -= end < bins.log_q.size
-                first_bin = start + (start > 0)
+                end_bin -= end_bin < bins.log_q.size
+                first_bin = start_bin + (start_bin > 0)
                 # let the band start after a roll-off, even if the roll-off has too few bins for its own piece
-                if start == 0:
-                    _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end), weight[:end])
-                    start = (
+                if start_bin == 0:
+                    _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end_bin), weight[:end_bin])
+                    start_bin = (
                         int(np.argmin(roll_off_losses))
                         if roll_off_losses.min() < roll_off_losses[0] - _ROLL_OFF_PENALTY
                         else 0
                     )
                 else:
-                    start = first_bin
-                first = int(bins.first[start])
-                last = (int(bins.first[end]) if end < bins.first.size else q.size) - 1
-                width = math.log(q[last] / q[first])
-                if width > max_width and last - first + 1 >= MIN_BAND_HARMONICS:
-                    max_width, best_band = width, (slice(first, last + 1), bins.slice_bins(first_bin, end))
+                    start_bin = first_bin
+                first_harmonic = int(bins.first[start_bin])
+                last_harmonic = (int(bins.first[end_bin]) if end_bin < bins.first.size else q.size) - 1
+                band_width = math.log(q[last_harmonic] / q[first_harmonic])
+                if band_width > max_band_width and last_harmonic - first_harmonic + 1 >= MIN_BAND_HARMONICS:
+                    max_band_width, best_band = (
+                        band_width,
+                        (slice(first_harmonic, last_harmonic + 1), bins.slice_bins(first_bin, end_bin)),
+                    )
             if best_band is not None:
                 return best_band
     raise ValueError(_NO_BAND_MESSAGE)
@@ -448,10 +454,15 @@ def _remove_noisy_end(
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
     # The band ends where noise exceeds the accepted deviation of the density from a power law.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
-    end = int(np.searchsorted(np.log(q), max_log_q, side="right"))
-    if end - selection.start < MIN_BAND_HARMONICS or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH:
+    end_harmonic = int(np.searchsorted(np.log(q), max_log_q, side="right"))
+    if (
+        end_harmonic - selection.start < MIN_BAND_HARMONICS
+        or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH
+    ):
         raise ValueError(_NO_BAND_MESSAGE)
-    return slice(selection.start, end), piece.slice_bins(0, int(np.searchsorted(piece.log_q, max_log_q, side="right")))
+    return slice(selection.start, end_harmonic), piece.slice_bins(
+        0, int(np.searchsorted(piece.log_q, max_log_q, side="right"))
+    )
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
@@ -475,25 +486,25 @@ def _fit_spectrum_pieces(
     """
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
-    for size in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
+    for bin_count in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
         # pieces with this number of bins, in the order of the sliding windows: by ascending first bin
-        pieces = piece_ends - starts == size
-        rows = (sliding_window_view(values, size) for values in (bins.log_q, bins.power, weight))
-        exponents[pieces], losses[pieces] = _fit_power_laws(*rows)
+        pieces = piece_ends - starts == bin_count
+        window_rows = (sliding_window_view(values, bin_count) for values in (bins.log_q, bins.power, weight))
+        exponents[pieces], losses[pieces] = _fit_power_laws(*window_rows)
     return starts, piece_ends, exponents, losses
 
 
 def _select_spectrum_pieces(
-    size: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
+    bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
     """Return the division of a binned spectrum into consecutive pieces with the least sum of losses and penalties."""
-    min_loss, last_piece = np.full(size + 1, np.inf), np.full(size + 1, -1)
+    min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):
-        loss = min_loss[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
-        if loss < min_loss[piece_ends[piece]]:
-            min_loss[piece_ends[piece]], last_piece[piece_ends[piece]] = loss, piece
-    selected_pieces, end = [], size
+        total_loss = min_loss[starts[piece]] + losses[piece] + _SPECTRUM_PIECE_PENALTY
+        if total_loss < min_loss[piece_ends[piece]]:
+            min_loss[piece_ends[piece]], last_piece[piece_ends[piece]] = total_loss, piece
+    selected_pieces, end = [], bin_count
     while end > 0 and last_piece[end] >= 0:
         selected_pieces.append(int(last_piece[end]))
         end = int(starts[selected_pieces[-1]])

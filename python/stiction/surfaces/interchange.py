@@ -78,7 +78,7 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
     """Extract heights (µm) and spacing from an object of SurfaceTopography, in which x is the first array axis."""
-    factor = _parse_unit_factor(name, other.unit or unit, type_name)
+    unit_factor = _parse_unit_factor(name, other.unit or unit, type_name)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):
         raise ValueError(
@@ -88,10 +88,10 @@ def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | 
     heights = np.asarray(np.ma.getdata(masked_heights), dtype=np.float64)
     if heights.ndim == 1 and not other.is_uniform:
         return _make_extracted_heights(
-            name, heights, (_uniform_spacing(name, "x", other.positions()),), factor, type_name
+            name, heights, (_find_uniform_spacing(name, "x", other.positions()),), unit_factor, type_name
         )
     spacings = [float(size) / points for size, points in zip(other.physical_sizes, heights.shape, strict=True)]
-    return _make_extracted_heights(name, heights.T, tuple(spacings[::-1]), factor, type_name)
+    return _make_extracted_heights(name, heights.T, tuple(spacings[::-1]), unit_factor, type_name)
 
 
 def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
@@ -105,18 +105,18 @@ def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | 
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         coordinate = other.coords[axis]
-        factor = _parse_unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
-        spacing.append(_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * factor)
-    factor = _parse_unit_factor(name, other.attrs.get("units", unit), type_name)
+        unit_factor = _parse_unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
+        spacing.append(_find_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * unit_factor)
+    unit_factor = _parse_unit_factor(name, other.attrs.get("units", unit), type_name)
     extracted_heights = _make_extracted_heights(
-        name, np.asarray(other.values, dtype=np.float64) * factor, tuple(spacing), 1.0, type_name
+        name, np.asarray(other.values, dtype=np.float64) * unit_factor, tuple(spacing), 1.0, type_name
     )
     if other.attrs.get("history") is None:
         return extracted_heights
     return extracted_heights._replace(history=tuple(filter(None, str(other.attrs["history"]).split("\n"))))
 
 
-def _uniform_spacing(name: str, axis: str, positions: Any) -> float:
+def _find_uniform_spacing(name: str, axis: str, positions: Any) -> float:
     """Return the spacing of equally spaced positions, or raise a `ValueError` for other positions."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
@@ -138,7 +138,7 @@ def _parse_unit_factor(name: str, unit: Any, type_name: str) -> float:
 
 
 def _make_extracted_heights(
-    name: str, heights: Any, spacing: tuple[float, ...], factor: float, type_name: str
+    name: str, heights: Any, spacing: tuple[float, ...], unit_factor: float, type_name: str
 ) -> ExtractedHeights:
     if np.isnan(heights).any():
         raise ValueError(
@@ -146,5 +146,7 @@ def _make_extracted_heights(
             "fill these points first"
         )
     return ExtractedHeights(
-        np.ascontiguousarray(heights) * factor, tuple(step * factor for step in spacing), (f"taken from a {type_name}",)
+        np.ascontiguousarray(heights) * unit_factor,
+        tuple(step * unit_factor for step in spacing),
+        (f"taken from a {type_name}",),
     )

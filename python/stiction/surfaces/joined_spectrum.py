@@ -127,28 +127,28 @@ class JoinedSpectrum(TextReprMixin):
         """Standard deviation of ln(`disagreement`) that random scatter alone would cause, for each scan."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
-        result = np.full(len(self.bands), np.nan)
+        log_deviations = np.full(len(self.bands), np.nan)
         for scan_index, scan_counts in enumerate(independent_counts):
             is_compared = is_shared & (scan_counts > 0)
             if is_compared.any():
                 other_counts = independent_counts[:, is_compared].sum(axis=0) - scan_counts[is_compared]
                 weight = self.count[is_compared] / self.count[is_compared].sum()
-                result[scan_index] = math.sqrt(
+                log_deviations[scan_index] = math.sqrt(
                     float(np.square(weight) @ (1 / scan_counts[is_compared] + 1 / other_counts))
                 )
-        return make_read_only(result)
+        return make_read_only(log_deviations)
 
     def roughness(self) -> ScaleDependentRoughness:
         """Compute the rms slope and rms curvature of the surface as functions of the shortest included wavelength."""
-        step = math.log(self.wave_number[1] / self.wave_number[0])
-        result = []
+        log_step = math.log(self.wave_number[1] / self.wave_number[0])
+        rms_values = []
         for power, factor in ((2, 1.0), (4, 0.25)):
-            variance_terms = factor * self.wave_number ** (power + 2) * self.density * step / (2 * math.pi)
+            variance_terms = factor * self.wave_number ** (power + 2) * self.density * log_step / (2 * math.pi)
             # Count only half of the last bin, because the cumulative variance ends at the centre of the bin.
-            result.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
+            rms_values.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
-            wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(result[0]),
-            curvature=make_read_only(result[1]), dimensions=2,
+            wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(rms_values[0]),
+            curvature=make_read_only(rms_values[1]), dimensions=2,
         )  # fmt: skip
 
     def surface(
@@ -169,8 +169,8 @@ class JoinedSpectrum(TextReprMixin):
         rows, columns = parse_shape(shape, min_count=4)
         spacings = parse_lengths("spacing", spacing)
         q_y, q_x = (
-            2 * math.pi * np.fft.fftfreq(size, history_entry)
-            for size, history_entry in zip((rows, columns), spacings, strict=True)
+            2 * math.pi * np.fft.fftfreq(points, axis_spacing)
+            for points, axis_spacing in zip((rows, columns), spacings, strict=True)
         )
         q = np.hypot(q_y[:, np.newaxis], q_x)
         is_in_band = (q >= self.wave_number[0] / self._bin_edge_ratio) & (
@@ -262,9 +262,9 @@ def joined_spectrum(
     first_bin = min(min(binned_scan) for binned_scan in binned_scans)
     bin_count = max(max(binned_scan) for binned_scan in binned_scans) - first_bin + 1
     count, weighted_density = np.zeros((len(binned_scans), bin_count)), np.zeros((len(binned_scans), bin_count))
-    for scan, binned_scan in enumerate(binned_scans):
+    for scan_index, binned_scan in enumerate(binned_scans):
         for index, (wave_vector_count, mean_density) in binned_scan.items():
-            count[scan, index - first_bin], weighted_density[scan, index - first_bin] = (
+            count[scan_index, index - first_bin], weighted_density[scan_index, index - first_bin] = (
                 wave_vector_count,
                 wave_vector_count * mean_density,
             )
@@ -288,23 +288,23 @@ def joined_spectrum(
         )  # fmt: skip
 
 
-def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, size: int) -> list[float | None]:
+def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, scan_count: int) -> list[float | None]:
     if values is None:
-        return [None] * size
-    if len(values) != size:
-        raise ValueError(f"{name} must have one entry for each of the {size} scans, got {len(values)}")
+        return [None] * scan_count
+    if len(values) != scan_count:
+        raise ValueError(f"{name} must have one entry for each of the {scan_count} scans, got {len(values)}")
     return [None if value is None else validate_number(name, value, unit="µm", above=0) for value in values]
 
 
 def _find_reliable_band(
-    body: Profile | Surface, limit: float | None, tip: float | None
+    body: Profile | Surface, given_limit: float | None, tip_radius: float | None
 ) -> tuple[tuple[float, float], str]:
     """Return the wavelength band (µm) in which a scan is reliable, and the reason for the lower limit of the band."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
-    if limit is not None:
-        shortest_wavelength, reason = limit, "given"
+    if given_limit is not None:
+        shortest_wavelength, reason = given_limit, "given"
     else:
-        noise_limit = instrument_limit(body, tip_radius=tip)
+        noise_limit = instrument_limit(body, tip_radius=tip_radius)
         pixel_limit = MIN_POINTS_PER_WAVELENGTH * spacing
         shortest_wavelength, reason = (
             (noise_limit.wavelength, noise_limit.reason)
@@ -325,7 +325,7 @@ def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
     """Return the number of wave vectors and the mean spectral density of each wave number bin in a wavelength band."""
-    min_wave_number, max_wave_number = (2 * math.pi / length for length in reversed(band))
+    min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))
         q, density, wave_vector_counts = (
@@ -338,10 +338,10 @@ def _average_in_bins(
         wave_vector_counts = np.ones(q.size)
     is_in_band = (q >= min_wave_number) & (q <= max_wave_number)
     q, density, wave_vector_counts = q[is_in_band], density[is_in_band], wave_vector_counts[is_in_band]
-    index = np.floor(per_decade * np.log10(q)).astype(np.intp)
+    bin_indices = np.floor(per_decade * np.log10(q)).astype(np.intp)
     means_by_bin = {}
-    for bin_index in np.unique(index).tolist():
-        is_in_bin = index == bin_index
+    for bin_index in np.unique(bin_indices).tolist():
+        is_in_bin = bin_indices == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
         # Average q³ C(q): the density C decreases strongly within a bin, while q³ C is nearly constant.
         mean_density = float(

@@ -54,31 +54,35 @@ class JointRoughness:
 def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     """Measure the slopes of a profile or map of a rock joint along a direction (degrees from +x towards +y)."""
     angle = math.radians(direction)
-    motion = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
+    direction_vector = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
     # On a short face, reduce the offset between the compared points to the size of the face, but keep its direction.
-    offsets = SAMPLING_INTERVAL * motion / spacing
+    offsets = SAMPLING_INTERVAL * direction_vector / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)
     if not steps.any():
-        steps[int(np.argmax(np.abs(motion / spacing)))] = 1 if motion[np.argmax(np.abs(motion / spacing))] > 0 else -1
-    interval = float(np.hypot.reduce(steps * spacing))
-    slopes = _compute_height_differences(face, steps) / interval
+        steps[int(np.argmax(np.abs(direction_vector / spacing)))] = (
+            1 if direction_vector[np.argmax(np.abs(direction_vector / spacing))] > 0 else -1
+        )
+    sampling_interval = float(np.hypot.reduce(steps * spacing))
+    slopes = _compute_height_differences(face, steps) / sampling_interval
     rising_slopes, falling_slopes = slopes[slopes > 0], -slopes[slopes < 0]
     return JointRoughness(
-        interval, float(np.sqrt(np.mean(slopes**2))), float(rising_slopes.mean()) if rising_slopes.size else 0.0,
+        sampling_interval,
+        float(np.sqrt(np.mean(slopes**2))),
+        float(rising_slopes.mean()) if rising_slopes.size else 0.0,
         float(falling_slopes.mean()) if falling_slopes.size else 0.0,
-    )  # fmt: skip
+    )
 
 
 def _compute_height_differences(face: Any, steps: Any) -> Floats:
     """Return the height differences (µm) of all pairs of measured points at a given offset (in points)."""
     starts, ends = [], []
-    for step, count in zip(steps.tolist(), face.heights.shape, strict=True):
-        length = count - abs(step)
-        starts.append(slice(max(0, -step), max(0, -step) + length))
-        ends.append(slice(max(0, step), max(0, step) + length))
+    for step, points in zip(steps.tolist(), face.heights.shape, strict=True):
+        num_pairs = points - abs(step)
+        starts.append(slice(max(0, -step), max(0, -step) + num_pairs))
+        ends.append(slice(max(0, step), max(0, step) + num_pairs))
     differences = face.heights[tuple(ends)] - face.heights[tuple(starts)]
     if face.missing is None:
         return np.asarray(differences)

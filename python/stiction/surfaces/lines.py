@@ -24,7 +24,7 @@ MAX_POWER_LAW_MISFIT = 1.5  # maximum rms factor between a spectral density and 
 # Two wavelength bands agree if their shortest and their longest wavelengths each differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
-_VARIANCE_OF_LOG_MODEL = 0.04
+_LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point slope formula
 
 
@@ -129,8 +129,8 @@ def line_roughness(
     mean_squares, density = np.zeros(3), np.zeros(points // 2)
     fitted_indices = set(np.linspace(0, line_count - 1, min(line_count, MAX_FITTED_LINES)).round().astype(int).tolist())
     fitted_lines = []
-    for index in range(line_count):
-        unlevelled_line = surface.row(index) if along == "x" else surface.column(index)
+    for line_index in range(line_count):
+        unlevelled_line = surface.row(line_index) if along == "x" else surface.column(line_index)
         line = levelled(unlevelled_line, "line")
         spectrum = power_spectrum(line)
         density += spectrum.density / line_count
@@ -138,7 +138,7 @@ def line_roughness(
             parameters = roughness_parameters(line)
             pdq_neighbours = roughness_parameters(line, derivative="neighbours").Pdq
             mean_squares += np.square([parameters.Pq, parameters.Pdq, pdq_neighbours]) / line_count
-        if index in fitted_indices:
+        if line_index in fitted_indices:
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
@@ -234,7 +234,7 @@ def power_law_misfit(
         return math.nan
     log_ratio = np.log(bins.density[is_in_band] * bins.wave_number[is_in_band] ** (dimensions + 2 * exponent))
     chance_variance = chance / bins.count[is_in_band]
-    weight = 1 / (chance_variance + _VARIANCE_OF_LOG_MODEL)
+    weight = 1 / (chance_variance + _LOG_MODEL_VARIANCE)
     squared_deviation = np.square(log_ratio - np.average(log_ratio, weights=weight)) - chance_variance
     return math.exp(math.sqrt(max(0.0, float(np.average(squared_deviation, weights=weight)))))
 

@@ -111,10 +111,16 @@ class VolumeParameters(NamedTuple):
 
 def material_volumes(heights: Floats) -> VolumeParameters:
     """Compute material and void volumes per area of peaks, core and valleys, for material ratios of 10 % and 80 %."""
-    upper, lower = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
-    above_upper, above_lower = (float(np.maximum(heights - end, 0).mean()) for end in (upper, lower))
-    below_upper, below_lower = (float(np.maximum(end - heights, 0).mean()) for end in (upper, lower))
-    return VolumeParameters(above_upper, above_lower - above_upper, below_upper - below_lower, below_lower)
+    core_top, core_bottom = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
+    peak_volume, volume_above_bottom = (
+        float(np.maximum(heights - core_limit, 0).mean()) for core_limit in (core_top, core_bottom)
+    )
+    void_below_top, valley_volume = (
+        float(np.maximum(core_limit - heights, 0).mean()) for core_limit in (core_top, core_bottom)
+    )
+    return VolumeParameters(
+        peak_volume, volume_above_bottom - peak_volume, void_below_top - valley_volume, valley_volume
+    )
 
 
 class CoreParameters(NamedTuple):
@@ -129,12 +135,12 @@ class CoreParameters(NamedTuple):
 
 def core_parameters(heights: Floats) -> CoreParameters:
     """Compute the ISO 25178-2 parameters of core, peaks and pits from the material ratio curve of a surface."""
-    height, upper, lower = _fit_core_line(heights)
-    heights_above_core, depths_below_core = np.maximum(heights - upper, 0), np.maximum(lower - heights, 0)
-    peak_fraction, valley_fraction = float(np.mean(heights > upper)), float(np.mean(heights < lower))
+    core_height, core_top, core_bottom = _fit_core_line(heights)
+    heights_above_core, depths_below_core = np.maximum(heights - core_top, 0), np.maximum(core_bottom - heights, 0)
+    peak_fraction, valley_fraction = float(np.mean(heights > core_top)), float(np.mean(heights < core_bottom))
     reduced_peaks = 2 * float(heights_above_core.mean()) / peak_fraction if peak_fraction else 0.0
     reduced_valleys = 2 * float(depths_below_core.mean()) / valley_fraction if valley_fraction else 0.0
-    return CoreParameters(height, reduced_peaks, reduced_valleys, peak_fraction, 1 - valley_fraction)
+    return CoreParameters(core_height, reduced_peaks, reduced_valleys, peak_fraction, 1 - valley_fraction)
 
 
 def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
@@ -150,5 +156,5 @@ def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     ratio = (np.arange(start, start + core_points) + 0.5) / points
     centred_ratio = ratio - ratio.mean()
     slope = float(centred_ratio @ heights[start : start + core_points] / (centred_ratio @ centred_ratio))
-    upper = float(heights[start : start + core_points].mean()) - slope * float(ratio.mean())
-    return -slope, upper, upper + slope
+    line_top = float(heights[start : start + core_points].mean()) - slope * float(ratio.mean())
+    return -slope, line_top, line_top + slope

@@ -48,7 +48,7 @@ _MAX_OUTLIER_PASSES = 8
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 # maximum number of points of a map whose deviations from neighbours are computed in one strip of rows
 _MAX_STRIP_POINTS = 16_384
-_MAX_WINDOWS = 100_000  # maximum number of windows whose medians are computed together
+_MAX_WINDOWS_PER_BATCH = 100_000  # maximum number of windows whose medians are computed together
 # minimum number of edge points, or of rough points beside flat regions, for a separate median deviation
 _MIN_EDGE_POINTS = 20
 
@@ -195,14 +195,14 @@ class _NeighbourDeviations:
         windows = sliding_window_view(padded_values, (width,) * self.relative_deviations.ndim)
         window_axes = tuple(range(1, 1 + self.relative_deviations.ndim))
         local_medians = np.empty(points[0].size)
-        for start in range(0, local_medians.size, _MAX_WINDOWS):
-            batch = slice(start, start + _MAX_WINDOWS)
+        for start in range(0, local_medians.size, _MAX_WINDOWS_PER_BATCH):
+            batch = slice(start, start + _MAX_WINDOWS_PER_BATCH)
             local_medians[batch] = np.median(windows[tuple(index[batch] for index in points)], axis=window_axes)
         return np.asarray(self.scan_medians[points] * np.maximum(local_medians, 1.0))
 
 
 def _find_neighbour_deviations(
-    distances: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
+    deviations: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _NeighbourDeviations:
     """Compute the typical (median) deviation of heights from their neighbours, separately for edge and inner points.
 
@@ -211,20 +211,20 @@ def _find_neighbour_deviations(
     median of the rough regions. If heights are not rounded, flat regions were clipped or filled, and the median of the
     rough regions is used everywhere, provided that the rough regions are large enough.
     """
-    is_known, width = is_measured & np.isfinite(distances), _WINDOW_WIDTHS[distances.ndim]
-    is_rough = near_rough_region = np.zeros(distances.shape, np.bool_)
+    is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
+    is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
     resolution = 1.01 * max(step, round_off)  # deviations above this limit (µm) exceed one rounding step
-    if is_known.any() and np.quantile(distances[is_known], _MAX_FLAT_FRACTION) <= resolution:
+    if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter
 
-        is_rough = is_known & (median_filter(np.where(is_known, distances, 0.0), size=width) > resolution)
+        is_rough = is_known & (median_filter(np.where(is_known, deviations, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
         if step <= round_off and is_rough.sum() >= _MIN_ROUGH_FRACTION * is_known.sum():
             near_rough_region[...] = True
-    typical_values = np.zeros(distances.shape)
+    typical_values = np.zeros(deviations.shape)
     for group_mask in (~at_edge, at_edge):
-        values, rough_values = (distances[group_mask & points] for points in (is_known, is_known & is_rough))
+        values, rough_values = (deviations[group_mask & points] for points in (is_known, is_known & is_rough))
         if values.size >= _MIN_EDGE_POINTS:
             group_mask = group_mask | (typical_values == 0)
             typical_value = max(float(np.median(values)), _MEDIAN_ROUNDING_DEVIATION * resolution)
@@ -232,7 +232,7 @@ def _find_neighbour_deviations(
             if rough_values.size >= _MIN_EDGE_POINTS:
                 typical_values[group_mask & near_rough_region] = max(float(np.median(rough_values)), typical_value)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(is_measured & np.isfinite(distances) & (typical_values > 0), distances / typical_values, 1.0)
+        ratio = np.where(is_measured & np.isfinite(deviations) & (typical_values > 0), deviations / typical_values, 1.0)
     return _NeighbourDeviations(typical_values, ratio)
 
 
@@ -270,14 +270,14 @@ def _compute_deviations_in_strip(
         ]
 
     neighbour_means = [(shifted_heights(step, 1) + shifted_heights(step, -1)) / 2 for step in neighbour_steps]
-    mean_deviations = np.abs(heights - _finite_median(neighbour_means, _MIN_NEIGHBOUR_ESTIMATES))
+    mean_deviations = np.abs(heights - _compute_finite_median(neighbour_means, _MIN_NEIGHBOUR_ESTIMATES))
     extrapolations = [
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
     # Extrapolate each height linearly from its neighbours: from both sides in profiles, from eight directions in maps.
     extrapolated_heights = (
-        [_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
+        [_compute_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1
         else [*extrapolations[0], *extrapolations[1]]
     )
@@ -295,14 +295,14 @@ def _compute_deviations_in_strip(
     return mean_deviations, np.where(estimate_count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
 
 
-def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
-    """Return, at each point, the `number` smallest values of several arrays, in ascending order.
+def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
+    """Return, at each point, the `kept_count` smallest values of several arrays, in ascending order.
 
     NaN is replaced by infinity.
 
     For a few arrays, this is faster than sorting.
     """
-    smallest_values = [np.full(values[0].shape, np.inf) for _ in range(number)]
+    smallest_values = [np.full(values[0].shape, np.inf) for _ in range(kept_count)]
     for array in values:
         larger_values = np.where(np.isnan(array), np.inf, array)
         for position, smaller_values in enumerate(smallest_values):
@@ -313,10 +313,12 @@ def _find_smallest(values: list[Floats], number: int) -> list[Floats]:
     return smallest_values
 
 
-def _finite_median(values: list[Floats], min_count: int) -> Floats:
+def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
     """Return, at each point, the median of the finite numbers in several arrays, or NaN for fewer than `min_count`."""
     sorted_values = np.stack(_find_smallest(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
-    lower, upper = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
-    middle_values = (np.take_along_axis(sorted_values, index[np.newaxis], axis=0)[0] for index in (lower, upper))
+    lower_index, upper_index = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
+    middle_values = (
+        np.take_along_axis(sorted_values, index[np.newaxis], axis=0)[0] for index in (lower_index, upper_index)
+    )
     return np.asarray(np.where(count >= min_count, sum(middle_values) / 2, np.nan))

@@ -51,8 +51,8 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
     """
     if dimensions == 1:
         return ((index * _GOLDEN_RATIO) % 1,)
-    base = _PLASTIC_NUMBER if dimensions == 2 else _QUINTIC_ROOT
-    return tuple((0.5 + index * base**-power) % 1 for power in range(1, dimensions + 1))
+    recurrence_base = _PLASTIC_NUMBER if dimensions == 2 else _QUINTIC_ROOT
+    return tuple((0.5 + index * recurrence_base**-power) % 1 for power in range(1, dimensions + 1))
 
 
 # ---- Lines -----------------------------------------------------------------------------------------------------------
@@ -93,7 +93,7 @@ class LinePairs:
         if self.level is not None:
             lines = levelled(lines[0], self.level), levelled(lines[1], self.level)
         upper_line, lower_line = (
-            self._surrogate_line(line, index, side) if self.surrogates in (side, "both") else line
+            self._generate_surrogate_line(line, index, side) if self.surrogates in (side, "both") else line
             for line, side in zip(lines, SIDES, strict=True)
         )
         spacing = min(upper_line.spacing, lower_line.spacing)
@@ -148,7 +148,7 @@ class LinePairs:
     def _count_lines(self, surface: Surface) -> int:
         return int(surface.heights.shape[0 if self.along == "x" else 1])
 
-    def _surrogate_line(self, profile: Profile, index: int, side: Side) -> Profile:
+    def _generate_surrogate_line(self, profile: Profile, index: int, side: Side) -> Profile:
         random_profile = surrogate(profile, self.seed, repetition=index, side=side)
         return profile.changed(
             random_profile.heights, f"replaced by its surrogate of seed {self.seed}, repetition {index}"
@@ -316,8 +316,8 @@ class MapPairs:
         Raises a `ValueError` if the pieces would be too small.
         """
         if self.shifts is not None:
-            sizes = [self._find_overlap(steps)[1] for steps in self._shifts_in_points]
-            rows, columns = (min(lengths) for lengths in zip(*sizes, strict=True))
+            overlap_shapes = [self._find_overlap(steps)[1] for steps in self._shifts_in_points]
+            rows, columns = (min(lengths) for lengths in zip(*overlap_shapes, strict=True))
         else:
             rows, columns = (
                 (shortest_length := min(lengths)) - shortest_length // MAX_SHIFT_DIVISOR
@@ -371,8 +371,8 @@ class MapPairs:
             for upper, lower, overlap_shape in zip(*self._map_shapes, self.shape, strict=True)
         ]
         if self._map_shapes[0] == self._map_shapes[1]:
-            along_x, along_y = quasi_random_point(index, 2)
-            shift = round(margins[0][0] * (2 * along_y - 1)), round(margins[1][0] * (0.5 + 0.5 * along_x))
+            fraction_x, fraction_y = quasi_random_point(index, 2)
+            shift = round(margins[0][0] * (2 * fraction_y - 1)), round(margins[1][0] * (0.5 + 0.5 * fraction_x))
             lower = tuple(
                 max(0, shift_along_axis) + (margin[0] - abs(shift_along_axis)) // 2
                 for shift_along_axis, margin in zip(shift, margins, strict=True)
@@ -401,7 +401,7 @@ class MapPairs:
         """Generate a surrogate of each map for a pair index, and return a levelled piece of each surrogate."""
         upper, lower = (
             self._cut_piece(
-                surrogate(body, self.seed, repetition=index, side=side), _centred_piece_origin(points, self.shape)
+                surrogate(body, self.seed, repetition=index, side=side), _find_centred_piece_origin(points, self.shape)
             )
             for body, side, points in zip((self.upper, self.lower), SIDES, self._map_shapes, strict=True)
         )
@@ -477,7 +477,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
             levelled(
                 resample_piece(
                     isotropic_surface(body, self.seed, shape=shape, repetition=index, side=side),
-                    self.spacing, _centred_piece_origin(shape, self.shape), self.shape,
+                    self.spacing, _find_centred_piece_origin(shape, self.shape), self.shape,
                 ),
                 self.level,
             )
@@ -544,6 +544,6 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return levelled(piece, self.level)
 
 
-def _centred_piece_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
+def _find_centred_piece_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
     """Return the first row and column of a piece in the middle of a height map."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

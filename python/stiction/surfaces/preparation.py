@@ -107,7 +107,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
         mean = residual.mean() if scan.missing is None else residual[~scan.missing].mean()
         return scan.changed(residual - mean, f"levelled by a {description}")
     degree = _TREND_DEGREES[trend]
-    axis_polynomials = [_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
+    axis_polynomials = [_compute_orthogonal_polynomials(points, degree) for points in scan.heights.shape]
     if isinstance(scan, Profile):
         basis = axis_polynomials[0]
         description = _LEVELLING_HISTORY_ENTRIES.get(
@@ -127,7 +127,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
     return scan.changed(_subtract_fit(scan.heights, basis, scan.missing), description)
 
 
-def _orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
+def _compute_orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
     """Return the values of orthogonal polynomials with degrees up to `degree` at the points of a uniform grid."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
@@ -257,15 +257,15 @@ def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: A
             f"start must be below stop, and both must be within the extent of {extent:g} µm{along}, got {start:g} and "
             f"{stop:g} µm"
         )
-    first, end = (
+    first_index, end_index = (
         min(max(math.ceil(position / spacing - GRID_POSITION_TOLERANCE), 0), points) for position in (start, stop)
     )
-    if end - first < MIN_POINTS:
+    if end_index - first_index < MIN_POINTS:
         raise ValueError(
-            f"start and stop must leave at least {MIN_POINTS} points, got {end - first} points from {start:g} to "
-            f"{stop:g} µm{along} at a spacing of {spacing:g} µm"
+            f"start and stop must leave at least {MIN_POINTS} points, got {end_index - first_index} points from "
+            f"{start:g} to {stop:g} µm{along} at a spacing of {spacing:g} µm"
         )
-    return first, end, f"{start:g} to {stop:g} µm{along}"
+    return first_index, end_index, f"{start:g} to {stop:g} µm{along}"
 
 
 @overload
@@ -345,7 +345,7 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
             _resample_along_axis(value, old_spacing, new_spacing, points, axis, align) for value in (heights, missing)
         )
     is_profile, size_text = len(shape) == 1, " rows of ".join(map(str, shape))
-    spacing_text = " and ".join(f"{history_entry:g}" for history_entry in spacing)
+    spacing_text = " and ".join(f"{axis_spacing:g}" for axis_spacing in spacing)
     if old_spacings == spacing:
         history_entry = f"cropped to its {_ALIGNMENT_TEXTS[align]} {size_text} points"
     else:
@@ -405,7 +405,7 @@ def _resample_missing_mask(missing: Any, positions: Floats, axis: int) -> Any:
 
 
 def _resample_along_axis(
-    heights: Any, actual: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
+    heights: Any, old_spacing: float, spacing: float, points: int, axis: int, align: GridAlignment = "start"
 ) -> Any:
     """Resample heights along one axis by natural cubic splines.
 
@@ -417,9 +417,9 @@ def _resample_along_axis(
         return None
     last_index = heights.shape[axis] - 1
     # `start` is the position of the first new point, in units of the old spacing.
-    ratio = spacing / actual
+    ratio = spacing / old_spacing
     start = max(0.0, (last_index - (points - 1) * ratio) / 2) if align == "middle" else 0.0
-    if actual == spacing:
+    if old_spacing == spacing:
         selected_slice = slice(int(start), int(start) + points)
         return heights[selected_slice] if axis == 0 else heights[:, selected_slice]
     from scipy.interpolate import CubicSpline
@@ -516,7 +516,7 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
             for round_y in _NEIGHBOUR_ROUNDING_FUNCTIONS
             for round_x in _NEIGHBOUR_ROUNDING_FUNCTIONS
         ]
-        missing = np.logical_or.reduce([surface.missing[corner] for corner in corner_indices])
+        missing = np.logical_or.reduce([surface.missing[corner_index] for corner_index in corner_indices])
     return heights, missing
 
 

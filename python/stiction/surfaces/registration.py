@@ -30,10 +30,10 @@ _MIN_COARSE_POINTS = {1: 64, 2: 16}
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps in the registration of two faces
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
-_STEP_SCALES = (1.0, 0.5, 0.25)
+_STEP_FRACTIONS = (1.0, 0.5, 0.25)
 # The registration has converged if a step moves no corner of the upper face by more than this distance (points).
-_CONVERGED_MOVE = 1e-4
-_PEAK_WIDTH_FRACTION = 0.05  # half width of the correlation peak of two faces, as a fraction of their length
+_CONVERGENCE_DISTANCE = 1e-4
+_CORRELATION_PEAK_HALF_WIDTH = 0.05  # half width of the correlation peak of two faces, as a fraction of their length
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
         np.minimum(difference := np.abs(np.arange(count) - index), count - difference)
         for count, index in zip(correlations.shape, best_index, strict=True)
     ]
-    widths = [max(2.0, _PEAK_WIDTH_FRACTION * count / factor) for count in shape]
+    widths = [max(2.0, _CORRELATION_PEAK_HALF_WIDTH * count / factor) for count in shape]
     peak_points = np.ix_(
         *(np.flatnonzero(distance <= width) for distance, width in zip(distances, widths, strict=True))
     )
@@ -203,17 +203,17 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
     masks = [np.ones(body.heights.shape) if body.missing is None else 1.0 - body.missing for body in (upper, lower)]
     mask_transforms = [transform(mask) for mask in masks]
-    product, upper_power, lower_power = (np.zeros(shape) for _ in range(3))
+    slope_product, upper_power, lower_power = (np.zeros(shape) for _ in range(3))
     for axis, spacing in enumerate(lower.spacings):
         upper_slope, lower_slope = (
             np.gradient(body.heights, spacing, axis=axis) * mask
             for body, mask in zip((upper, lower), masks, strict=True)
         )
-        product += correlate(transform(upper_slope), transform(lower_slope))
+        slope_product += correlate(transform(upper_slope), transform(lower_slope))
         upper_power += correlate(transform(upper_slope**2), mask_transforms[1])
         lower_power += correlate(mask_transforms[0], transform(lower_slope**2))
     power = np.sqrt(np.maximum(upper_power, 0) * np.maximum(lower_power, 0))
-    correlations = np.divide(product, power, out=np.zeros(shape), where=power > 1e-12 * power.max(initial=0.0))
+    correlations = np.divide(slope_product, power, out=np.zeros(shape), where=power > 1e-12 * power.max(initial=0.0))
     overlaps = [
         np.array(
             [
@@ -245,8 +245,8 @@ def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
 def _convert_offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
     """Convert an offset (in points) between the first points of two faces to a shift (µm) between their middles."""
     return tuple(
-        (step + (count - other) / 2) * spacing
-        for step, count, other, spacing in zip(
+        (step + (upper_points - lower_points) / 2) * spacing
+        for step, upper_points, lower_points, spacing in zip(
             offset, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     )
@@ -255,8 +255,8 @@ def _convert_offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) ->
 def _convert_shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
     """Convert a shift (µm) between the middles of two faces to an offset between their first points, in points."""
     return [
-        distance / spacing - (count - other) / 2
-        for distance, count, other, spacing in zip(
+        distance / spacing - (upper_points - lower_points) / 2
+        for distance, upper_points, lower_points, spacing in zip(
             shift, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     ]
@@ -265,8 +265,8 @@ def _convert_shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) ->
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
     """Convert the position of a coarsened upper face to the position of the original upper face."""
     shift = tuple(
-        distance + (count % factor - other % factor) / 2 * spacing
-        for distance, count, other, spacing in zip(
+        distance + (upper_points % factor - lower_points % factor) / 2 * spacing
+        for distance, upper_points, lower_points, spacing in zip(
             position.shift, upper.heights.shape, lower.heights.shape, lower.spacings, strict=True
         )
     )
@@ -289,7 +289,7 @@ def _measure_distances(body: Any) -> list[Floats]:
     ]
 
 
-def _interpolate(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
+def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
     """Interpolate the rotated upper face at distances (µm) from the middle of this face.
 
     Returns the heights and a mask of missing points.
@@ -321,7 +321,7 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
         for axis_distances, length, spacing in zip(distances, side_lengths, lower.spacings, strict=True)
     ]
     index = tuple(slice(int(points[0]), int(points[-1]) + 1) if points.size else slice(0) for points in inside_indices)
-    heights, missing = _interpolate(
+    heights, missing = _interpolate_rotated_face(
         upper,
         [axis_distances[points] for axis_distances, points in zip(distances, index, strict=True)],
         position.rotation,
@@ -339,28 +339,28 @@ def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePo
     """
     spacings, half_length = np.array(lower.spacings), max(lower.heights.shape) / 2
     max_rotation = math.radians(MAX_ROTATION)
-    rms_gap, step = _solve_step(upper, lower, position)
+    rms_gap, step = _compute_gauss_newton_step(upper, lower, position)
     for _ in range(_MAX_REFINEMENTS):
-        for scale in _STEP_SCALES:
+        for scale in _STEP_FRACTIONS:
             shift = tuple((np.array(position.shift) + scale * step[: spacings.size]).tolist())
             rotation = position.rotation + scale * float(step[spacings.size :].sum())
-            trial = _FacePosition(shift, min(max(rotation, -max_rotation), max_rotation))
-            if not _has_min_overlap(upper, lower, trial):
+            trial_position = _FacePosition(shift, min(max(rotation, -max_rotation), max_rotation))
+            if not _has_min_overlap(upper, lower, trial_position):
                 continue
-            trial_gap, trial_step = _solve_step(upper, lower, trial)
-            if trial_gap < rms_gap:
+            trial_rms_gap, trial_step = _compute_gauss_newton_step(upper, lower, trial_position)
+            if trial_rms_gap < rms_gap:
                 break
         else:
             return position
-        move = np.max(np.abs(np.subtract(trial.shift, position.shift)) / spacings)
-        move += abs(trial.rotation - position.rotation) * half_length
-        position, rms_gap, step = trial, trial_gap, trial_step
-        if move < _CONVERGED_MOVE:
+        moved_points = np.max(np.abs(np.subtract(trial_position.shift, position.shift)) / spacings)
+        moved_points += abs(trial_position.rotation - position.rotation) * half_length
+        position, rms_gap, step = trial_position, trial_rms_gap, trial_step
+        if moved_points < _CONVERGENCE_DISTANCE:
             break
     return position
 
 
-def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
+def _compute_gauss_newton_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
     """Return the rms gap (µm) at a position, and the Gauss-Newton step in shift and rotation."""
     upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_part, lower_part)
@@ -370,23 +370,24 @@ def _solve_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float,
     ]
     distances = np.meshgrid(*_measure_distances(lower_part), indexing="ij")
     plane_terms = [np.ones(slopes[0].shape), *(along[measured] for along in distances)]
-    changes = [-slope for slope in slopes]
+    gap_derivatives = [-slope for slope in slopes]
     if isinstance(upper, Surface):
-        changes.append(slopes[1] * plane_terms[1] - slopes[0] * plane_terms[2])
+        gap_derivatives.append(slopes[1] * plane_terms[1] - slopes[0] * plane_terms[2])
     gap = (upper_part.heights - lower_part.heights)[measured]
-    columns = [*changes, *plane_terms]
-    norms = [float(np.linalg.norm(column)) or 1.0 for column in columns]
-    matrix = np.array([[np.vdot(a, b) for b in columns] for a in columns]) / np.outer(norms, norms)
-    moments = np.array([np.vdot(column, gap) for column in columns]) / norms
-    step = -np.linalg.lstsq(matrix, moments, rcond=None)[0] / norms
-    return _measure_rms_gap(upper_part, lower_part), step[: len(changes)]
+    fit_columns = [*gap_derivatives, *plane_terms]
+    norms = [float(np.linalg.norm(column)) or 1.0 for column in fit_columns]
+    normal_matrix = np.array([[np.vdot(a, b) for b in fit_columns] for a in fit_columns]) / np.outer(norms, norms)
+    right_side = np.array([np.vdot(column, gap) for column in fit_columns]) / norms
+    step = -np.linalg.lstsq(normal_matrix, right_side, rcond=None)[0] / norms
+    return _measure_rms_gap(upper_part, lower_part), step[: len(gap_derivatives)]
 
 
 def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
     """Return whether two bodies at a position overlap along each axis by at least `MIN_OVERLAP_FRACTION`."""
     return all(
-        min(other, step + count) - max(0.0, step) >= MIN_OVERLAP_FRACTION * min(count, other)
-        for step, count, other in zip(
+        min(lower_points, step + upper_points) - max(0.0, step)
+        >= MIN_OVERLAP_FRACTION * min(upper_points, lower_points)
+        for step, upper_points, lower_points in zip(
             _convert_shift_to_steps(position.shift, upper, lower), upper.heights.shape, lower.heights.shape, strict=True
         )
     )
@@ -397,17 +398,19 @@ def _estimate_noise(gap: Any) -> float:
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """
-    values = np.diff(gap.heights if gap.missing is None else np.where(gap.missing, np.nan, gap.heights), 4, axis=-1)
-    values = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(values**2) / 70)) if values.size else 0.0
+    fourth_differences = np.diff(
+        gap.heights if gap.missing is None else np.where(gap.missing, np.nan, gap.heights), 4, axis=-1
+    )
+    fourth_differences = fourth_differences[np.isfinite(fourth_differences)]
+    return float(np.sqrt(np.mean(fourth_differences**2) / 70)) if fourth_differences.size else 0.0
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
     """Return the overlapping parts of two bodies after a shift of the upper body by an offset (in points)."""
     upper_index, lower_index = [], []
-    for step, count, other in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
+    for step, upper_points, lower_points in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)
-        length = min(other, step + count) - start
+        length = min(lower_points, step + upper_points) - start
         lower_index.append(slice(start, start + length))
         upper_index.append(slice(start - step, start - step + length))
     parts = [

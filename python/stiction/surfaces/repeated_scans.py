@@ -191,10 +191,10 @@ def compare_repeated_scans(
         )[1]
     )
     shortest_wavelength = 2 * float(spacing.max())
-    octave = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest_wavelength)) + 1e-9), 0).astype(np.intp)
-    noise, common = (
-        np.sqrt(np.maximum(np.bincount(octave, value), 0))
-        for value in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
+    octave_indices = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest_wavelength)) + 1e-9), 0).astype(np.intp)
+    noise, common_roughness = (
+        np.sqrt(np.maximum(np.bincount(octave_indices, octave_contributions), 0))
+        for octave_contributions in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
     )
     wavelength = make_read_only(np.asarray(shortest_wavelength * np.exp2(np.arange(noise.size)), np.float64))
     noise_rms, max_cutoff = (
@@ -206,7 +206,7 @@ def compare_repeated_scans(
     if slope_fraction > MAX_UNATTRIBUTED_FRACTION:
         limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
-        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common), noise_rms, limit,
+        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common_roughness), noise_rms, limit,
         slope_fraction,
     )  # fmt: skip
 
@@ -277,7 +277,8 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
     shift, best_shift = _find_integer_shift(a, b), (math.inf, np.zeros(a.ndim))
     for smoothing_width in _SMOOTHING_WIDTHS:
         smoothed_first, smoothed_second = (
-            gaussian_filter(value, smoothing_width) if smoothing_width else value for value in (a, b)
+            gaussian_filter(scan_heights, smoothing_width) if smoothing_width else scan_heights
+            for scan_heights in (a, b)
         )
         smoothed_second = spline_filter(smoothed_second, 3)
         for _ in range(_NUM_REFINEMENT_STEPS):
@@ -287,7 +288,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             )
             slopes = _compute_slopes_along_axes(second_heights)
             basis = [*(-slope for slope in slopes), np.ones(second_heights.shape), *np.indices(second_heights.shape)]
-            columns = np.stack([function.ravel() for function in basis], axis=1)
+            columns = np.stack([basis_function.ravel() for basis_function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
         # The Gaussian filter correlates the residual difference of the scans at neighbouring points.
@@ -300,7 +301,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             for slope, slope_covariance in zip(slopes, slope_covariances, strict=True)
         )
         shift_variance *= float(np.sum(residual)) * max(1.0, _POINTS_PER_INDEPENDENT_VALUE * smoothing_width) ** a.ndim
-        best_shift = min(best_shift, (shift_variance, shift), key=lambda smoothed_first: smoothed_first[0])
+        best_shift = min(best_shift, (shift_variance, shift), key=lambda candidate: candidate[0])
     return best_shift[1]
 
 
@@ -356,14 +357,15 @@ def _slice_overlap(
 ) -> tuple[tuple[slice, ...], list[Floats]]:
     """Return the overlap of two scans at a shift (in points): slices of the first and positions in the second scan."""
     selected_slices, positions = [], []
-    for points, second_points, axis_shift in zip(first_shape, second_shape, shift.tolist(), strict=True):
-        start = max(0, math.ceil(axis_shift) + (_OVERLAP_MARGIN if axis_shift > 0 else 0))
+    for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
+        start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN if shift_along_axis > 0 else 0))
         end = min(
             points,
-            math.floor(second_points + axis_shift) - (_OVERLAP_MARGIN if second_points + axis_shift < points else 0),
+            math.floor(second_points + shift_along_axis)
+            - (_OVERLAP_MARGIN if second_points + shift_along_axis < points else 0),
         )
         if end - start <= min(points, second_points) / 2:
             raise ValueError("the scans first and second must be scans of the same area that overlap by more than half")
         selected_slices.append(slice(start, end))
-        positions.append(np.clip(np.arange(start, end) - axis_shift, 0, second_points - 1))
+        positions.append(np.clip(np.arange(start, end) - shift_along_axis, 0, second_points - 1))
     return tuple(selected_slices), positions

@@ -113,8 +113,8 @@ def roughness_parameters(
     z = profile.heights
     if z.size < SEVEN_POINT_WEIGHTS.size:
         raise ValueError(f"profile must have at least {SEVEN_POINT_WEIGHTS.size} points, got {z.size}")
-    result = height_and_slope_parameters(z - z.mean(), profile.spacing, derivative)
-    values = {parameter.name: result[parameter.name[1:]] for parameter in PROFILE_PARAMETERS["P"]}
+    parameter_values = height_and_slope_parameters(z - z.mean(), profile.spacing, derivative)
+    values = {parameter.name: parameter_values[parameter.name[1:]] for parameter in PROFILE_PARAMETERS["P"]}
     return RoughnessParameters(values, describe_levelling(profile.history))
 
 
@@ -225,13 +225,13 @@ def surface_parameters(
     scale = float(np.abs(deviation).max())
     deviation /= scale  # without scaling, the fourth power of the deviation could overflow or underflow
     values = {
-        **_height_parameters(deviation, scale),
-        **_material_ratio_parameters(deviation, scale),
-        **_texture_parameters(surface, deviation),
-        **_feature_parameter_values(deviation, scale, surface.spacing),
+        **_compute_height_parameters(deviation, scale),
+        **_compute_material_ratio_parameters(deviation, scale),
+        **_compute_texture_parameters(surface, deviation),
+        **_compute_feature_parameters(deviation, scale, surface.spacing),
         "Sz": float(np.ptp(z)),
         "Sdq": rms_gradient(surface, derivative),
-        "Sdr": _developed_area_ratio(z, surface.spacing),
+        "Sdr": _compute_developed_area_ratio(z, surface.spacing),
     }
     return SurfaceParameters(
         {parameter.name: values[parameter.name] for parameter in SURFACE_PARAMETERS},
@@ -247,7 +247,7 @@ def reject_flat_or_small_surface(surface: Surface) -> None:
         raise ValueError(f"surface must have at least {min_points} rows and {min_points} columns, got {shape}")
 
 
-def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
+def _compute_height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     rms = float(np.sqrt(np.mean(deviation**2)))
     return {
         "Sq": scale * rms, "Sa": scale * float(np.mean(np.abs(deviation))), "Sp": scale * float(deviation.max()),
@@ -256,7 +256,7 @@ def _height_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
+def _compute_material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     core, volumes = core_parameters(deviation), material_volumes(deviation)
     extreme_peak, extreme_peak_end, upper, lower = heights_at_material_ratios(
         deviation, [*EXTREME_PEAK_MATERIAL_RATIOS, PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]
@@ -270,7 +270,7 @@ def _material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, flo
     }  # fmt: skip
 
 
-def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]:
+def _compute_texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]:
     shortest_decay, longest_decay = _find_decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
     is_resolved = q > 2.5 * 2 * math.pi / max(surface.extent)
@@ -279,24 +279,24 @@ def _texture_parameters(surface: Surface, deviation: Floats) -> dict[str, float]
     return {
         "Sal": shortest_decay, "Str": shortest_decay / longest_decay,
         "Std": float(strongest_sector * 180 / _NUM_SECTORS),
-        "Ssw": _dominant_wavelength(deviation, surface.spacing),
+        "Ssw": _find_dominant_wavelength(deviation, surface.spacing),
     }  # fmt: skip
 
 
-def _dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
+def _find_dominant_wavelength(deviation: Floats, spacing: tuple[float, float]) -> float:
     """Return the wavelength (µm) of the largest Fourier coefficient of a height map."""
     from scipy.fft import fftfreq, rfft2, rfftfreq
 
     transform = rfft2(deviation)
     power = transform.real**2 + transform.imag**2
     power[0, 0] = 0.0
-    row, column = np.unravel_index(int(np.argmax(power)), power.shape)
+    peak_row, peak_column = np.unravel_index(int(np.argmax(power)), power.shape)
     rows, columns = deviation.shape
-    frequency = fftfreq(rows, spacing[0])[row], rfftfreq(columns, spacing[1])[column]
-    return 1 / math.hypot(*map(float, frequency))
+    peak_frequency = fftfreq(rows, spacing[0])[peak_row], rfftfreq(columns, spacing[1])[peak_column]
+    return 1 / math.hypot(*map(float, peak_frequency))
 
 
-def _feature_parameter_values(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
+def _compute_feature_parameters(deviation: Floats, scale: float, spacing: tuple[float, float]) -> dict[str, float]:
     features = feature_parameters(deviation, spacing)
     peak_height, pit_depth = scale * features.peak_height, scale * features.pit_depth
     return {
@@ -330,14 +330,14 @@ def _compute_slopes_along_axis(heights: Floats, axis: int, derivative: Derivativ
     return weighted_sum
 
 
-def _developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
+def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float]) -> float:
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
     # Each cell of four points has four triangles, whose sides along x and y give the slope of the triangle.
-    for step_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
-        for step_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
-            squared_gradient = np.square(step_x / spacing[1]) + np.square(step_y / spacing[0])
+    for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
+        for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
+            squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])
             # Compute sqrt(1 + s²) - 1 as s² / (1 + sqrt(1 + s²)), which avoids cancellation.
             area_sum += float(np.mean(squared_gradient / (1 + np.sqrt(1 + squared_gradient)))) / 4
     return area_sum

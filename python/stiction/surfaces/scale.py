@@ -14,7 +14,11 @@ from stiction._checks import Floats, check_bool, float_array, make_read_only, va
 from stiction._repr import TableReprMixin, TextReprMixin
 from stiction._units import short_repr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
-from stiction.surfaces.harmonics import MIN_HARMONIC_DISTANCE, density_between_harmonics, find_texture_harmonics
+from stiction.surfaces.harmonics import (
+    MIN_HARMONIC_DISTANCE,
+    estimate_density_between_harmonics,
+    find_texture_harmonics,
+)
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -55,7 +59,7 @@ _MAX_FLAT_EXPONENT = 0.35
 # Maximum exponent of a noise floor at wavelengths at which the surface also contributes to the spectrum.
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
-_NOISE_WAVELENGTH_RATIO = 0.7
+_PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 # Kinds of noise that are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of noise densities along x and y that are regarded as equal
@@ -436,7 +440,7 @@ def instrument_limit(
     spacing = max(body.spacings)
     spectra = line_spectra(body, periodic)
     disturbances = [
-        _find_spectrum_disturbance(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra
+        _find_noise_and_texture(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra
     ]
     total_mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
     # Ignore noise along an axis without roughness, where the spectrum contains only round-off.
@@ -598,17 +602,18 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
         for lower_limit, upper_limit in octaves
         if (is_in_octave := (other_q > lower_limit) & (other_q <= upper_limit * ROUND_OFF_FACTOR)).any()
     ]).reshape(-1, 2)  # fmt: skip
-    other_mean, noise_mean = densities.T
+    other_mean_density, expected_mean_density = densities.T
     if noise_wavelengths[1 - axis] > 0:
         return bool(
             (
-                (other_mean < _MAX_EQUAL_NOISE_RATIO * noise_mean) & (noise_mean < _MAX_EQUAL_NOISE_RATIO * other_mean)
+                (other_mean_density < _MAX_EQUAL_NOISE_RATIO * expected_mean_density)
+                & (expected_mean_density < _MAX_EQUAL_NOISE_RATIO * other_mean_density)
             ).all()
         ), 0.0
     independent_lines = count[q * noise_wavelengths[axis] > 2 * math.pi].mean()
     if (
-        not noise_mean.size
-        or (other_mean < _MIN_HIDING_DENSITY_RATIO * noise_mean).any()
+        not expected_mean_density.size
+        or (other_mean_density < _MIN_HIDING_DENSITY_RATIO * expected_mean_density).any()
         or independent_lines < _MIN_INDEPENDENT_LINES
     ):
         return False, 0.0
@@ -627,7 +632,7 @@ class _NoiseAndTexture(NamedTuple):
     period: float  # wavelength of a periodic texture, µm; NaN without a texture
 
 
-def _find_spectrum_disturbance(
+def _find_noise_and_texture(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
     """Find the texture period in a line spectrum, and the wavelengths that neither texture nor surface explain."""
@@ -640,7 +645,7 @@ def _find_spectrum_disturbance(
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
-            density_between_harmonics(density, count, harmonic_distance)[above_first_harmonic],
+            estimate_density_between_harmonics(density, count, harmonic_distance)[above_first_harmonic],
             q[above_first_harmonic],
             count[above_first_harmonic],
         )
@@ -665,10 +670,10 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
     depth raise only the density between the harmonics.
     """
     end, start = float(q[-1]) * ROUND_OFF_FACTOR, 2 * math.pi / wavelength_limit
-    ratio = math.sqrt(2)
-    band_pairs = [((end / 2, end / ratio), (end / ratio, end))]
+    half_octave = math.sqrt(2)
+    band_pairs = [((end / 2, end / half_octave), (end / half_octave, end))]
     for step in range(max(math.ceil(2 * math.log2(end / start)), 1)):
-        upper = end / ratio**step
+        upper = end / half_octave**step
         band_pairs.append(((upper / 4, upper / 2), (upper / 2, upper)))
     for longer_band, shorter_band in band_pairs:
         is_in_longer, is_in_shorter = (
@@ -696,10 +701,10 @@ def _find_noise_wavelength(
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
         return no_noise
-    _, index = np.unique(np.floor(_NOISE_BINS_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
-    counts_in_bins = np.bincount(index, count)
-    density = np.bincount(index, count * density) / counts_in_bins
-    wavelengths = 2 * math.pi * np.exp(-np.bincount(index, count * np.log(q)) / counts_in_bins)
+    _, bin_index = np.unique(np.floor(_NOISE_BINS_PER_OCTAVE * np.log2(q / q[0]) + 1e-9), return_inverse=True)
+    counts_in_bins = np.bincount(bin_index, count)
+    density = np.bincount(bin_index, count * density) / counts_in_bins
+    wavelengths = 2 * math.pi * np.exp(-np.bincount(bin_index, count * np.log(q)) / counts_in_bins)
     density = np.maximum(density, 1e-12 * density.max())
     chance_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts_in_bins
     window_fits = [
@@ -709,14 +714,14 @@ def _find_noise_wavelength(
     if _fit_line_slope(-np.log(wavelengths), np.log(density), chance_variance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wavelengths[0]), "noise floor"
     is_last_octave = wavelengths <= 2.01 * wavelengths[-1]
-    last_exponent, deviation = _fit_line_slope(
+    last_exponent, exponent_deviation = _fit_line_slope(
         -np.log(wavelengths[is_last_octave]), np.log(density[is_last_octave]), chance_variance[is_last_octave]
     )
     candidate_bins = [
         _find_flattening_bin(window_fit, wavelengths / spacing, density, chance_variance) for window_fit in window_fits
     ]
     candidate_bins.append(_find_bin_before_rise(wavelengths / spacing, density, chance_variance))
-    if last_exponent - 2 * deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
+    if last_exponent - 2 * exponent_deviation > -_MIN_ALIASED_SURFACE_EXPONENT:
         candidate_bins.append(int(np.argmin(np.where(is_last_octave, density, math.inf))))
     if not any(candidate_bin is not None for candidate_bin in candidate_bins):
         return no_noise
@@ -739,15 +744,15 @@ def _find_noise_wavelength(
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
     """Fit a straight line to values with known variances. Returns the slope and the standard deviation of the slope."""
     weight = 1 / (variance + 0.01)
-    deviation = x - np.average(x, weights=weight)
-    square = float(weight @ deviation**2)
-    return float(weight @ (deviation * y)) / square, 1 / math.sqrt(square)
+    x_deviations = x - np.average(x, weights=weight)
+    weighted_square_sum = float(weight @ x_deviations**2)
+    return float(weight @ (x_deviations * y)) / weighted_square_sum, 1 / math.sqrt(weighted_square_sum)
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
     """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in the shortest octave."""
     for max_wavelength, max_exponent in (
-        (_NOISE_WAVELENGTH_RATIO * limit, _MAX_FLOOR_EXPONENT),
+        (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
     ):
         is_short = wavelengths < max_wavelength

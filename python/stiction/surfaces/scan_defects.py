@@ -42,9 +42,9 @@ The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
 # This fraction is 0.4 in a Gaussian groove with a width of two points (at 1/e of the depth).
-_MIN_STEP_RATIO = 0.7
+_MIN_SPIKE_STEP_RATIO = 0.7
 # minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height
-_MIN_DEEP_SPIKE_RATIO = 2.0
+_MIN_SPIKE_TO_RMS_RATIO = 2.0
 
 # A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
 MIN_HEIGHT_RANGE_RATIO = 1e-6
@@ -117,7 +117,9 @@ class ScanDefects:
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
         body = with_interpolated_points(self.body, self.outliers)
-        is_rough = body is self.body or _find_height(body) > MIN_HEIGHT_RANGE_RATIO * _find_height(self.body)
+        is_rough = body is self.body or _measure_height_range(body) > MIN_HEIGHT_RANGE_RATIO * _measure_height_range(
+            self.body
+        )
         return body if is_rough else self.body
 
     @cached_property
@@ -246,8 +248,11 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     chance_variance = 3 * float((np.square(power / total_power) * weights).sum())
     mean_square_slopes = np.sum([np.square(gradient) for gradient in gradients], axis=0)
     if body.missing is not None:
-        cells = [slice(None, -1), slice(1, None)]
-        is_missing = np.any([body.missing[index] for index in itertools.product(cells, repeat=heights.ndim)], axis=0)
+        corner_slices = [slice(None, -1), slice(1, None)]
+        is_missing = np.any(
+            [body.missing[corner_index] for corner_index in itertools.product(corner_slices, repeat=heights.ndim)],
+            axis=0,
+        )
         mean_square_slopes[is_missing] = np.nan
     trends, variances = zip(
         *(_fit_strip_trend(mean_square_slopes, axis) for axis in range(heights.ndim)), strict=True
@@ -279,7 +284,7 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
     return trend, float(residuals @ residuals) / (_NUM_STRIPS - 2) / position_square_sum
 
 
-def _find_height(body: Profile | Surface) -> float:
+def _measure_height_range(body: Profile | Surface) -> float:
     """Return the distance (µm) from the lowest to the highest point of a body after levelling."""
     levelled_body = levelled(body, "line") if isinstance(body, Profile) else levelled(body, "plane")
     return float(np.ptp(levelled_body.heights))
@@ -323,7 +328,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 
     is_isolated = np.zeros(outliers.shape, np.bool_)
     remaining_heights = with_interpolated_points(profile, outliers).heights
-    min_height = _MIN_DEEP_SPIKE_RATIO * float(levelled(profile, "line").heights.std())
+    min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
         """Return heights near a group of outliers, measured from the line that connects the points on both sides."""
@@ -341,7 +346,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
         is_above_flanks = abs(deviation) > MIN_SPIKE_TO_FLANK_RATIO * width * flank_height
         heights = measure_from_flanks(profile.heights, group)
         height = float(np.abs(heights).max())
-        has_step = height > min_height and float(np.abs(np.diff(heights)).max()) > _MIN_STEP_RATIO * height
+        has_step = height > min_height and float(np.abs(np.diff(heights)).max()) > _MIN_SPIKE_STEP_RATIO * height
         is_isolated[group] = has_step or (is_above_flanks and (deviation > 0 or -deviation > min_height))
     return is_isolated
 

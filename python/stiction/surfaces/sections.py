@@ -220,7 +220,7 @@ def _compute_with_setting_class(
     """Compute R- and W-parameters with the filters of the setting class to which the resulting Ra and RSm belong."""
     section_lengths = [setting.section_length for setting in SETTING_CLASSES]
     if section_lengths[0] > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionLengthError(_too_short_message(profile, section_lengths[0]))
+        raise SectionLengthError(_format_too_short_message(profile, section_lengths[0]))
     min_length, max_length = _min_section_length(profile.spacing), profile.extent * ROUND_OFF_FACTOR
     possible_classes = [
         index
@@ -228,7 +228,7 @@ def _compute_with_setting_class(
         if min_length <= length * ROUND_OFF_FACTOR and length <= max_length
     ]
     if not possible_classes:
-        raise SectionLengthError(_too_coarse_message(profile))
+        raise SectionLengthError(_format_too_coarse_message(profile))
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
@@ -251,7 +251,9 @@ def _compute_with_setting_class(
         visited_classes.add(index)
         next_class = index + 1 if matching_class > index else index - 1
         if next_class not in possible_classes:
-            remedy = _too_short_remedy(profile) if matching_class > index else _too_coarse_message(profile)
+            remedy = (
+                _format_too_short_remedy(profile) if matching_class > index else _format_too_coarse_message(profile)
+            )
             raise SectionLengthError(
                 f"{_format_setting_class_reasons(results_by_class[index])} require a section length of "
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
@@ -282,15 +284,15 @@ def _min_section_length(spacing: float) -> float:
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 
-def _too_short_message(profile: Profile, length: float) -> str:
-    return f"one section length is {_format_length(length)}, and {_too_short_remedy(profile)}"
+def _format_too_short_message(profile: Profile, length: float) -> str:
+    return f"one section length is {_format_length(length)}, and {_format_too_short_remedy(profile)}"
 
 
-def _too_short_remedy(profile: Profile) -> str:
+def _format_too_short_remedy(profile: Profile) -> str:
     return f"the profile is {_format_length(profile.extent)} long: measure a longer one, or choose a shorter cutoff lc"
 
 
-def _too_coarse_message(profile: Profile) -> str:
+def _format_too_coarse_message(profile: Profile) -> str:
     return (
         f"its points are {_format_length(profile.spacing)} apart, and a section needs at least "
         f"{SEVEN_POINT_WEIGHTS.size}: measure more finely, or choose a longer cutoff lc"
@@ -303,7 +305,7 @@ def _compute_with_cutoff(
     """Compute R- and W-parameters with the cutoff λc = `lc` (µm), which is also the section length."""
     spacing = profile.spacing
     if lc > profile.extent * ROUND_OFF_FACTOR:
-        raise SectionLengthError(_too_short_message(profile, lc))
+        raise SectionLengthError(_format_too_short_message(profile, lc))
     if lc * ROUND_OFF_FACTOR < _min_section_length(spacing):
         raise ValueError(
             f"lc must be at least {_min_section_length(spacing):g} µm ({SEVEN_POINT_WEIGHTS.size} points), "

@@ -361,14 +361,14 @@ class SurfaceSpectrum(TextReprMixin):
         resolutions = [
             float(wave_numbers[1] - wave_numbers[0]) for wave_numbers in (self.wave_number_y, self.wave_number_x)
         ]
-        square, weight = (
+        squared_wave_number, height_variances = (
             np.square(wave_number_along),
             self.density * (resolutions[0] * resolutions[1] / (4 * math.pi**2)),
         )
         return ProfileMoments(
-            height=float(weight.sum()),
-            slope=float((square * weight).sum()),
-            curvature=float((np.square(square) * weight).sum()),
+            height=float(height_variances.sum()),
+            slope=float((squared_wave_number * height_variances).sum()),
+            curvature=float((np.square(squared_wave_number) * height_variances).sum()),
         )
 
     def steepest_direction(self) -> float:
@@ -396,17 +396,17 @@ class SurfaceSpectrum(TextReprMixin):
         """
         q_y, q_x = self.wave_number_y[:, np.newaxis], self.wave_number_x
         q = np.hypot(q_y, q_x)
-        limit = min(
+        nyquist_wave_number = min(
             float(-wave_numbers[0]) if wave_numbers.size % 2 == 0 else float(wave_numbers[-1])
             for wave_numbers in (q_y[:, 0], q_x)
         )
         # Use only one of two opposite wave vectors, because both describe the same sine wave.
-        is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < limit * (1 - 1e-9))
-        order = np.argsort(q[is_counted], kind="stable")
-        angle = np.degrees(
+        is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < nyquist_wave_number * (1 - 1e-9))
+        ascending_order = np.argsort(q[is_counted], kind="stable")
+        directions = np.degrees(
             np.arctan2(np.broadcast_to(q_y, q.shape)[is_counted], np.broadcast_to(q_x, q.shape)[is_counted])
-        )[order]
-        return q[is_counted][order], angle % 180, self.density[is_counted][order]
+        )[ascending_order]
+        return q[is_counted][ascending_order], directions % 180, self.density[is_counted][ascending_order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
         """Average the spectrum over rings of wave vectors that have equal widths in the logarithm of the wave number.
@@ -514,8 +514,8 @@ def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[floa
     """
     bins = spectrum.in_bins(_PEAK_BINS_PER_DECADE)
     density = np.maximum(bins.density, np.finfo(float).tiny)
-    size = density.size
-    half_widths = np.minimum(np.minimum(np.arange(size), np.arange(size)[::-1]), _PEAK_WINDOW_BINS)
+    bin_count = density.size
+    half_widths = np.minimum(np.minimum(np.arange(bin_count), np.arange(bin_count)[::-1]), _PEAK_WINDOW_BINS)
     median_density = np.array(
         [
             np.median(density[index - half_width : index + half_width + 1])

@@ -63,7 +63,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     eroded_heights = _erode_by_tip(recorded_heights, spacing, radius)
     num_touched, is_certain = np.zeros(recorded_heights.shape, np.int32), np.zeros(recorded_heights.shape, np.bool_)
     tolerance = _TIP_CONTACT_TOLERANCE * max(height_range, float(np.abs(recorded_heights).max()))
-    _, half_widths = _tip_half_width(recorded_heights.shape, spacing, radius, height_range)
+    _, half_widths = _compute_tip_half_width(recorded_heights.shape, spacing, radius, height_range)
     is_inside = np.zeros(recorded_heights.shape, np.bool_)
     is_inside[
         tuple(
@@ -71,12 +71,12 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
             for half_width, size in zip(half_widths, recorded_heights.shape, strict=True)
         )
     ] = True
-    for is_counting in (True, False):
-        for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
+    for counts_contacts in (True, False):
+        for point_slices, neighbour_slices, tip_height in _iterate_tip_offsets(
             recorded_heights.shape, spacing, radius, height_range
         ):
             is_touching = eroded_heights[neighbour_slices] - tip_height >= recorded_heights[point_slices] - tolerance
-            if is_counting:
+            if counts_contacts:
                 num_touched[point_slices] += is_touching
             else:
                 is_certain[neighbour_slices] |= is_touching & (num_touched[point_slices] == 1) & is_inside[point_slices]
@@ -112,7 +112,7 @@ def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile 
 def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
     """Return the heights (µm) of the highest surface from which a spherical tip would record the given heights."""
     eroded_heights = heights.copy()
-    for point_slices, neighbour_slices, tip_height in _tip_offsets_and_heights(
+    for point_slices, neighbour_slices, tip_height in _iterate_tip_offsets(
         heights.shape, spacing, radius, float(np.ptp(heights))
     ):
         np.minimum(
@@ -121,12 +121,12 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
     return eroded_heights
 
 
-def _tip_offsets_and_heights(
+def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
     """Yield, for each offset within the tip, slices of points and of offset points, and the height of the tip there."""
-    half_width, half_widths = _tip_half_width(shape, spacing, radius, max_tip_height)
-    for steps in np.ndindex(*(2 * item + 1 for item in half_widths)):
+    half_width, half_widths = _compute_tip_half_width(shape, spacing, radius, max_tip_height)
+    for steps in np.ndindex(*(2 * max_steps + 1 for max_steps in half_widths)):
         offsets = np.subtract(steps, half_widths)
         squared_distance = float(np.square(offsets * spacing).sum())
         if squared_distance > half_width**2 * (1 + 1e-12):
@@ -139,7 +139,7 @@ def _tip_offsets_and_heights(
         yield point_slices, neighbour_slices, radius - math.sqrt(max(0.0, radius**2 - squared_distance))
 
 
-def _tip_half_width(
+def _compute_tip_half_width(
     shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
 ) -> tuple[float, list[int]]:
     """Return the half width of a spherical tip at a height above the lowest point, in µm and in points per axis."""

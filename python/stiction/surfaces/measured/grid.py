@@ -61,9 +61,9 @@ def fill_grid(
     matrix[nodes] = heights
     num_listed = int(np.unique(nodes).size)
     if num_listed < nodes.size:
-        differs = (matrix[nodes] != heights) & ~(np.isnan(matrix[nodes]) & np.isnan(heights))
-        if differs.any():
-            index = int(np.argmax(differs))
+        is_contradicting = (matrix[nodes] != heights) & ~(np.isnan(matrix[nodes]) & np.isnan(heights))
+        if is_contradicting.any():
+            index = int(np.argmax(is_contradicting))
             raise FormatError(
                 f"lists more than one point at {describe_position(index)}, with heights {heights[index]:g} and "
                 f"{matrix[nodes[index]]:g}"
@@ -118,10 +118,10 @@ def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floa
         return None
     nodes = np.arange(distinct_positions.size)
     step = float(np.polyfit(nodes, distinct_positions, 1)[0])
-    digit = float(np.max(digits()))
+    last_digit_value = float(np.max(digits()))
     is_uniform = (
-        step >= MIN_STEP_OF_ROUNDED_POSITIONS * digit
-        and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * digit
+        step >= MIN_STEP_OF_ROUNDED_POSITIONS * last_digit_value
+        and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * last_digit_value
     )
     return step if is_uniform else None
 
@@ -137,8 +137,8 @@ def estimate_step(positions: Floats) -> float | None:
         return None
     # A gap between sorted positions is a rounding error, one grid step or, if nodes are missing, several grid steps.
     ordered_gaps = np.sort(gaps)
-    ratios = ordered_gaps[1:] / ordered_gaps[:-1]
-    if ratios.size and ratios.max() > MIN_GRID_GAP_RATIO:
-        edges = np.flatnonzero(gaps > ordered_gaps[int(np.argmax(ratios))]) + 1
-        distinct_positions = np.array([float(item.mean()) for item in np.split(distinct_positions, edges)])
+    gap_ratios = ordered_gaps[1:] / ordered_gaps[:-1]
+    if gap_ratios.size and gap_ratios.max() > MIN_GRID_GAP_RATIO:
+        gap_indices = np.flatnonzero(gaps > ordered_gaps[int(np.argmax(gap_ratios))]) + 1
+        distinct_positions = np.array([float(cluster.mean()) for cluster in np.split(distinct_positions, gap_indices)])
     return float(np.median(np.diff(distinct_positions)))

@@ -98,23 +98,25 @@ _POSITION_QUANTITY_PATTERN = LazyPattern(
     re.IGNORECASE,
 )
 """Regular expression for a line that names the quantity of the positions, such as "X_Dimension Time" of LabVIEW."""
-_NO_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", "yes", "no", "on", "off")
+_NON_UNIT_WORDS = ("", "-", "--", "1", "metric", "si", "none", "n/a", "default", "yes", "no", "on", "off")
 """Words after "unit" in a header line that are not units."""
 
-_POWER_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
-_DIGIT_PATTERN = r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
-_NOT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
+_POWER_OF_TEN_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-−+])[0-9]{1,2}|1?e[-−+][0-9]{1,2})"
+_CONVERTER_UNIT_PATTERN = (
+    r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
+)
+_EXCEPT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
 _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     # matches a factor above a matrix of heights, such as "1.0e-03 *"
-    rf"\W*{_NOT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
-    rf"\W*{_POWER_PATTERN}\W*|"
+    rf"\W*{_EXCEPT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
+    rf"\W*{_POWER_OF_TEN_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
     # matches a height factor such as "z x0.1 (um)"
     r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
-    rf"(?:(?:by|mit|durch|um)\b{_NOT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
-    rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
-    rf"\W*(?:times\s+{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
+    rf"(?:(?:by|mit|durch|um)\b{_EXCEPT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
+    rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
+    rf"\W*(?:times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
     r"\W*(?:z|heights?|höhen?)\b.*[0-9]\s*[nuµpm]?m\s*(?:/|per\b|pro\b)\s*(?!s\b|sec|min)[^\W\d_]+.*|"
     # excludes "heights in 1 µm", which is a unit and not a factor
     r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"
@@ -124,25 +126,25 @@ _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
     r"gain|verstärkung|amplification|conversion(?! of)|umrechnung|magnification|vertikalvergrößerung|"
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
-    rf"{SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
+    rf"{SEPARATOR_PATTERN}{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
     # excludes an exponent of 0, which leaves the heights unchanged
     rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
-    rf"{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
-    rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_DIGIT_PATTERN}|div|[nuµm]m)\b.*|"
-    rf".*\b{_DIGIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
+    rf"{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
+    rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_CONVERTER_UNIT_PATTERN}|div|[nuµm]m)\b.*|"
+    rf".*\b{_CONVERTER_UNIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
     rf"\W*(?:z|heights?)\s*=\s*(?:(?!1(?:[.,]0*)?\s*[*×·x]){DECIMAL_PATTERN}\s*[*×·x]\s*[^\W\d].*|"
-    rf"[^\W\d]\w*\s*[*×·x/]\s*{_NOT_ONE_PATTERN}{DECIMAL_PATTERN}\W*)|"
-    rf"\W*(?:vertical[\s_-]*)?(?:vergrößerung|maßstab|massstab|scale){SEPARATOR_PATTERN}{_NOT_ONE_PATTERN}(?!1\s*:\s*1\W*$)"
+    rf"[^\W\d]\w*\s*[*×·x/]\s*{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\W*)|"
+    rf"\W*(?:vertical[\s_-]*)?(?:vergrößerung|maßstab|massstab|scale){SEPARATOR_PATTERN}{_EXCEPT_ONE_PATTERN}(?!1\s*:\s*1\W*$)"
     rf"{DECIMAL_PATTERN}\s*:\s*1\W*|"
     rf"\W*(?:z\W+)?LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
-    rf".*(?<![0-9.,])1\s*{_DIGIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
+    rf".*(?<![0-9.,])1\s*{_CONVERTER_UNIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
     re.IGNORECASE,
 )
 """Regular expression for a line that describes in words a factor that may apply to the heights."""
 
-_OTHER_FACTOR_PATTERN = LazyPattern(
+_NON_HEIGHT_FACTOR_PATTERN = LazyPattern(
     r"objective|objektiv|(?<!vertical )(?<!height )(?<!\bz )magnif|zoom|lens|shape|form|crest|filter|quality|aspect|"
     r"exaggerat|spring|frequency|defl|piezo|bias|feedback|\bdB\b",
     re.IGNORECASE,
@@ -242,7 +244,7 @@ _CALCULATION_PATTERN = LazyPattern(
     r"\b(?:scaled|normali[sz]ed|skaliert|normiert)\b",
     re.IGNORECASE,
 )
-_FUNCTION_PATTERN = LazyPattern(r"\b(?:abs|exp)\s*[(\[{][^)\]}]*\b(?:z|heights?|höhen?)\b", re.IGNORECASE)
+_HEIGHT_FUNCTION_PATTERN = LazyPattern(r"\b(?:abs|exp)\s*[(\[{][^)\]}]*\b(?:z|heights?|höhen?)\b", re.IGNORECASE)
 _HEIGHT_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:z|heights?|höhen?|hauteurs?|altezz[ae]|alturas?|topograph\w*|elevations?|amplitudes?)(?![^\W_])",
     re.I,
@@ -251,7 +253,7 @@ _POSITION_NAME_PATTERN = LazyPattern(
     r"(?<![^\W_])(?:[xy]+|xyz|positions?|coordinates?|lateral\w*|lengths?|all|spacings?|distances?|weg)(?![^\W_])", re.I
 )
 _BRACKETED_WORD_PATTERN = LazyPattern(r"[(\[{<]\s*([^()\[\]{}<>]{1,20}?)\s*[)\]}>]")
-_VALUE_PATTERN = LazyPattern(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
+_HEADER_VALUE_PATTERN = LazyPattern(r"(?:^|[\s,;:=])[+-]?[0-9][0-9.,]*(?:[eE][+-]?[0-9]+)?[^\W\d_]{0,3}(?=$|[\s,;:/])")
 
 
 _REMARK_PATTERN = LazyPattern(
@@ -347,10 +349,10 @@ def parse_declarations(
         factor = parse_positive_number(match[3], f"in its header line {factor_line[:80]!r}")
     else:
         factor_lines += [line for line in lines if is_unapplied_factor(line)]
-    code_lines = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
-    codes = [parse_number(match[2], f"in its header line {match[0][:80]!r}") for match in code_lines]
+    code_matches = [match for line in lines if (match := _MISSING_CODE_PATTERN.fullmatch(line))]
+    codes = [parse_number(match[2], f"in its header line {match[0][:80]!r}") for match in code_matches]
     is_count = [
-        match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_lines, codes, strict=True)
+        match[1] is None and code.is_integer() and code >= 0 for match, code in zip(code_matches, codes, strict=True)
     ]
     position_units = [match[1] for line in lines if (match := _POSITION_UNIT_PATTERN.fullmatch(line))]
     if is_profile and (column_units := _find_column_units(lines)) is not None:
@@ -430,13 +432,13 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     for line in lines:
         if (unit := _find_unit_after_height_name(line, is_profile, has_size)) is not None:
             return parse_length_unit(unit) or unit, line
-        if is_profile and (match := _UNIT_OF_Y_PATTERN.fullmatch(line)) and match[1].casefold() not in _NO_UNIT_WORDS:
+        if is_profile and (match := _UNIT_OF_Y_PATTERN.fullmatch(line)) and match[1].casefold() not in _NON_UNIT_WORDS:
             return parse_length_unit(match[1]) or match[1], line
         if (match := _UNKNOWN_UNIT_PATTERN.fullmatch(line)) is None:
             continue
         text = match[1].strip()
         has_known_unit = any(parse_length_unit(word) for word in re.split(r"[\s,;()\[\]]+", text))
-        if not (text.casefold() in _NO_UNIT_WORDS or (has_known_unit and not re.search("[0-9]", text))):
+        if not (text.casefold() in _NON_UNIT_WORDS or (has_known_unit and not re.search("[0-9]", text))):
             return parse_length_unit(text) or text, line
     return None, ""
 
@@ -448,21 +450,21 @@ def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) ->
     """
     if (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is None:
         return None
-    colon, size_name, space, text = match.groups()
-    scaled = None if size_name and has_size else _UNIT_WITH_FACTOR_PATTERN.fullmatch(text)
-    if is_unit(text) or (scaled and parse_length_unit(scaled[1] or scaled[2])):
+    colon, size_name, space_after_unit, text = match.groups()
+    scaled_match = None if size_name and has_size else _UNIT_WITH_FACTOR_PATTERN.fullmatch(text)
+    if is_unit(text) or (scaled_match and parse_length_unit(scaled_match[1] or scaled_match[2])):
         return text
-    if (colon or space) and text.casefold() == "raw":
+    if (colon or space_after_unit) and text.casefold() == "raw":
         return text
-    is_word = is_profile and re.fullmatch(r"[^\s0-9(\[{<]\S{0,7}", text)
-    return None if not is_word or _REMARK_PATTERN.fullmatch(text) or is_unapplied_factor(line) else text
+    is_single_word = is_profile and re.fullmatch(r"[^\s0-9(\[{<]\S{0,7}", text)
+    return None if not is_single_word or _REMARK_PATTERN.fullmatch(text) or is_unapplied_factor(line) else text
 
 
 def is_unapplied_factor(text: str) -> bool:
     """Return whether a header line or column name contains a factor that may apply to the heights."""
     return (
         _UNAPPLIED_FACTOR_PATTERN.fullmatch(text) is not None
-        and _OTHER_FACTOR_PATTERN.search(text) is None
+        and _NON_HEIGHT_FACTOR_PATTERN.search(text) is None
         and not (is_spacing_declaration(text) and not re.search(r"/|\bper\b", text))
     )
 
@@ -479,7 +481,7 @@ def _parse_factor_unit(match: re.Match[str]) -> str | None:
 
 def _is_declaration(line: str) -> bool:
     """Return whether a header line declares a unit, spacing, factor or missing-point code, rather than column names."""
-    full_patterns = (
+    declaration_patterns = (
         _UNKNOWN_UNIT_PATTERN,
         _POSITION_UNIT_PATTERN,
         _UNIT_OF_Y_PATTERN,
@@ -491,7 +493,9 @@ def _is_declaration(line: str) -> bool:
         _HEIGHT_RANGE_PATTERN,
     )
     is_unit_of_z = (match := _UNIT_OF_Z_PATTERN.fullmatch(line)) is not None and bool(match[1] or match[3])
-    return is_unit_of_z or any(pattern.fullmatch(line) for pattern in full_patterns) or is_spacing_declaration(line)
+    return (
+        is_unit_of_z or any(pattern.fullmatch(line) for pattern in declaration_patterns) or is_spacing_declaration(line)
+    )
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
@@ -524,7 +528,7 @@ def _has_number_outside_brackets(line: str) -> bool:
 
     Such a line does not contain column names.
     """
-    return _VALUE_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", line)) is not None
+    return _HEADER_VALUE_PATTERN.search(_BRACKETED_WORD_PATTERN.sub(" ", line)) is not None
 
 
 def is_unit(word: str) -> bool:
@@ -551,7 +555,7 @@ def is_length_axis(name: str) -> bool:
 def is_computed_height(name: str) -> bool:
     """Return whether a column name is a calculation from heights, such as "1000*z", "-z" or "log z"."""
     name_without_units = _BRACKETED_WORD_PATTERN.sub(" ", name)
-    return bool(_CALCULATION_PATTERN.search(name_without_units) or _FUNCTION_PATTERN.search(name))
+    return bool(_CALCULATION_PATTERN.search(name_without_units) or _HEIGHT_FUNCTION_PATTERN.search(name))
 
 
 # ---- Column names ---------------------------------------------------------------------------------------------------
@@ -648,22 +652,22 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
     if _has_number_outside_brackets(name_line):  # a number in a column name must belong to a unit, as in "z in 1e-9 m"
-        is_names = cells is not None and all(
+        is_name_line = cells is not None and all(
             _UNIT_AFTER_NAME_PATTERN.fullmatch(cell)
             or _find_scaled_unit(cell)
             or is_unit(_find_unknown_unit(cell) or "")
             or not _has_number_outside_brackets(cell)
             for cell in cells
         )
-        return tuple(map(unit_in_column_name, cells)) if cells is not None and is_names else (None,) * width
+        return tuple(map(unit_in_column_name, cells)) if cells is not None and is_name_line else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
         # If one column name ends with a known unit, as in "x mm", the other names end with units too, as in "z V".
         last_words = [_split_name(cell)[-1] for cell in cells]
-        are_last_words = any(map(parse_length_unit, last_words))
+        names_end_with_units = any(map(parse_length_unit, last_words))
         return tuple(
             unit_in_column_name(cell)
-            or (word if are_last_words and word != cell and NON_LENGTH_UNIT_PATTERN.fullmatch(word) else None)
-            or (_find_unknown_unit(cell) if are_last_words else None)
+            or (word if names_end_with_units and word != cell and NON_LENGTH_UNIT_PATTERN.fullmatch(word) else None)
+            or (_find_unknown_unit(cell) if names_end_with_units else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
     # all columns have the same unknown unit, as in "x foo; z foo"
@@ -678,8 +682,8 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         return tuple(units)
     if width == 1 and _SHORT_UNIT_AFTER_NAME_PATTERN.fullmatch(name_line):
         return (unit_in_column_name(name_line),)
-    is_for_all = width > 2 and len(units) == 1 and not _mentions_only_heights(name_line)
-    return (units[0] if is_for_all else None,) * width
+    is_unit_of_all_columns = width > 2 and len(units) == 1 and not _mentions_only_heights(name_line)
+    return (units[0] if is_unit_of_all_columns else None,) * width
 
 
 def unit_in_column_name(cell: str) -> str | None:
@@ -688,37 +692,39 @@ def unit_in_column_name(cell: str) -> str | None:
     An unknown unit is returned unchanged, so that the column is rejected if it is used.
     """
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
-    last = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
+    last_part = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
     # A capitalised word such as "Pixel" names a column of point numbers, and is not a unit.
-    is_point_number = not bracketed_texts and last.casefold() in _WORDS_LIKE_UNITS and not last.islower()
-    if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last):
-        return last
-    if not bracketed_texts and (unit := _find_scaled_unit(last)) is not None:
+    is_point_number = not bracketed_texts and last_part.casefold() in _WORDS_LIKE_UNITS and not last_part.islower()
+    if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last_part):
+        return last_part
+    if not bracketed_texts and (unit := _find_scaled_unit(last_part)) is not None:
         return parse_length_unit(unit) or unit
-    after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last)
-    if after_name is not None and is_unit(after_name[1]):
-        return parse_length_unit(after_name[1]) or after_name[1]
+    unit_after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last_part)
+    if unit_after_name is not None and is_unit(unit_after_name[1]):
+        return parse_length_unit(unit_after_name[1]) or unit_after_name[1]
     # a name and a unit that a slash separates, as in "z_nm/nm"
-    if "/" in (word := _split_name(last)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
+    if "/" in (word := _split_name(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
     # a reciprocal unit, as in "k/1/um"
-    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last)):
+    if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last_part)):
         return match[1]
-    unit = parse_length_unit((last if bracketed_texts else _split_name(last)[-1].rpartition("/")[2]).strip(" \"'.:"))
+    unit = parse_length_unit(
+        (last_part if bracketed_texts else _split_name(last_part)[-1].rpartition("/")[2]).strip(" \"'.:")
+    )
     if unit is not None:
         return unit
-    words = _split_name(last)
-    if after_name is not None:
-        last = after_name[1]
+    words = _split_name(last_part)
+    if unit_after_name is not None:
+        last_part = unit_after_name[1]
     elif not bracketed_texts and len(words) > 1 and len(words[-1]) > 1:
         return words[-1] if _is_unit_word(words[-1]) else None
     elif not bracketed_texts:
         return None
-    known_units = {unit for word in re.split(r"[\s,;]+", last) if (unit := parse_length_unit(word)) is not None}
+    known_units = {unit for word in re.split(r"[\s,;]+", last_part) if (unit := parse_length_unit(word)) is not None}
     # a unit with a remark, as in "µm RMS" or "nm, filtered"
-    if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last):
+    if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last_part):
         return known_units.pop()
-    return None if not known_units and _REMARK_PATTERN.fullmatch(last) else last
+    return None if not known_units and _REMARK_PATTERN.fullmatch(last_part) else last_part
 
 
 def _split_name(name: str) -> list[str]:
@@ -731,8 +737,8 @@ def _find_unknown_unit(name: str) -> str | None:
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
-    is_other = _REMARK_PATTERN.fullmatch(match[1]) or re.search(r"[^\W\d_]{3,}[\s_-]*[0-9]+$", match[1])
-    return None if is_other and not is_unit(match[1]) else match[1]
+    is_remark_or_number = _REMARK_PATTERN.fullmatch(match[1]) or re.search(r"[^\W\d_]{3,}[\s_-]*[0-9]+$", match[1])
+    return None if is_remark_or_number and not is_unit(match[1]) else match[1]
 
 
 def _is_unit_word(word: str) -> bool:

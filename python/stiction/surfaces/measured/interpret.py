@@ -115,16 +115,16 @@ def validate_read_options(
 
 def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Split the user's markers of missing points into numbers and words."""
-    values_given = given.split(",") if isinstance(given, str) else () if given is None else given
-    values_given = values_given if isinstance(values_given, (list, tuple, set, np.ndarray)) else (values_given,)
+    given_markers = given.split(",") if isinstance(given, str) else () if given is None else given
+    given_markers = given_markers if isinstance(given_markers, (list, tuple, set, np.ndarray)) else (given_markers,)
     codes, words = [], []
-    for part in map(unwrap_scalar, values_given):
-        if isinstance(part, bool) or not isinstance(part, (str, int, float)) or not str(part).strip():
+    for marker in map(unwrap_scalar, given_markers):
+        if isinstance(marker, bool) or not isinstance(marker, (str, int, float)) or not str(marker).strip():
             raise ValueError(f"missing_value must be one or more numbers or words, got {short_repr(given)}")
         try:
-            codes.append(float(part))
+            codes.append(float(marker))
         except (ValueError, OverflowError):
-            word = str(part).strip()
+            word = str(marker).strip()
             if not word.isprintable():
                 raise ValueError(f"missing_value must have printable words, got {short_repr(given)}") from None
             words.append(word)
@@ -178,14 +178,14 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
     if given != other:
         raise FormatError("contains a profile, which has one spacing, but the option spacing has two lengths")
     _require_unit_or_spacing(raw, options)
-    heights, unit, caveats, coded = _convert_heights(raw, options)
+    heights, unit, caveats, height_history = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _determine_profile_spacing(raw, _choose_position_unit(raw, options), given)
     caveats += _find_spacing_as_height(raw, given)
     if dx < 0:
         heights, dx = heights[::-1], -dx
         steps.append("reversed, because its positions decreased")
     return _make_profile_or_surface(
-        Profile, raw, name, options, heights, (_validate_spacing(dx),), [*coded, *steps], unit,
+        Profile, raw, name, options, heights, (_validate_spacing(dx),), [*height_history, *steps], unit,
         [*caveats, *spacing_caveats],
     )  # fmt: skip
 
@@ -242,15 +242,15 @@ def _make_profile_or_surface(
     num_missing = int(np.count_nonzero(np.isnan(heights)))
     found_caveats = () if num_missing == heights.size else find_caveats(scan)
     remaining_caveats = tuple(
-        value for value in (*raw.caveats, *caveats, *found_caveats) if value.name not in options.accept
+        caveat for caveat in (*raw.caveats, *caveats, *found_caveats) if caveat.name not in options.accept
     )
-    accepted_names = sorted({value.name for value in (*raw.caveats, *caveats, *found_caveats)} & set(options.accept))
+    accepted_names = sorted({caveat.name for caveat in (*raw.caveats, *caveats, *found_caveats)} & set(options.accept))
     steps = [*steps, *(f"accepted: {name}" for name in accepted_names)]
     try:
         heights, missing, crop_and_fill_steps = _crop_and_fill_gaps(heights, spacing, options)
     except FormatError as error:
-        codes = [item for item in remaining_caveats if item.name == "repeated-extreme"]
-        raise FormatError("; ".join([str(error), *map(str, codes)])) from None
+        code_caveats = [item for item in remaining_caveats if item.name == "repeated-extreme"]
+        raise FormatError("; ".join([str(error), *map(str, code_caveats)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
     # a body shares read-only heights instead of copying them
     heights = make_read_only(heights) if heights.base is None else heights
@@ -280,20 +280,20 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
     return length
 
 
-def _resolve_unit(quantity_name: str, of_file: str | None, of_caller: str | None) -> str:
+def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str | None) -> str:
     """Return the unit of positions or heights, taken from the file or else from the caller.
 
     Raises `FormatError` if both units are missing or disagree.
     """
-    file_unit = None if of_file is None else parse_length_unit(of_file)
-    if of_file is not None and file_unit is None:
+    file_unit = None if declared_unit is None else parse_length_unit(declared_unit)
+    if declared_unit is not None and file_unit is None:
         raise FormatError(
-            f"has {quantity_name} in {of_file!r}, which is not a supported unit of length (m, mm, um, nm, ...); "
+            f"has {quantity_name} in {declared_unit!r}, which is not a supported unit of length (m, mm, um, nm, ...); "
             "convert them first"
         )
-    caller_unit = None if of_caller is None else parse_length_unit(of_caller)
+    caller_unit = None if given_unit is None else parse_length_unit(given_unit)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
-        raise FormatError(f"declares its {quantity_name} in {of_file}, but the option unit is {of_caller}")
+        raise FormatError(f"declares its {quantity_name} in {declared_unit}, but the option unit is {given_unit}")
     unit = file_unit if file_unit is not None else caller_unit
     if unit is None:
         raise FormatError(f'does not contain the unit of its {quantity_name}; give the unit, as in "um" (--unit um)')
@@ -335,21 +335,21 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
             numbers = numbers * raw.factor
             steps.append(f"multiplied by {raw.factor:g} {unit}, as declared in the file")
         heights = _to_micrometres(numbers, unit)
-        lowest_height, highest_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
-        while not (lowest_height >= -_MAX_LENGTH and highest_height <= _MAX_LENGTH) and not np.isnan(lowest_height):
-            extreme = highest_height if highest_height > _MAX_LENGTH else lowest_height
-            is_missing = heights == extreme
-            if is_missing.sum() < 2 or np.isinf(extreme):
+        min_height, max_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+        while not (min_height >= -_MAX_LENGTH and max_height <= _MAX_LENGTH) and not np.isnan(min_height):
+            extreme_height = max_height if max_height > _MAX_LENGTH else min_height
+            is_missing = heights == extreme_height
+            if is_missing.sum() < 2 or np.isinf(extreme_height):
                 num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
                 raise FormatError(
-                    f"contains an impossible height of {extreme:.3g} µm ({num_outside} such values); if it marks "
-                    f"missing points, use --missing-value {extreme / LENGTH_UNITS[unit]:.6g}"
+                    f"contains an impossible height of {extreme_height:.3g} µm ({num_outside} such values); if it "
+                    f"marks missing points, use --missing-value {extreme_height / LENGTH_UNITS[unit]:.6g}"
                 )
             heights = np.where(is_missing, np.nan, heights)
             steps.append(
-                f"{int(is_missing.sum())} points of {extreme:.3g} µm, an impossible height, are missing points"
+                f"{int(is_missing.sum())} points of {extreme_height:.3g} µm, an impossible height, are missing points"
             )
-            lowest_height, highest_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
+            min_height, max_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
     return heights, unit, caveats, steps
 
 
@@ -495,13 +495,16 @@ def _determine_profile_spacing(
             raise FormatError(
                 f"has no usable position at point {point_index}, counted from 0; each height must have a position"
             )
-        digit = _PositionResolution(raw, length_unit)
+        resolution = _PositionResolution(raw, length_unit)
         mean_spacing = float((x[-1] - x[0]) / (x.size - 1))
         direction = -1.0 if mean_spacing < 0 else 1.0
         if given is not None:
-            if _find_worst_unexplained_deviation(x, direction * given, digit, MAX_STEP_UNEVENNESS * given) is not None:
+            if (
+                _find_worst_unexplained_deviation(x, direction * given, resolution, MAX_STEP_UNEVENNESS * given)
+                is not None
+            ):
                 # Report unequally spaced positions before a contradiction to the option spacing.
-                _reject_uneven_positions(x, mean_spacing, digit)
+                _reject_uneven_positions(x, mean_spacing, resolution)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
                     f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the option spacing is "
@@ -510,14 +513,14 @@ def _determine_profile_spacing(
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
         if (
             declared is not None
-            and _find_worst_unexplained_deviation(x, direction * declared[0], digit, 1e-9 * declared[0]) is None
+            and _find_worst_unexplained_deviation(x, direction * declared[0], resolution, 1e-9 * declared[0]) is None
         ):
             return direction * declared[0], [f"spacing {declared[0]:.7g} µm (header and positions agree)"], []
-        _reject_uneven_positions(x, mean_spacing, digit)
+        _reject_uneven_positions(x, mean_spacing, resolution)
     caveats: list[FileCaveat] = []
     history_entry = f"spacing {abs(mean_spacing):.7g} µm from its positions"
     if declared is not None:
-        if abs(abs(mean_spacing) - declared[0]) > declared[1] + digit.values.max() / (x.size - 1):
+        if abs(abs(mean_spacing) - declared[0]) > declared[1] + resolution.values.max() / (x.size - 1):
             caveats.append(
                 FileCaveat(
                     "spacing",
@@ -534,10 +537,10 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     """Return a caveat if the first or last height of a column equals the user's spacing in any unit of length."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
-    ends = {"first": float(raw.heights[0])}
+    end_numbers = {"first": float(raw.heights[0])}
     if raw.source.column in ("", "column 0"):  # in an unnamed column of heights, the last number may be the spacing
-        ends["last"] = float(raw.heights[-1])
-    for place, number in ends.items():
+        end_numbers["last"] = float(raw.heights[-1])
+    for place, number in end_numbers.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
             text = f"the {place} number, {number:g}, equals the option spacing"
             return [
@@ -569,7 +572,7 @@ class _PositionResolution:
 
 
 def _find_worst_unexplained_deviation(
-    x: Floats, spacing: float, digit: _PositionResolution, slack: float
+    x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
     """Return the index and the deviation of the point that deviates most from a uniform grid.
 
@@ -577,10 +580,12 @@ def _find_worst_unexplained_deviation(
     """
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
-    return _find_worst_position_deviation(x, spacing, digit.values, slack)
+    return _find_worst_position_deviation(x, spacing, resolution.values, slack)
 
 
-def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, slack: float) -> tuple[int, float] | None:
+def _find_worst_position_deviation(
+    x: Floats, spacing: float, last_digit_values: Floats, slack: float
+) -> tuple[int, float] | None:
     """Find the point that deviates most from a uniform grid, for positions with given place values of the last digit.
 
     Returns the index of the point and its deviation, or None if rounding to this digit explains all deviations.
@@ -588,18 +593,22 @@ def _find_worst_position_deviation(x: Floats, spacing: float, digit: Floats, sla
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding to the last digit changes the distance from first to last point by up to one unit, truncation by less.
-    tolerance = np.maximum(digit, np.linspace(digit[0], digit[-1], x.size)) * (1 + 1e-6)
+    tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
+        1 + 1e-6
+    )
     round_off = 4 * np.finfo(np.float64).eps * np.abs(x).max()
-    excess = np.abs(deviations) - tolerance - slack - round_off
-    point_index = int(np.argmax(excess))
-    return (point_index, float(deviations[point_index])) if excess[point_index] > 0 else None
+    excess_deviations = np.abs(deviations) - tolerance - slack - round_off
+    point_index = int(np.argmax(excess_deviations))
+    return (point_index, float(deviations[point_index])) if excess_deviations[point_index] > 0 else None
 
 
-def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionResolution) -> None:
+def _reject_uneven_positions(x: Floats, mean_spacing: float, resolution: _PositionResolution) -> None:
     """Raise `FormatError` if positions are not equally spaced, or if they have too few digits for their spacing."""
     if mean_spacing == 0:
         raise FormatError("has its first and last point at the same position")
-    worst_point = _find_worst_unexplained_deviation(x, mean_spacing, digit, MAX_STEP_UNEVENNESS * abs(mean_spacing))
+    worst_point = _find_worst_unexplained_deviation(
+        x, mean_spacing, resolution, MAX_STEP_UNEVENNESS * abs(mean_spacing)
+    )
     if worst_point is not None:
         point_index, deviations = worst_point
         raise FormatError(
@@ -608,17 +617,17 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, digit: _PositionRes
             "resample the profile first"
         )
     is_uniform = np.abs(np.diff(x) - mean_spacing).max() <= MAX_STEP_UNEVENNESS * abs(mean_spacing)
-    if not is_uniform and abs(x[-1] - x[0]) < MIN_EXTENT_IN_DIGITS * digit.values.max():
+    if not is_uniform and abs(x[-1] - x[0]) < MIN_EXTENT_IN_DIGITS * resolution.values.max():
         raise FormatError(
             f"has positions with too few digits to compute their spacing (about {abs(mean_spacing):.3g} µm); give the "
             'spacing, as in "0.5 um"'
         )
 
 
-def _validate_spacing_agreement(actual: float, given: Quantity | None) -> float:
-    if given is not None and not abs(actual - given) <= MAX_STEP_UNEVENNESS * abs(actual):
-        raise FormatError(f"has a spacing of {actual:.7g} µm, but the option spacing is {given.text}")
-    return actual
+def _validate_spacing_agreement(file_spacing: float, given: Quantity | None) -> float:
+    if given is not None and not abs(file_spacing - given) <= MAX_STEP_UNEVENNESS * abs(file_spacing):
+        raise FormatError(f"has a spacing of {file_spacing:.7g} µm, but the option spacing is {given.text}")
+    return file_spacing
 
 
 def _validate_spacing(spacing: float) -> float:
@@ -644,20 +653,20 @@ def _crop_and_fill_gaps(
     if options.crop is not None:
         if len(options.crop) != 2 * heights.ndim:
             raise FormatError(f"crop must have {2 * heights.ndim} positions for this file, got {len(options.crop)}")
-        ends = zip(
+        crop_limits = zip(
             options.crop[::-2], options.crop[-2::-2], heights.shape, spacing, "yx"[2 - heights.ndim :], strict=True
         )
         crop_ranges = [
-            find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in ends
+            find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in crop_limits
         ]
-        heights = heights[tuple(slice(first, end) for first, end, _ in crop_ranges)]
+        heights = heights[tuple(slice(first_index, end) for first_index, end, _ in crop_ranges)]
         steps.append(f"cropped to {' and '.join(words for _, _, words in crop_ranges[::-1])}")
     is_gap, missing = np.isnan(heights), options.missing
     if is_gap.any() and is_gap.all():
         raise FormatError("has no heights: all points are missing")
     if is_gap.any() and missing == "error":
-        first = np.argwhere(is_gap)[0].tolist()
-        position = f"point {first[0]}" if is_gap.ndim == 1 else f"row {first[0]}, column {first[1]}"
+        first_gap = np.argwhere(is_gap)[0].tolist()
+        position = f"point {first_gap[0]}" if is_gap.ndim == 1 else f"row {first_gap[0]}, column {first_gap[1]}"
         raise FormatError(
             f"lacks {int(is_gap.sum())} of {is_gap.size} heights, the first at {position}, counted from 0; "
             "use only the measured points (--missing mask), or interpolate the missing points (--missing interpolate)"
@@ -669,8 +678,8 @@ def _crop_and_fill_gaps(
             f"{int(outlier_mask.sum())} outliers beyond {MIN_OUTLIER_SIGMAS:g} deviations of their neighbours removed"
         )
     if heights.ndim == 1 and (is_gap[0] or is_gap[-1]):
-        measured = np.flatnonzero(~is_gap)
-        measured_range = slice(int(measured[0]), int(measured[-1]) + 1)
+        measured_indices = np.flatnonzero(~is_gap)
+        measured_range = slice(int(measured_indices[0]), int(measured_indices[-1]) + 1)
         steps.append(
             f"{heights.size - (measured_range.stop - measured_range.start)} missing points at its ends removed"
         )

@@ -53,10 +53,10 @@ def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) 
             f"has {values.shape[0]} rows, of which rows {rows[0]} and {rows[1]}, counted from 0, are the coordinates "
             "of a grid; write x, y and z in columns, one point per line"
         )
-    if (places := find_grid_columns(values)) is not None:
-        x, y = places
-        other_places = [place for place in range(count) if place not in places]
-        z = column_numbers[next((place for place in other_places if place > x), other_places[0])]
+    if (grid_columns := find_grid_columns(values)) is not None:
+        x, y = grid_columns
+        other_columns = [column for column in range(count) if column not in grid_columns]
+        z = column_numbers[next((column for column in other_columns if column > x), other_columns[0])]
         raise FormatError(
             f"has {count} columns without names, and columns {column_numbers[x]} and {column_numbers[y]} are the "
             f"coordinates of a grid; choose x, y and z (--columns {column_numbers[x]},{column_numbers[y]},{z})"
@@ -89,9 +89,9 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
     if len(lengths) < 2 or max(lengths) == 1:
         return
     shown_blocks = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
-    more = " and others" if len(lengths) > len(shown_blocks) else ""
+    more_text = " and others" if len(lengths) > len(shown_blocks) else ""
     raise FormatError(
-        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown_blocks)}{more}), "
+        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown_blocks)}{more_text}), "
         "which may be other scans, statistics or missing points; keep one block, without empty lines"
     )
 
@@ -108,21 +108,21 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
         return None
     # number of different positions in each column, and index of the position in each row
     positions: dict[int, tuple[int, Any]] = {}
-    for place in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
-        if np.isfinite(values[:, place]).all():
-            distinct, index = np.unique(values[:, place], return_inverse=True)
+    for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
+        if np.isfinite(values[:, column]).all():
+            distinct, index = np.unique(values[:, column], return_inverse=True)
             if 2 <= distinct.size < rows:
-                positions[place] = distinct.size, index
-    for first, second in itertools.combinations(positions, 2):
-        (x_count, x_index), (y_count, y_index) = positions[first], positions[second]
+                positions[column] = distinct.size, index
+    for first_column, second_column in itertools.combinations(positions, 2):
+        (x_count, x_index), (y_count, y_index) = positions[first_column], positions[second_column]
         nodes = x_count * y_count
         if nodes > MAX_GRID_NODES_PER_LISTED_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
             continue
-        steps = (np.diff(values[:, place]) for place in (first, second))
+        steps = (np.diff(values[:, column]) for column in (first_column, second_column))
         if any((step >= 0).all() or (step <= 0).all() for step in steps) or (
-            nodes == rows and ((first, second) == (0, 1) or min(x_count, y_count) > 3)
+            nodes == rows and ((first_column, second_column) == (0, 1) or min(x_count, y_count) > 3)
         ):
-            return first, second
+            return first_column, second_column
     return None
 
 
@@ -157,12 +157,12 @@ def _find_statistics(values: Floats) -> str | None:
     """
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
-        for side, ordered in (("last", lines), ("first", lines[::-1])):
+        for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
             # Compare a few columns with their statistics first, because most matrices contain no statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
-                name = _find_statistic_name(ordered[:, sample], count)
-                if name is not None and _find_statistic_name(ordered, count) == name:
+                name = _find_statistic_name(ordered_lines[:, sample], count)
+                if name is not None and _find_statistic_name(ordered_lines, count) == name:
                     return f"{name} in its {side} {kind}s" if count > 1 else f"{name} in its {side} {kind}"
     return None
 
@@ -172,15 +172,15 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
 
     The statistic is computed from all lines except the last `count` lines.
     """
-    heights, last = lines[:-count], lines[-1]
+    heights, last_line = lines[:-count], lines[-1]
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
     # Lines of equal numbers always agree with their own statistics, so they are no evidence of statistics.
-    if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last))) <= 50 * tolerance:
+    if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last_line))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:
-        if np.abs(statistic(heights, axis=0) - last).max() <= tolerance:
+        if np.abs(statistic(heights, axis=0) - last_line).max() <= tolerance:
             return name
     return None
 
@@ -198,8 +198,8 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     # Ignore outliers and codes for missing points, which would dominate the mean square differences.
     deviations = np.abs(values - np.median(finite_values))
-    limit = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
-    heights = np.where(deviations <= limit, values, np.nan)
+    max_deviation = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
+    heights = np.where(deviations <= max_deviation, values, np.nan)
     steps_at_wrap = heights[1:, 0] - heights[:-1, -1]
     difference_along, difference_across, difference_at_wrap = (
         float(np.nanmean(steps**2)) if np.isfinite(steps).any() else np.nan
@@ -207,10 +207,12 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     )
     if not (difference_along > 0 and MIN_COLUMN_DIFFERENCE * difference_along <= difference_across):
         return ()
-    ratio = difference_across / difference_along
+    difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
     # Compute the log-likelihood ratio of map to profile, for normally distributed differences of neighbouring heights.
-    log_likelihood_ratio = num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / ratio) - np.log(ratio))
+    log_likelihood_ratio = (
+        num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
+    )
     if not log_likelihood_ratio <= np.log(MAX_LIKELIHOOD_RATIO):
         return ()
     return (

@@ -62,7 +62,7 @@ def read_npy(data: bytes) -> ColumnTable | RawHeights:
             source=HeightProvenance("NumPy array"),
         )
     values = heights.reshape(-1, 1) if heights.ndim == 1 else heights
-    return ColumnTable(values, area=True, source=HeightProvenance("NumPy array"))
+    return ColumnTable(values, is_array=True, source=HeightProvenance("NumPy array"))
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
@@ -89,17 +89,17 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
         with warnings.catch_warnings(action="ignore"):
             is_version_1 = np.lib.format.read_magic(file) == (1, 0)
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
-            shape, fortran_order, kind = header(file)
+            shape, fortran_order, data_type = header(file)
     except Exception as error:  # parsing a corrupt NPY header can raise many classes of errors
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
-    if kind.hasobject or any(isinstance(count, bool) for count in shape):
+    if data_type.hasobject or any(isinstance(axis_length, bool) for axis_length in shape):
         raise FormatError("is a damaged .npy file, or contains Python objects instead of numbers")
     points, available_bytes = math.prod(shape), len(data) - file.tell()
-    if min(shape, default=0) < 0 or points * kind.itemsize > available_bytes:
+    if min(shape, default=0) < 0 or points * data_type.itemsize > available_bytes:
         raise FormatError(f"is a damaged .npy file with {available_bytes} bytes, too few for its {points} points")
-    if points * kind.itemsize == 0:
-        return np.empty(shape if points == 0 else (0,), kind)
-    stored_array = np.frombuffer(data, dtype=kind, count=points, offset=file.tell())
-    file.seek(points * kind.itemsize, io.SEEK_CUR)
+    if points * data_type.itemsize == 0:
+        return np.empty(shape if points == 0 else (0,), data_type)
+    stored_array = np.frombuffer(data, dtype=data_type, count=points, offset=file.tell())
+    file.seek(points * data_type.itemsize, io.SEEK_CUR)
     return stored_array.reshape(shape, order="F" if fortran_order else "C")

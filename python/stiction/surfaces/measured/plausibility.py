@@ -50,7 +50,7 @@ MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
-MIN_EQUAL_RUN, MAX_RUN_PROBABILITY = 8, 1e-4
+MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # The height range in a header is wrong if the height range of the scan is at least 10 times larger.
 # A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
@@ -140,12 +140,12 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     median = float(np.median(sample))
     limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
     near_sample = sample[np.abs(sample - median) <= limit]
-    may_be_close = scan.from_file and any(
+    can_be_close = scan.from_file and any(
         _to_number_in_file(extreme, scan) in KNOWN_MISSING_CODES
         or np.count_nonzero(heights == extreme) >= MIN_MISSING_CODE_REPEATS
         for extreme in extremes
     )
-    min_distance = MIN_KNOWN_CODE_DISTANCE if may_be_close else MIN_MISSING_CODE_DISTANCE
+    min_distance = MIN_KNOWN_CODE_DISTANCE if can_be_close else MIN_MISSING_CODE_DISTANCE
     max_gap = min_distance * float(np.ptp(near_sample))
     has_gap = max(float(near_sample.min()) - extremes[0], extremes[1] - float(near_sample.max())) > max_gap
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
@@ -162,10 +162,10 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         far_values[far_values < near_heights.min()].tolist(),
         far_values[far_values > near_heights.max()].tolist(),
     )
-    values = np.array([*low_codes, near_heights.min(), near_heights.max(), *high_codes])
+    ordered_heights = np.array([*low_codes, near_heights.min(), near_heights.max(), *high_codes])
     if np.unique(near_heights[:1000]).size < MIN_DISTINCT_HEIGHTS:
         return []
-    choices = sorted(
+    code_counts = sorted(
         itertools.product(
             range(min(MAX_MISSING_CODES, len(low_codes)) + 1), range(min(MAX_MISSING_CODES, len(high_codes)) + 1)
         ),
@@ -173,20 +173,23 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     )[1:]
     # possible codes for missing points, their distances from the other heights, and the range of the other heights
     candidates = []
-    for num_low, num_high in choices:
-        remaining_values = values[num_low : values.size - num_high]
-        ends = [low_codes[:num_low], high_codes[len(high_codes) - num_high :]]
-        distances = [float(remaining_values[0]) - code for code in ends[0]] + [
-            code - float(remaining_values[-1]) for code in ends[1]
+    for num_low_codes, num_high_codes in code_counts:
+        remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]
+        code_groups = [low_codes[:num_low_codes], high_codes[len(high_codes) - num_high_codes :]]
+        distances = [float(remaining_values[0]) - code for code in code_groups[0]] + [
+            code - float(remaining_values[-1]) for code in code_groups[1]
         ]
-        candidates.append((ends, distances, float(np.ptp(remaining_values))))
-    for ends, distances, other_range in candidates:
+        candidates.append((code_groups, distances, float(np.ptp(remaining_values))))
+    for code_groups, distances, other_range in candidates:
         if (
-            min(sum(count_of[code] for code in codes) for codes in ends if codes) >= MIN_MISSING_CODE_REPEATS
+            min(sum(count_of[code] for code in codes) for codes in code_groups if codes) >= MIN_MISSING_CODE_REPEATS
             and min(distances) > MIN_MISSING_CODE_DISTANCE * other_range
         ):
-            return [(code, count_of[code], gap) for code, gap in zip([*ends[0], *ends[1]], distances, strict=True)]
-    if not may_be_close or np.unique(near_heights[:1000]).size < MIN_COMPARED_HEIGHTS:
+            return [
+                (code, count_of[code], gap)
+                for code, gap in zip([*code_groups[0], *code_groups[1]], distances, strict=True)
+            ]
+    if not can_be_close or np.unique(near_heights[:1000]).size < MIN_COMPARED_HEIGHTS:
         return []
     min_distance_of = {
         code: MIN_KNOWN_CODE_DISTANCE
@@ -196,8 +199,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         else math.inf
         for code in {*low_codes[:MAX_MISSING_CODES], *high_codes[-MAX_MISSING_CODES:]}
     }
-    for ends, distances, other_range in reversed(candidates):
-        codes = [*ends[0], *ends[1]]
+    for code_groups, distances, other_range in reversed(candidates):
+        codes = [*code_groups[0], *code_groups[1]]
         if all(gap > min_distance_of[code] * other_range for code, gap in zip(codes, distances, strict=True)):
             return [(code, count_of[code], gap) for code, gap in zip(codes, distances, strict=True)]
     return []
@@ -215,50 +218,53 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
     height_count = int(repeat_counts.sum())
     if text := _describe_frequent_zeros(distinct_heights, repeat_counts):
         yield text
-    places = np.flatnonzero(repeat_counts >= MIN_REPEAT_FRACTION * height_count)
-    for place in places[np.argsort(repeat_counts[places])[::-1][:MAX_MISSING_CODES]].tolist():
+    frequent_indices = np.flatnonzero(repeat_counts >= MIN_REPEAT_FRACTION * height_count)
+    for height_index in frequent_indices[
+        np.argsort(repeat_counts[frequent_indices])[::-1][:MAX_MISSING_CODES]
+    ].tolist():
         neighbours = np.delete(
-            repeat_counts[max(0, place - NUM_NEIGHBOURS) : place + NUM_NEIGHBOURS + 1], min(place, NUM_NEIGHBOURS)
+            repeat_counts[max(0, height_index - NUM_NEIGHBOURS) : height_index + NUM_NEIGHBOURS + 1],
+            min(height_index, NUM_NEIGHBOURS),
         )
         usual_count = float(np.median(neighbours))
-        repeated_fraction = repeat_counts[place] / height_count
+        repeated_fraction = repeat_counts[height_index] / height_count
         if (
-            distinct_heights[place] != 0
-            and repeat_counts[place] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
+            distinct_heights[height_index] != 0
+            and repeat_counts[height_index] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
             and repeated_fraction <= MAX_REPEAT_FRACTION
         ):
-            repeated_number = float(f"{distinct_heights[place] / scan.factor:.12g}")
+            repeated_number = float(f"{distinct_heights[height_index] / scan.factor:.12g}")
             yield (
                 f"{100 * repeated_fraction:.2g} % of the heights are exactly {repeated_number:.12g}, which is "
-                f"{repeat_counts[place] / usual_count:.2g} times as frequent as similar heights, like a code for "
-                f"missing points|{repeated_number:.12g}"
+                f"{repeat_counts[height_index] / usual_count:.2g} times as frequent as similar heights, like a code "
+                f"for missing points|{repeated_number:.12g}"
             )
 
 
-def _describe_frequent_zeros(values: Floats, counts: NDArray[np.int64]) -> str | None:
+def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]) -> str | None:
     """Return a finding if heights of exactly 0 are more frequent than similar heights suggest, and None otherwise.
 
     Rounding towards zero makes the height 0 twice as frequent as other heights.
     """
-    place = int(np.searchsorted(values, 0.0))
-    total = int(counts.sum())
-    if place == values.size or values[place] != 0:
+    zero_index = int(np.searchsorted(distinct_heights, 0.0))
+    height_count = int(counts.sum())
+    if zero_index == distinct_heights.size or distinct_heights[zero_index] != 0:
         return None
-    if not MIN_REPEAT_FRACTION <= counts[place] / total <= MAX_REPEAT_FRACTION:
+    if not MIN_REPEAT_FRACTION <= counts[zero_index] / height_count <= MAX_REPEAT_FRACTION:
         return None
-    first, end = max(0, place - NUM_NEIGHBOURS), place + NUM_NEIGHBOURS + 1
-    near_counts, distances = counts[first:end], np.abs(values[first:end])
-    step = float(np.diff(values[first:end]).min())  # smallest difference between heights in the file
+    first, end = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
+    near_counts, distances = counts[first:end], np.abs(distinct_heights[first:end])
+    step = float(np.diff(distinct_heights[first:end]).min())  # smallest difference between heights in the file
     usual_count = max(
-        float(near_counts[(distances > 0) & (distances < (num + 0.5) * step)].sum()) / (2 * num)
-        for num in NUM_NEAREST_HEIGHTS
+        float(near_counts[(distances > 0) & (distances < (num_nearest + 0.5) * step)].sum()) / (2 * num_nearest)
+        for num_nearest in NUM_NEAREST_HEIGHTS
     )
-    if counts[place] < 2 * usual_count + MIN_ZERO_DEVIATIONS * (2 * usual_count) ** 0.5 + MIN_ZEROS:
+    if counts[zero_index] < 2 * usual_count + MIN_ZERO_DEVIATIONS * (2 * usual_count) ** 0.5 + MIN_ZEROS:
         return None
     return (
-        f"{100 * counts[place] / total:.2g} % of the heights are exactly 0, which is "
-        f"{counts[place] / max(usual_count, 1.0):.2g} times as frequent as similar heights, like a code for missing "
-        "points|0"
+        f"{100 * counts[zero_index] / height_count:.2g} % of the heights are exactly 0, which is "
+        f"{counts[zero_index] / max(usual_count, 1.0):.2g} times as frequent as similar heights, like a code for "
+        "missing points|0"
     )
 
 
@@ -272,7 +278,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         longest_run = int(runs.max())
         # Compute the fraction of points whose height equals the height of the previous point, without the longest run.
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
-        if MIN_EQUAL_RUN <= longest_run < scan.heights.size / 2 and (
+        if MIN_EQUAL_RUN_LENGTH <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
         ):
             yield f"{longest_run} heights in a row are equal, like points that were not measured"
@@ -311,9 +317,11 @@ def _count_copies(heights: Floats) -> int:
             or not np.array_equal(heights[length], heights[0], equal_nan=True)
         ):
             continue
-        first, periods = heights[:length], range(1, length // 2 + 1)
-        if all(np.array_equal(part, first, equal_nan=True) for part in np.split(heights, copies)) and not any(
-            np.array_equal(first[period:], first[: length - period], equal_nan=True) for period in periods
+        first_copy, periods = heights[:length], range(1, length // 2 + 1)
+        if all(
+            np.array_equal(copy_heights, first_copy, equal_nan=True) for copy_heights in np.split(heights, copies)
+        ) and not any(
+            np.array_equal(first_copy[period:], first_copy[: length - period], equal_nan=True) for period in periods
         ):
             return copies
     return 1
@@ -337,21 +345,21 @@ def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
 
 def _find_implausible_sizes(scan: ScannedHeights) -> Iterator[str]:
     """Report a scan of at least a metre, a spacing of at least a centimetre, or a spacing below an ångström."""
-    for axis, points, step in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
-        if points * step >= MAX_EXTENT:
-            yield f"the scan is {points * step / 1e6:.3g} m long along {axis}"
-        elif step >= MAX_SPACING:
-            yield f"points are {format_with_unit(step, 'µm')} apart along {axis}"
-        if step < MIN_SPACING:
-            yield f"points are {step * 1e6:.3g} pm apart along {axis}, closer than atoms"
+    for axis, points, axis_spacing in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
+        if points * axis_spacing >= MAX_EXTENT:
+            yield f"the scan is {points * axis_spacing / 1e6:.3g} m long along {axis}"
+        elif axis_spacing >= MAX_SPACING:
+            yield f"points are {format_with_unit(axis_spacing, 'µm')} apart along {axis}"
+        if axis_spacing < MIN_SPACING:
+            yield f"points are {axis_spacing * 1e6:.3g} pm apart along {axis}, closer than atoms"
 
 
 def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
     """Report a scan whose height range exceeds its longest side."""
-    length = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
-    if scan.height_range > length:
+    longest_side = max(points * step for points, step in zip(scan.heights.shape, scan.spacing, strict=True))
+    if scan.height_range > longest_side:
         height_range = format_with_unit(scan.height_range, "µm")
-        yield f"heights span {height_range}, but the scan is only {format_with_unit(length, 'µm')} long"
+        yield f"heights span {height_range}, but the scan is only {format_with_unit(longest_side, 'µm')} long"
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:

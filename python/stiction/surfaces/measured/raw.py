@@ -188,7 +188,7 @@ class WordColumn:
 
     place: int  # index of the column of words in its table
     words: str  # most frequent words in the column, with counts
-    rarest: str  # least frequent word in the column
+    rarest_word: str  # least frequent word in the column
     missing: NDArray[np.bool_]  # mask of the rows in which a word marks a missing point
     units: tuple[str, ...] = ()  # different units of length in the column, if all its words are units
 
@@ -209,8 +209,8 @@ class ColumnTable:
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()  # processing steps listed in the file, applied before the heights were written
-    # True for a NumPy array: its first column counts as positions only if the steps are equal
-    area: bool = False
+    # True for an array of heights, as in NumPy files and maps of instruments
+    is_array: bool = False
     source: HeightProvenance = HeightProvenance()
     # column numbers in the file for each column of the table, if the file has more columns
     places: tuple[int, ...] | None = None
@@ -343,10 +343,10 @@ def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> I
         raise FormatError(f"contains {name[:80]!r} with a compression method other than deflate")
     if member_info.file_size > max_bytes:
         raise FormatError(f"contains {name[:80]!r} with {member_info.file_size} bytes; at most {max_bytes} can be read")
-    total = 0
+    total_bytes = 0
     with archive.open(member_info) as member:
         while chunk := member.read(_ARCHIVE_CHUNK_SIZE):
-            total += len(chunk)
-            if total > max_bytes:
+            total_bytes += len(chunk)
+            if total_bytes > max_bytes:
                 raise FormatError(f"contains {name[:80]!r} with more than {max_bytes} bytes")
             yield chunk

@@ -125,11 +125,11 @@ def _find_column_or_channel_index(
 ) -> int:
     """Return the index of the column or channel that the caller selects by name or number."""
     text = str(selected).strip()
-    normalisers: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
+    normalising_functions: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
     # "Height (trace)" ends with a remark, not with a unit
     if "(" not in text or is_unit(unit_in_column_name(text) or ""):
-        normalisers.append(_remove_unit_from_name)
-    for normaliser in normalisers:
+        normalising_functions.append(_remove_unit_from_name)
+    for normaliser in normalising_functions:
         matches = [index for index, name in enumerate(names) if normaliser(name.strip()) == normaliser(text) and text]
         if len(matches) > 1:
             raise FormatError(
@@ -156,21 +156,21 @@ def _remove_unit_from_name(name: str) -> str:
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
     """Format the numbers and names of the first few columns or channels for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
-    pairs = list(zip(numbers, names, strict=True))
-    shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in pairs[:MAX_LISTED_NAMES])
+    numbered_names = list(zip(numbers, names, strict=True))
+    shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in numbered_names[:MAX_LISTED_NAMES])
     return f"{shown_names} and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else shown_names
 
 
 # ---- Columns --------------------------------------------------------------------------------------------------------
 
 
-def _column_numbers(table: ColumnTable) -> Sequence[int]:
+def _list_column_numbers(table: ColumnTable) -> Sequence[int]:
     return range(table.values.shape[1]) if table.places is None else table.places
 
 
 def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
     """Return the heights in the columns that the caller selects: z alone, positions and z, or x, y and z."""
-    numbers = _column_numbers(table)
+    numbers = _list_column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
         f"{numbers[index]} ({printable_text(table.names[index])})" if table.names else str(numbers[index])
@@ -212,9 +212,11 @@ def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **att
         and _has_height_range(raw.heights, declared.height_range)
     ):
         raw = replace(raw, unit=declared.height_range.unit)
-    if (tip := declared.tip_radius) is None or not tip.length > 0:
+    if (tip_radius := declared.tip_radius) is None or not tip_radius.length > 0:
         return raw
-    return replace(raw, history=(*raw.history, f"its header gives a tip radius of {tip.length:g} {tip.unit} (--tip)"))
+    return replace(
+        raw, history=(*raw.history, f"its header gives a tip radius of {tip_radius.length:g} {tip_radius.unit} (--tip)")
+    )
 
 
 def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tuple[FileCaveat, ...]:
@@ -222,12 +224,12 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
     declared = table.declared
     if declared.factor is not None or declared.unit is None or unit not in LENGTH_UNITS:
         return ()
-    is_other = (
+    is_contradicting = (
         LENGTH_UNITS[declared.unit] != LENGTH_UNITS[unit]
         if declared.unit in LENGTH_UNITS
         else not declared.unapplied_factor_line and _NUMBERED_UNIT_PATTERN.fullmatch(declared.unit) is not None
     )
-    if not is_other:
+    if not is_contradicting:
         return ()
     text = f"its header line {printable_text(declared.unit_line)!r} contradicts the unit of its column, {unit}"
     return (FileCaveat("scale", text, "accept it if the column is right"),)
@@ -280,10 +282,10 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
         return replace(raw, heights=heights, history=history, caveats=(*raw.caveats, *caveats))
     positions = table.values[:, places[0]]
     name = table.names[places[0]] if table.names else ""
-    if (quantity := find_other_axis(name, _column_units(table)[places[0]])) is not None:
+    if (quantity := find_other_axis(name, _list_column_units(table)[places[0]])) is not None:
         raise FormatError(
             f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
-            f"only the heights (--columns {_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
+            f"only the heights (--columns {_list_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
         )
     # Remove empty rows below the shorter of two tables that stand side by side in a file.
     is_empty = np.isnan(positions) & np.isnan(heights)
@@ -291,18 +293,18 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
     digits = table.last_digit_value_function(places[0])
     return replace(
         raw, heights=heights[:end], positions=positions[:end],
-        position_unit=_column_units(table)[places[0]] or declared.position_unit,
+        position_unit=_list_column_units(table)[places[0]] or declared.position_unit,
         digits=None if digits is None else lambda: digits()[:end],
         caveats=(*raw.caveats, *_find_position_caveat(table, positions[:end], places, is_chosen)),
     )  # fmt: skip
 
 
-def _column_units(table: ColumnTable) -> tuple[str | None, ...]:
+def _list_column_units(table: ColumnTable) -> tuple[str | None, ...]:
     return table.units or (None,) * table.values.shape[1]
 
 
 def _describe_column(table: ColumnTable, place: int) -> str:
-    number = _column_numbers(table)[place]
+    number = _list_column_numbers(table)[place]
     name = f" ({printable_text(table.names[place])})" if table.names and table.names[place] else ""
     return f"column {number}{name}"
 
@@ -312,7 +314,7 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
 
     Raises `FormatError` if the column name denotes another quantity.
     """
-    unit = _column_units(table)[place]
+    unit = _list_column_units(table)[place]
     if unit is not None and parse_length_unit(unit) is None:
         return unit
     name = table.names[place] if table.names else ""
@@ -370,11 +372,13 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
     for num_trailing in (1, 2, 3):  # the count of points may follow a spacing or a size, or precede it
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
-            where = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
-            text = f"{where}, {heights.size}, is the count of the others"
+            place_text = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
+            text = f"{place_text}, {heights.size}, is the count of the others"
             return (FileCaveat("first-number", text, "delete it if it is a count instead of a height, or accept it"),)
-    first, *following = (float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1))
-    if len(set(following)) > 1 or not first > 50 * following[0]:
+    first_digit_value, *following_digit_values = (
+        float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1)
+    )
+    if len(set(following_digit_values)) > 1 or not first_digit_value > 50 * following_digit_values[0]:
         return ()
     text = f"the first number, {table.values[0, 0]:g}, has fewer decimals than all others"
     return (FileCaveat("first-number", text, "delete it if it is a step or a size instead of a height, or accept it"),)
@@ -383,7 +387,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 def _find_calculated_column_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if the name of a column of heights is a calculation, such as "z x 1000"."""
     name = table.names[place] if table.names else ""
-    is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _column_units(table)[place] is None
+    is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _list_column_units(table)[place] is None
     if is_raw and table.declared.unit is None:
         text = f"its column {printable_text(name)!r} may contain counts of a converter instead of heights"
         return (FileCaveat("scale", text, "accept it if the column contains heights in their unit"),)
@@ -400,10 +404,10 @@ def _find_position_caveat(
     if caveats := _find_numbering_caveat(table, positions, places[0]):
         return caveats
     name = table.names[places[0]] if table.names else ""
-    has_unit = _column_units(table)[places[0]] is not None or table.declared.position_unit is not None
+    has_unit = _list_column_units(table)[places[0]] is not None or table.declared.position_unit is not None
     if is_chosen or has_unit or not any(table.names) or is_length_axis(name):
         return ()
-    numbers = _column_numbers(table)
+    numbers = _list_column_numbers(table)
     column = f"column {numbers[places[0]]}" + (f" ({printable_text(name)})" if name else "")
     return (
         FileCaveat(
@@ -418,7 +422,7 @@ def _find_position_caveat(
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if a column used as positions may contain point numbers."""
     name = table.names[place] if table.names else ""
-    if _column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
+    if _list_column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
         return ()
     if positions.size < 4 or not np.isfinite(positions).all():
         return ()
@@ -430,7 +434,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
         positions, first_position + step * np.arange(positions.size)
     ):
         return ()
-    number = _column_numbers(table)[place]
+    number = _list_column_numbers(table)[place]
     return (
         FileCaveat(
             "numbering",
@@ -448,12 +452,12 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
     a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
     columns.
     """
-    word_places, numbers = [column.place for column in table.word_columns], _column_numbers(table)
+    word_places, numbers = [column.place for column in table.word_columns], _list_column_numbers(table)
     other_places = [place for place in range(table.values.shape[1]) if place not in word_places]
     for column in table.word_columns:
         name = f" ({printable_text(table.names[column.place])})" if table.names and table.names[column.place] else ""
         text = f"column {numbers[column.place]}{name}"
-        units, place_before = list(_column_units(table)), column.place - 1
+        units, place_before = list(_list_column_units(table)), column.place - 1
         if len(column.units) > 1:
             raise FormatError(f"has numbers in several units in {text}: {column.words}; convert them to one unit")
         if column.units and place_before in other_places and units[place_before] is None:
@@ -473,7 +477,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
             raise FormatError(
                 f"has words in {text}: {column.words}; select columns of numbers with the option columns "
                 f"(--columns {example}) to ignore the words, or specify the word for missing points with missing_value "
-                f"(--missing-value {shlex.quote(column.rarest)})"
+                f"(--missing-value {shlex.quote(column.rarest_word)})"
             )
         else:
             history_entry = f"the words in {text} are ignored"
@@ -529,11 +533,11 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
 
 def _select_table_columns(table: ColumnTable, selection: Sequence[int], values: Floats | None = None) -> ColumnTable:
     """Return a table that consists of selected columns of another table."""
-    digits, numbers = table.digits, _column_numbers(table)
+    digits, numbers = table.digits, _list_column_numbers(table)
     return replace(
         table, values=(table.values if values is None else values)[:, list(selection)],
         names=tuple(table.names[index] for index in selection) if table.names else (),
-        units=tuple(_column_units(table)[index] for index in selection),
+        units=tuple(_list_column_units(table)[index] for index in selection),
         places=tuple(numbers[index] for index in selection),
         digits=None if digits is None else lambda column: digits(selection[column]), row_digits=None,
     )  # fmt: skip
@@ -570,23 +574,23 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
     """
     rows, columns = table.values.shape
     if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
-        first = table.values[0, 0]
-        if first not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first + np.arange(rows)):
+        first_number = table.values[0, 0]
+        if first_number not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first_number + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
             return table, ()  # use the row numbers as positions, with a caveat
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
-    first = table.values[1, 0] if is_numbered else np.nan
+    first_number = table.values[1, 0] if is_numbered else np.nan
     if (
-        first in (0.0, 1.0)
-        and np.array_equal(table.values[1:, 0], first + np.arange(rows - 1))
-        and np.array_equal(table.values[0, 1:], first + np.arange(columns - 1))
+        first_number in (0.0, 1.0)
+        and np.array_equal(table.values[1:, 0], first_number + np.arange(rows - 1))
+        and np.array_equal(table.values[0, 1:], first_number + np.arange(columns - 1))
     ):
         stripped_table = replace(
             table,
             values=table.values[1:, 1:],
-            units=_column_units(table)[1:],
+            units=_list_column_units(table)[1:],
             digits=None,
             row_digits=None,
             places=None,
@@ -601,11 +605,11 @@ def _read_matrix(table: ColumnTable) -> RawHeights:
     Raises `FormatError` if the table contains other numbers, such as positions or statistics.
     """
     reject_separate_blocks(table.block_lengths, table.block_lines)
-    reject_points_and_statistics(table.values, _column_numbers(table))
-    is_declared_map = table.area or table.declared.size is not None or table.declared.spacings is not None
+    reject_points_and_statistics(table.values, _list_column_numbers(table))
+    is_declared_map = table.is_array or table.declared.size is not None or table.declared.spacings is not None
     caveats = () if is_declared_map else find_wrapped_profile_caveat(table.values)
     table, history = _remove_position_column(table)
-    raw = _to_raw_heights(table, table.values, _choose_common_unit(table, _column_units(table)), history=history)
+    raw = _to_raw_heights(table, table.values, _choose_common_unit(table, _list_column_units(table)), history=history)
     raw = replace(
         raw, declared_spacing=raw.declared_spacing or table.declared.row_spacing, caveats=(*raw.caveats, *caveats)
     )
@@ -633,10 +637,10 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
         return table, ()
     rows, columns = heights.shape
     row_digits = table.row_digits
-    first_column = _first_line_has_positions(heights.T, table.last_digit_value_function(0))
-    first_row = _first_line_has_positions(heights, None if row_digits is None else lambda: row_digits(0))
+    has_position_column = _first_line_has_positions(heights.T, table.last_digit_value_function(0))
+    has_position_row = _first_line_has_positions(heights, None if row_digits is None else lambda: row_digits(0))
     spacings = table.declared.spacings
-    if first_column and not first_row and spacings is not None:
+    if has_position_column and not has_position_row and spacings is not None:
         step = float(heights[-1, 0] - heights[1, 0]) / (rows - 2)
         if abs(step - spacings[0].length) <= max(0.51 * spacings[0].digit, MAX_STEP_UNEVENNESS * spacings[0].length):
             text = f"the first column removed: positions {step:g} {spacings[0].unit} apart, as its header declares"
@@ -647,11 +651,11 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
                 f"contains {rows} rows of {columns} columns, of which the last {name} has equal steps, like positions "
                 f"or {'row' if name == 'column' else 'column'} numbers; remove that {name}"
             )
-    if first_column or first_row:
-        both_first = first_column and first_row
+    if has_position_column or has_position_row:
+        has_both = has_position_column and has_position_row
         raise FormatError(
             f"contains {rows} rows of {columns} columns, of which the first "
-            f"{'row and column have' if both_first else 'column has' if first_column else 'row has'} "
+            f"{'row and column have' if has_both else 'column has' if has_position_column else 'row has'} "
             "equal steps, like positions; leave only heights in the file, or choose one or two columns (--columns)"
         )
     return table, ()
@@ -659,18 +663,18 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
     """Return whether the first line of a table contains positions, rather than heights of an evenly rising surface."""
-    first = lines[0]
+    first_line = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
-    if _has_equal_steps_as_printed(first, digits):
-        return not all(has_equal_steps(other) for other in other_lines)
-    if first.size < MIN_JITTERED_POSITIONS or not np.isfinite(first[1:]).all():
+    if _has_equal_steps_as_printed(first_line, digits):
+        return not all(has_equal_steps(other_line) for other_line in other_lines)
+    if first_line.size < MIN_JITTERED_POSITIONS or not np.isfinite(first_line[1:]).all():
         return False
-    steps = np.diff(first[1:])
+    steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
     # Measured positions and heights of a tilted surface both rise in unequal steps.
     # Heights of a tilted surface rise in every line.
-    return any(_correlate_with_index(other) < MIN_TILT_CORRELATION for other in other_lines)
+    return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 
 def _correlate_with_index(values: Floats) -> float:
@@ -715,7 +719,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 def _is_labelled_matrix(table: ColumnTable) -> bool:
     """Return whether a table has positions in the first row and in the first column, and an empty corner."""
     values = table.values
-    if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.area:
+    if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.is_array:
         return False
     row_digits = table.row_digits
     return _has_equal_steps_as_printed(
@@ -729,8 +733,8 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
     dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
     return _to_raw_heights(
-        table, np.ascontiguousarray(heights), _choose_common_unit(table, _column_units(table)[1:]),
-        spacing=(abs(dy), abs(dx)), position_unit=_column_units(table)[0],
+        table, np.ascontiguousarray(heights), _choose_common_unit(table, _list_column_units(table)[1:]),
+        spacing=(abs(dy), abs(dx)), position_unit=_list_column_units(table)[0],
         history=("the first row and column are positions along x and y",),
     )  # fmt: skip
 
@@ -754,7 +758,7 @@ def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
 
 
 def _is_xyz_table(table: ColumnTable) -> bool:
-    if table.area or table.values.shape[0] < 4 or (places := _find_xyz_columns(table)) is None:
+    if table.is_array or table.values.shape[0] < 4 or (places := _find_xyz_columns(table)) is None:
         return False
     x, y = (table.values[:, index] for index in places[:2])
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
@@ -771,7 +775,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
     x, y, z = (table.values[:, index] for index in places)
     digits = [table.last_digit_value_function(index) for index in places[:2]]
     heights, spacing, history_entry = to_grid(x, y, z, digits)
-    units = _column_units(table)
+    units = _list_column_units(table)
     lateral_units = {units[places[0]], units[places[1]]}
     if len(lateral_units) > 1:
         raise FormatError("has x and y in different units; write both in the same unit")
@@ -787,7 +791,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 def _is_line_of_points(table: ColumnTable) -> bool:
     """Return whether a table lists points x, y, z of a profile along x, with the same y at all points."""
     places = _find_xyz_columns(table)
-    if places is None or table.area or (table.values.shape[1] != 3):
+    if places is None or table.is_array or (table.values.shape[1] != 3):
         return False
     x, y = (table.values[:, index] for index in places[:2])
     return bool(table.names) and np.unique(y).size == 1 and np.unique(x).size == x.size
@@ -795,7 +799,7 @@ def _is_line_of_points(table: ColumnTable) -> bool:
 
 def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
     columns = table.values.shape[1]
-    numbers = _column_numbers(table)
+    numbers = _list_column_numbers(table)
     names = f": {format_name_list(table.names, numbers)}" if table.names else ", numbered from 0"
     raise FormatError(
         f"has {columns} columns of numbers that may be positions and several heights{names}; choose one column "
@@ -808,7 +812,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 def _describe_missing_information(table: ColumnTable) -> str:
     """Return a clause for error messages about a unit or a spacing that a table lacks, or ""."""
     declared, requirements = table.declared, []
-    if all(unit is None for unit in _column_units(table)) and declared.unit is None:
+    if all(unit is None for unit in _list_column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")
     if (
         declared.spacing is None
@@ -823,7 +827,9 @@ def _describe_missing_information(table: ColumnTable) -> str:
 
 def _has_ambiguous_columns(table: ColumnTable) -> bool:
     columns = table.values.shape[1]
-    return not table.area and (columns < MIN_MATRIX_COLUMNS or len(set(_column_units(table))) > 1 or bool(table.names))
+    return not table.is_array and (
+        columns < MIN_MATRIX_COLUMNS or len(set(_list_column_units(table))) > 1 or bool(table.names)
+    )
 
 
 TABLE_LAYOUTS: tuple[TableLayout, ...] = (
@@ -834,7 +840,7 @@ TABLE_LAYOUTS: tuple[TableLayout, ...] = (
         "positions and heights",
         lambda table: (
             table.values.shape[1] == 2
-            and (not table.area or (table.values.shape[0] > 2 and has_equal_steps(table.values[:, 0])))
+            and (not table.is_array or (table.values.shape[0] > 2 and has_equal_steps(table.values[:, 0])))
         ),
         lambda table: _read_profile_columns(table, 0, 1),
     ),

@@ -130,20 +130,20 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     spacing: DeclaredLength | None = None
     pixel_sizes: tuple[DeclaredLength, DeclaredLength] | None = None
     bare_spacing: float | None = None
-    unclear: UnclearSpacing | None = None
+    unclear_spacing: UnclearSpacing | None = None
     for line in lines:
         declaration = _parse_spacing_line(line)
         if isinstance(declaration, UnclearSpacing):
-            unclear = unclear or declaration
+            unclear_spacing = unclear_spacing or declaration
         elif isinstance(declaration, float):
             bare_spacing = declaration if bare_spacing is None else bare_spacing
         elif isinstance(declaration, tuple):
             spacing, pixel_sizes = spacing or declaration[1], pixel_sizes or declaration
         else:
             spacing = spacing or declaration
-    along_axes = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
-    if along_axes[0] and pixel_sizes and not _are_equal(along_axes[0], pixel_sizes[0]):
-        unclear = UnclearSpacing(along_axes[0].line.strip())
+    axis_spacings = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
+    if axis_spacings[0] and pixel_sizes and not _are_equal(axis_spacings[0], pixel_sizes[0]):
+        unclear_spacing = UnclearSpacing(axis_spacings[0].line.strip())
         spacing = pixel_sizes = None
     stiction_spacings = [
         find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
@@ -155,13 +155,13 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     return SpacingDeclarations(
         spacing=spacing,
         spacings=_pair_if_complete(stiction_spacings)
-        or _pair_if_complete(along_axes)
+        or _pair_if_complete(axis_spacings)
         or pixel_sizes
-        or _pair_if_complete((along_axes[0], spacing)),
-        row_spacing=along_axes[0],
+        or _pair_if_complete((axis_spacings[0], spacing)),
+        row_spacing=axis_spacings[0],
         size=_pair_if_complete(sizes),
         bare_spacing=unitless_values or (None if bare_spacing is None else (bare_spacing,)),
-        unclear=unclear,
+        unclear=unclear_spacing,
     )
 
 
@@ -179,18 +179,22 @@ def _parse_spacing_line(
     Returns a spacing, a pair (Δy, Δx) if the line is about both axes, a number without unit, an `UnclearSpacing`, or
     None for a line about something else.
     """
-    name = _SPACING_PATTERN.match(line)
-    if name is None:
+    name_match = _SPACING_PATTERN.match(line)
+    if name_match is None:
         return None
-    qualifier, noun, bracket, text = name.groups()
+    qualifier, noun, bracketed_unit, text = name_match.groups()
     is_resolution, is_pixel = noun.casefold() == "resolution", "pixel" in (qualifier + noun).casefold()
     match = _LENGTHS_PATTERN.fullmatch(text.strip())
-    if bracket is not None and parse_length_unit(bracket) is None and not _POINTS_REMARK_PATTERN.fullmatch(bracket):
+    if (
+        bracketed_unit is not None
+        and parse_length_unit(bracketed_unit) is None
+        and not _POINTS_REMARK_PATTERN.fullmatch(bracketed_unit)
+    ):
         # the axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um"
         return UnclearSpacing(line.strip())
     if match is None:
-        has_length = (start := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _parse_optional_unit(
-            start[2] or bracket
+        has_length = (length_match := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _parse_optional_unit(
+            length_match[2] or bracketed_unit
         )
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     declared_numbers = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
@@ -203,7 +207,7 @@ def _parse_spacing_line(
         return None  # the length may be a height resolution in nm per bit
     if is_resolution and not any(item[2] for item in declared_numbers):
         return None  # the line declares the resolution of the instrument, not the spacing
-    units = [item[1] or declared_numbers[-1][1] or bracket for item in declared_numbers]
+    units = [item[1] or declared_numbers[-1][1] or bracketed_unit for item in declared_numbers]
     lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(declared_numbers, units, strict=True)]
     parsed_lengths = [length for length in lengths if length is not None]
     if len(parsed_lengths) < len(declared_numbers):
@@ -221,8 +225,8 @@ def _parse_spacing_line(
             return parsed_lengths[1], parsed_lengths[0]
         if sorted(axes) == ["x", "y"]:
             return (parsed_lengths[0], parsed_lengths[1]) if axes[0] == "y" else (parsed_lengths[1], parsed_lengths[0])
-        in_micrometres = tuple(length.length * LENGTH_UNITS[length.unit] for length in parsed_lengths)
-        return UnclearSpacing(line.strip(), in_micrometres)
+        lengths_in_micrometres = tuple(length.length * LENGTH_UNITS[length.unit] for length in parsed_lengths)
+        return UnclearSpacing(line.strip(), lengths_in_micrometres)
     if axes[0] == "y":
         return UnclearSpacing(line.strip())
     length_in_micrometres = parsed_lengths[0].length * LENGTH_UNITS[parsed_lengths[0].unit]

@@ -108,10 +108,10 @@ def is_spectrum_file(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            head = file.read(_NUM_HEADER_BYTES).decode("utf-8-sig", "replace")
+            header_text = file.read(_NUM_HEADER_BYTES).decode("utf-8-sig", "replace")
     except OSError:
         return False
-    names = next((line for line in head.splitlines() if line.strip() and not line.startswith("#")), "")
+    names = next((line for line in header_text.splitlines() if line.strip() and not line.startswith("#")), "")
     return DENSITY_COLUMN in names
 
 
@@ -180,8 +180,12 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         raise FormatError(
             f"{printable_path(path)} is not a spectrum, because it contains values that are not numbers"
         ) from None
-    steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
-    if not steps.size or not (steps > 0).all() or np.ptp(steps) > _RATIO_TOLERANCE * steps.mean() + 1e-12:
+    log_steps = np.diff(np.log(q)) if (q > 0).all() and np.isfinite(q).all() else np.empty(0)
+    if (
+        not log_steps.size
+        or not (log_steps > 0).all()
+        or np.ptp(log_steps) > _RATIO_TOLERANCE * log_steps.mean() + 1e-12
+    ):
         raise FormatError(
             f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER_COLUMN!r} is not an increasing geometric "
             "sequence"

@@ -263,8 +263,8 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
         return dialect
     if not all(re.fullmatch(r"[+-]?[0-9]+", cell) for row in rows for cell in row):
         return dialect
-    by_column = zip(*(row[1::2] for row in rows if len(row) == width), strict=True)
-    if not all(len({len(cell) for cell in column}) == 1 for column in by_column):
+    decimals_by_column = zip(*(row[1::2] for row in rows if len(row) == width), strict=True)
+    if not all(len({len(cell) for cell in column}) == 1 for column in decimals_by_column):
         return dialect
     if len(Dialect(",", ".").split_line(_find_line_above_table(text, first).lstrip("#%!/ "))) == width // 2:
         return Dialect(",", ",", pairs=True)
@@ -346,8 +346,10 @@ def parse_number_block(
         )
         _, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     if (has_wrong_width := row_widths != usual_width).any():
-        is_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
-        is_rejected = (row_widths > usual_width) | ((row_widths < usual_width) & (usual_width != 2) & (not is_tail))
+        is_short_tail = ragged and bool(has_wrong_width[np.argmax(has_wrong_width) :].all())
+        is_rejected = (row_widths > usual_width) | (
+            (row_widths < usual_width) & (usual_width != 2) & (not is_short_tail)
+        )
         if is_rejected.any():
             row_index = int(np.argmax(is_rejected))
             raise FormatError(
@@ -374,7 +376,7 @@ def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -
     return bool(np.isclose(steps, steps[-1], rtol=0.1, atol=0.0).all())
 
 
-def numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
+def parse_numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
     """Parse all numbers in a range of lines, where blanks or line breaks separate numbers."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
@@ -442,8 +444,8 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes, by a test that is faster than a text search."""
-    pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
-    return len(blob) >= 2 and any((pair == _TWO_DASHES).any() for pair in pairs)
+    byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
+    return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES).any() for pairs_at_offset in byte_pairs)
 
 
 def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:
@@ -469,10 +471,12 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
 def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes, cell_separator: bytes) -> Floats:
     """Parse the rows of a table to correctly rounded numbers, with NaN for empty cells."""
     values = np.empty(rows.count(b"\n") * width)
-    failed_cells = stiction._core.convert_cells(rows, cell_separator.decode(), values, threads=num_usable_cores())
-    if failed_cells:
+    failed_cell_indices = stiction._core.convert_cells(
+        rows, cell_separator.decode(), values, threads=num_usable_cores()
+    )
+    if failed_cell_indices:
         cells = rows.replace(cell_separator, b"\n").split(b"\n")
-    for index in failed_cells:
+    for index in failed_cell_indices:
         if not _is_number(cells[index]):
             word = cells[index].decode("utf-8", "replace")[:40]
             raise FormatError(

@@ -69,9 +69,9 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
         )
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
-    labels = _include_label_line(text, first, last, dialect)
-    if labels < first:  # read the word at the start of the label line as a missing number
-        first, text = labels, replace(text, words=(*text.words, dialect.split_line(text.line(labels))[0]))
+    label_line = _include_label_line(text, first, last, dialect)
+    if label_line < first:  # read the word at the start of the label line as a missing number
+        first, text = label_line, replace(text, words=(*text.words, dialect.split_line(text.line(label_line))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)
     if len(equal_runs := _find_runs_of_equal_width(text, runs, (first, last), dialect)) > 1:
@@ -115,9 +115,11 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
     for line, last in runs:
         if line >= start or last > line or not is_numeric_row(text.line(line), block.dialect, text):
             continue
-        row = parse_number_block(text, line, line, block.dialect).values[0]
-        steps = (positions[0] - row[0]) / (positions[1] - positions[0]) if positions[1] != positions[0] else np.nan
-        if row.size == 2 and 0.9 < steps < start - line + 0.1 and abs(steps - round(steps)) < 0.1:
+        separate_row = parse_number_block(text, line, line, block.dialect).values[0]
+        steps = (
+            (positions[0] - separate_row[0]) / (positions[1] - positions[0]) if positions[1] != positions[0] else np.nan
+        )
+        if separate_row.size == 2 and 0.9 < steps < start - line + 0.1 and abs(steps - round(steps)) < 0.1:
             raise FormatError(
                 f"{text.describe_line(line)} looks like a point of the profile that starts in line {start + 1}, but "
                 "there is text between the two lines; remove the text, or this point"
@@ -134,14 +136,14 @@ def _to_table(
         text.nonempty_lines(end, len(text)) if header_start == 0 else [],
     )
     width = block.values.shape[1]
-    column_heads = parse_column_headings(header, width, block.dialect)
+    column_headings = parse_column_headings(header, width, block.dialect)
     declarations = parse_declarations(
         text.nonempty_lines(0, first) if header_start else header,
         footer=footer,
         is_profile=width <= 2,
-        has_names=any(column_heads.names),
+        has_names=any(column_headings.names),
     )
-    if block.first_short_line is not None and not any(column_heads.names):
+    if block.first_short_line is not None and not any(column_headings.names):
         raise FormatError(
             f"{text.describe_line(block.first_short_line)} has fewer cells than the lines above it, and the columns "
             "have no names; all lines of a matrix must have the same number of cells, and a profile must have one "
@@ -152,13 +154,13 @@ def _to_table(
         block.values,
         block_lengths=tuple(np.diff(block_starts, append=block.lines.size).tolist()),
         block_lines=tuple((block.lines[block_starts] + 1).tolist()),
-        names=column_heads.names,
-        units=column_heads.units or (None,) * width,
+        names=column_headings.names,
+        units=column_headings.units or (None,) * width,
         digits=block.column_last_digit_values,
         row_digits=block.row_last_digit_values,
         declared=declarations
         if declarations.unit is not None
-        else replace(declarations, unit=column_heads.height_unit),
+        else replace(declarations, unit=column_headings.height_unit),
         history=(
             *(printable_text(step, MAX_HISTORY_ENTRY_CHARACTERS) for step in parse_history(header)[:MAX_HISTORY_STEPS]),
             *(
@@ -219,12 +221,12 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
     if line_above < 0 or dialect.separator is None:
         return first
     cells, cells_below = dialect.split_line(text.line(line_above)), dialect.split_line(text.line(first))
-    is_labels = (
+    is_label_line = (
         len(cells) == len(cells_below)
         and cell_kind(cells[0], dialect, text) is None
         and _are_position_labels(cells, dialect)
     )
-    return line_above if is_labels else first
+    return line_above if is_label_line else first
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
@@ -233,8 +235,8 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
     Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
     line beyond it has the same words.
     """
-    neighbours = {neighbour for first, last in runs for neighbour in ((first - 1, -1), (last + 1, 1))}
-    for line, step in sorted(neighbours):
+    adjacent_lines = {adjacent_line for first, last in runs for adjacent_line in ((first - 1, -1), (last + 1, 1))}
+    for line, step in sorted(adjacent_lines):
         if (
             not 0 <= line < len(text)
             or text.line_kinds[line] != TEXT_LINE_CODE
@@ -252,11 +254,13 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
             _reject_word(text, line, next(cell for cell, kind in zip(cells, kinds, strict=True) if kind is None))
 
 
-def _repeats_words(text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other: int) -> bool:
-    """Return whether line `other` repeats the words of another line in the same cells, so that neither is a header."""
-    if not 0 <= other < len(text) or (len(cells) > 1 and "number" not in kinds):
+def _repeats_words(
+    text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
+) -> bool:
+    """Return whether line `other_line` repeats the words of a line in the same cells, so that neither is a header."""
+    if not 0 <= other_line < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
-    other_cells = dialect.split_line(text.line(other))
+    other_cells = dialect.split_line(text.line(other_line))
     return [cell_kind(cell, dialect, text) for cell in other_cells] == kinds and all(
         cell == other_cell for cell, other_cell, kind in zip(cells, other_cells, kinds, strict=True) if kind is None
     )

@@ -16,7 +16,7 @@ from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_li
 # The comma is tried last as a cell separator, because it may also be the decimal mark within cells.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_MISSING_WORD_REPLACEMENT = "nan"  # text that replaces each word in a column of words
+_WORD_REPLACEMENT = "nan"  # text that replaces each word in a column of words
 _MAX_SEPARATOR_SEARCH_LINES = 400  # maximum number of lines from which the cell separator is detected
 MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
 MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
@@ -41,23 +41,25 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
         return text, ()
     lines = np.flatnonzero(text.line_kinds != BLANK_LINE_CODE).tolist()
     largest_run = max((last + 1 - first for first, last in runs), default=0)
-    samples = {
+    tables_by_separator = {
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
     # Among separators with equally many columns of numbers, `max` returns the first.
-    separator = max(samples, key=lambda key: len(samples[key].numeric_columns))
-    if not samples[separator].word_counts:
+    separator = max(tables_by_separator, key=lambda candidate: len(tables_by_separator[candidate].numeric_columns))
+    if not tables_by_separator[separator].word_counts:
         return text, ()
     table = (
-        samples[separator] if len(lines) <= _MAX_SEPARATOR_SEARCH_LINES else _find_word_table(text, lines, separator)
+        tables_by_separator[separator]
+        if len(lines) <= _MAX_SEPARATOR_SEARCH_LINES
+        else _find_word_table(text, lines, separator)
     )
     if not table.word_counts or len(table.lines) < max(MIN_TABLE_ROWS, len(lines) / 2, largest_run):
         return text, ()
     replaced_lines = text.data.decode("utf-8", "replace").split("\n")
     for line, cells in zip(table.lines, table.rows, strict=True):
         replaced_lines[line] = (separator or " ").join(
-            _MISSING_WORD_REPLACEMENT
+            _WORD_REPLACEMENT
             if index in table.word_counts
             else f'"{cell}"'
             if separator and separator in cell

@@ -100,7 +100,9 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
     _write_body(surface, path, head, itertools.chain(["# heights (um)\n"], rows))
 
 
-def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: list[str], rows: Iterable[str]) -> None:
+def _write_body(
+    body: Profile | Surface, path: str | os.PathLike[str], header_lines: list[str], rows: Iterable[str]
+) -> None:
     """Write a profile or height map to a .csv file with header and history, or to a .npy file with several arrays."""
     path = parse_path("path", path)
     if path.suffix.lower() not in (".csv", ".npy"):
@@ -113,4 +115,4 @@ def _write_body(body: Profile | Surface, path: str | os.PathLike[str], head: lis
         steps = (" ".join(step.split()) for step in body.history)
         history = [f"# history: {printable_text(step, MAX_HISTORY_ENTRY_CHARACTERS)}\n" for step in steps]
         with partial_file.open("w", encoding="utf-8", newline="\n") as file:
-            file.writelines(itertools.chain(head, history, rows))
+            file.writelines(itertools.chain(header_lines, history, rows))

@@ -26,7 +26,7 @@ from stiction.surfaces.measured.raw import (
 )
 from stiction.surfaces.profile import MAX_POINTS
 
-_VALUE_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
+_STORED_NUMBER_TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 _MAIN_XML_FILE = "main.xml"
 
 _XML_NUMBER_PATTERN = re.compile(
@@ -72,16 +72,16 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     points = math.prod(shape)
     if not 0 < points <= MAX_POINTS:
         raise FormatError(f"declares {points} points; between 1 and {MAX_POINTS} can be read")
-    absolute_axes = [name for name in "XYZ" if axes[name].absolute]
+    absolute_axes = [name for name in "XYZ" if axes[name].is_absolute]
     if "Z" not in absolute_axes:
         raise FormatError("has incremental heights, which X3P does not allow")
     if feature == "SUR" and absolute_axes != ["Z"]:
         raise FormatError("contains a point cloud, a surface with coordinates for each point; only grids can be read")
     columns = _read_columns(archive, root, {name: axes[name].stored for name in absolute_axes}, points)
     heights = axes["Z"].to_lengths(columns["Z"])
-    if (link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
+    if (mask_link := _get_element_text(root, "Record3/DataLink/ValidPointsLink", "")) != "":
         valid_bits = np.frombuffer(
-            b"".join(read_member_chunks(archive, root.directory + link, points // 8 + _MAX_SPARE_MASK_BYTES)),
+            b"".join(read_member_chunks(archive, root.directory + mask_link, points // 8 + _MAX_SPARE_MASK_BYTES)),
             dtype=np.uint8,
         )
         if valid_bits.size * 8 < points:
@@ -107,10 +107,10 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
     if "X" in absolute_axes:
         positions = axes["X"].to_lengths(columns["X"])
         increment = abs(axes["X"].increment)
-        digit = {
+        digit_values = {
             "<f4": np.spacing(np.abs(positions).astype(np.float32)).astype(np.float64), "<f8": np.zeros(points),
         }.get(axes["X"].stored, np.full(points, increment))  # fmt: skip
-        return RawHeights(heights, positions=positions, digits=lambda: digit, **common_arguments)
+        return RawHeights(heights, positions=positions, digits=lambda: digit_values, **common_arguments)
     return RawHeights(heights, spacing=(axes["X"].increment,), **common_arguments)
 
 
@@ -173,17 +173,17 @@ class _StoredAxis:
         path = f"Record1/Axes/C{name}"
         kind = _get_element_text(root, f"{path}/AxisType", "I" if name != "Z" else "A")
         stored_type = _get_element_text(root, f"{path}/DataType", "D")
-        if kind not in ("I", "A") or stored_type not in _VALUE_TYPES:
+        if kind not in ("I", "A") or stored_type not in _STORED_NUMBER_TYPES:
             raise FormatError(
                 f"has a {name} axis of type {kind!r} stored as {stored_type!r}; "
                 "the type must be I or A, stored as I, L, F or D"
             )
-        self.absolute = kind == "A"
-        self.stored = _VALUE_TYPES[stored_type]
+        self.is_absolute = kind == "A"
+        self.stored = _STORED_NUMBER_TYPES[stored_type]
         self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
         # the increment in an X3P file does not apply to lengths stored as floating-point numbers
-        if self.absolute and stored_type in ("F", "D"):
+        if self.is_absolute and stored_type in ("F", "D"):
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
                     FileCaveat(
@@ -195,7 +195,7 @@ class _StoredAxis:
                     ),
                 )
             self.increment = 1.0
-        elif self.absolute and not abs(self.increment) > 0:
+        elif self.is_absolute and not abs(self.increment) > 0:
             raise FormatError(f"stores {name} as integers, but has no Increment that scales them")
         elif name == "Z":  # reject a negative height factor, which would turn the heights upside down
             self.increment = parse_positive_number(
@@ -224,21 +224,26 @@ def _read_columns(
     """Read, for each axis that an X3P file stores point by point, the stored numbers of all points."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
-    kind = np.dtype(list(stored.items()))
-    link, num_bytes = root.directory + _get_element_text(root, "Record3/DataLink/PointDataLink"), points * kind.itemsize
-    size = num_bytes
-    if link in archive.namelist():
-        member = archive.getinfo(link)
-        size = member.file_size
+    row_type = np.dtype(list(stored.items()))
+    data_link, num_bytes = (
+        root.directory + _get_element_text(root, "Record3/DataLink/PointDataLink"),
+        points * row_type.itemsize,
+    )
+    stored_bytes = num_bytes
+    if data_link in archive.namelist():
+        member = archive.getinfo(data_link)
+        stored_bytes = member.file_size
         check_point_count(points, member.compress_size)
-    data = b"".join(read_member_chunks(archive, link, num_bytes)) if size == num_bytes else b""
+    data = b"".join(read_member_chunks(archive, data_link, num_bytes)) if stored_bytes == num_bytes else b""
     if len(data) != num_bytes:
-        raise FormatError(f"declares {points} points of {kind.itemsize} bytes, but has {len(data) or size} bytes")
+        raise FormatError(
+            f"declares {points} points of {row_type.itemsize} bytes, but has {len(data) or stored_bytes} bytes"
+        )
     checksum = _get_element_text(root, "Record3/DataLink/MD5ChecksumPointData", "").lower()
     if checksum not in ("", hashlib.md5(data, usedforsecurity=False).hexdigest()):
         raise FormatError("is damaged: its heights do not match its checksum")
-    table = np.frombuffer(data, dtype=kind)
-    return {name: table[name] for name in stored}
+    point_records = np.frombuffer(data, dtype=row_type)
+    return {name: point_records[name] for name in stored}
 
 
 def _parse_listed_points(rows: list[str], absolute_axes: list[str], points: int) -> dict[str, NDArray[Any]]:

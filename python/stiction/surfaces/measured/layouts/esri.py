@@ -44,7 +44,7 @@ def _parse_header(text: DecodedText) -> dict[str, str]:
 
 def _read(text: DecodedText) -> RawHeights:
     header = _parse_header(text)
-    values = {key: parse_header_number(header, key, positive=key in ("cellsize", "dx", "dy")) for key in header}
+    values = {name: parse_header_number(header, name, positive=name in ("cellsize", "dx", "dy")) for name in header}
     runs = find_numeric_line_runs(text)
     if not runs:
         raise FormatError("has no heights below its header")

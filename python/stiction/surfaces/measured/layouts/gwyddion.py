@@ -65,7 +65,7 @@ def _apply_channel_comments(table: ColumnTable, comments: Sequence[str]) -> Colu
     column = (channel[1] or "") if channel else ""
     units = (None,) * table.values.shape[1]
     return replace(
-        table, names=(), units=units, area=True, source=replace(table.source, column=column.strip()),
+        table, names=(), units=units, is_array=True, source=replace(table.source, column=column.strip()),
         declared=replace(table.declared, size=size, unit=unit, spacing=None, spacings=None, bare_spacing=None),
     )  # fmt: skip
 

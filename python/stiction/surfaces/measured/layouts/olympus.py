@@ -43,7 +43,7 @@ def _read(text: DecodedText) -> ColumnTable:
     )
     return replace(
         table, values=table.values[:, 1:], names=table.names[1:], units=(unit,) * (table.values.shape[1] - 1),
-        area=True, digits=None, row_digits=None,
+        is_array=True, digits=None, row_digits=None,
         history=(*table.history, "the first column, which numbers the rows, removed"),
     )  # fmt: skip
 

@@ -24,7 +24,7 @@ import re
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import TextLayout, parse_header_integer, parse_header_number
 from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHeights
-from stiction.surfaces.measured.split import numbers_in_lines
+from stiction.surfaces.measured.split import parse_numbers_in_lines
 
 _SDF_VERSION_PATTERN = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
 _OTHER_VERSION_PATTERN = re.compile(r"a[A-Z]{1,8}[- ]?V?[0-9.]{1,8}", re.IGNORECASE)  # matches "aBC-1.0"
@@ -45,7 +45,7 @@ def _read(text: DecodedText) -> RawHeights:
 
     columns, rows = parse_header_integer(header, "NumPoints"), parse_header_integer(header, "NumProfiles")
     last = next((index for index in range(end + 1, len(text)) if text.line(index) == "*"), len(text)) - 1
-    heights = numbers_in_lines(text, end + 1, last)
+    heights = parse_numbers_in_lines(text, end + 1, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows} profiles of {columns} points, but has {heights.size} heights")
     spacing = [parse_header_number(header, "Xscale", positive=True)]

@@ -19,7 +19,7 @@ import numpy as np
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.layout import MAX_DECLARED_COUNT, TextLayout
 from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHeights, parse_number
-from stiction.surfaces.measured.split import numbers_in_lines
+from stiction.surfaces.measured.split import parse_numbers_in_lines
 
 _FIRST_LINE = "DSAA"
 _MISSING_POINT_CODE = 1.7e38  # smallest height that marks a missing point
@@ -40,7 +40,7 @@ def _read(text: DecodedText) -> RawHeights:
     if not (x1 > x0 and y1 > y0):
         raise FormatError("declares a range of x or y whose end is not above its start")
     first, last = lines[-1] + 1, len(text) - 1
-    heights = numbers_in_lines(text, first, last)
+    heights = parse_numbers_in_lines(text, first, last)
     if heights.size != rows * columns:
         raise FormatError(f"declares {rows:g} rows of {columns:g} heights, but has {heights.size} heights")
     source = HeightProvenance(separator="space", decimal_mark=".", lines=(first + 1, last + 1), lines_above=first)

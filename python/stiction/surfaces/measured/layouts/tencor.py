@@ -58,7 +58,7 @@ def _read(text: DecodedText) -> ColumnTable:
         )
     bare_spacing = table.declared.bare_spacing
     return replace(
-        table, values=values, names=(), units=(None,) * values.shape[1], area=True, digits=None, row_digits=None,
+        table, values=values, names=(), units=(None,) * values.shape[1], is_array=True, digits=None, row_digits=None,
         history=history,
         declared=replace(
             table.declared, bare_spacing=bare_spacing if bare_spacing and len(bare_spacing) == 2 else None

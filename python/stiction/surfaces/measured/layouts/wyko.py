@@ -42,33 +42,38 @@ def _find_block_name(text: DecodedText, index: int) -> str | None:
 
 def _read(text: DecodedText) -> RawHeights:
     header = {}
-    first = None
+    first_line = None
     for index in range(min(len(text), 2000)):
-        key, *rest = text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
-        if key.strip() in _HEIGHT_BLOCK_NAMES:
-            first = index + 1
+        field_name, *rest = (
+            text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
+        )
+        if field_name.strip() in _HEIGHT_BLOCK_NAMES:
+            first_line = index + 1
             break
         if rest:
-            header[key.strip().casefold()] = rest[-1].strip()
-    if first is None:
+            header[field_name.strip().casefold()] = rest[-1].strip()
+    if first_line is None:
         raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCK_NAMES)})")
     columns, rows = parse_header_integer(header, "X Size"), parse_header_integer(header, "Y Size")
-    if first + columns > len(text):
+    if first_line + columns > len(text):
         raise FormatError(f"declares {columns} lines of heights, but ends earlier")
-    decimal_comma = "," in "".join(text.line(first + index) for index in range(min(3, columns)))
-    if other := [name for index in range(first + columns, len(text)) if (name := _find_block_name(text, index))]:
+    decimal_comma = "," in "".join(text.line(first_line + index) for index in range(min(3, columns)))
+    if other_blocks := [
+        name for index in range(first_line + columns, len(text)) if (name := _find_block_name(text, index))
+    ]:
         raise FormatError(
-            f"has several blocks of heights, {_find_block_name(text, first - 1)} and {', '.join(other)}; keep one block"
+            f"has several blocks of heights, {_find_block_name(text, first_line - 1)} and "
+            f"{', '.join(other_blocks)}; keep one block"
         )
-    block = parse_number_block(text, first, first + columns - 1, Dialect(None, "," if decimal_comma else "."))
+    block = parse_number_block(text, first_line, first_line + columns - 1, Dialect(None, "," if decimal_comma else "."))
     if block.values.shape != (columns, rows):
         raise FormatError(
             f"declares {columns} lines of {rows} heights, but has {block.values.shape[0]} lines of "
             f"{block.values.shape[1]} heights"
         )
-    flags = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
+    format_numbers = re.findall(r"[0-9]+", text.line(0).partition("Format")[2])
     factor = None
-    if len(flags) < 2 or flags[1] == "0":
+    if len(format_numbers) < 2 or format_numbers[1] == "0":
         wavelength = parse_header_number(header, "Wavelength", positive=True)
         factor = wavelength / parse_header_number(header, "Mult", 1.0, positive=True)
     pixel_size = abs(parse_header_number(header, "Pixel_size"))
