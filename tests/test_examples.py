@@ -60,13 +60,6 @@ def run_script_once(tmp_path_factory):
     return run_script
 
 
-@pytest.mark.docs
-@pytest.mark.usefixtures("few_fitted_lines")
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
-def test_example_scripts_finish_without_error(path, run_script_once):
-    assert run_script_once(path)
-
-
 # ---- Pages ----------------------------------------------------------------------------------------------------------
 
 PAGE_FILES = [
@@ -95,6 +88,7 @@ class CodeBlock(NamedTuple):
     text: str
 
 
+@functools.cache
 def find_code_blocks(page):
     """Return all code blocks of a documentation page."""
     values = []
@@ -281,6 +275,27 @@ only the example scans.
 """
 
 
+SCRIPTS_RUN_BY_PAGES = {
+    name
+    for page in LITERAL_PAGES
+    for block in find_code_blocks(page)
+    if block.kind == "sh"
+    for name in re.findall(r"^python examples/(\w+\.py)$", block.text, re.MULTILINE)
+}
+"""Example scripts that the test of a literal page runs as a command."""
+
+
+@pytest.mark.docs
+@pytest.mark.usefixtures("few_fitted_lines")
+@pytest.mark.parametrize(
+    "path",
+    [path for path in sorted((ROOT / "examples").glob("*.py")) if path.name not in SCRIPTS_RUN_BY_PAGES],
+    ids=lambda path: path.name,
+)
+def test_example_scripts_finish_without_error(path, run_script_once):
+    assert run_script_once(path)
+
+
 @parametrize_pages([page for page in LITERAL_PAGES if is_notebook(page)])
 def test_notebook_names_only_files_that_are_in_the_tree(page):
     names = [name for block in find_code_blocks(page) for name in re.findall(r"examples/[\w./]+", block.text)]
@@ -361,12 +376,21 @@ def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_fol
     shutil.copytree(clone, tmp_path / "clone", symlinks=True)
     completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", tmp_path / "clone")
     assert completed.returncode == 0, completed.stderr
+    assert completed.stdout
+
+
+PAGES_RUN_BY_OTHER_TESTS = {"calibration.md", "cluster.md"}
+"""Pages whose blocks run in a test that also compares output, or that starts a scheduler."""
 
 
 @pytest.mark.docs
 @pytest.mark.usefixtures("few_fitted_lines")
 @parametrize_pages(
-    [page for page in PAGE_FILES if has_code(page) and page not in LITERAL_PAGES and page.name != "cluster.md"]
+    [
+        page
+        for page in PAGE_FILES
+        if has_code(page) and page not in LITERAL_PAGES and page.name not in PAGES_RUN_BY_OTHER_TESTS
+    ]
 )
 def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -413,7 +437,7 @@ def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
 def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, monkeypatch):
-    """Compare each block of output with that of the last command before it, and the figure with that of the command."""
+    """Run all blocks, and compare each shown output with that of the last command before it, and the figure."""
     monkeypatch.chdir(tmp_path)
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     pending_commands, num_compared = [], 0
@@ -422,7 +446,7 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
             case "python":
                 exec(compile(block.text, "calibration.md", "exec"), {})
             case "sh":
-                pending_commands = split_command_lines(block)
+                pending_commands += split_command_lines(block)
             case "text":
                 outputs = [check_stiction(*shlex.split(line)[1:], cwd=tmp_path).stdout for line in pending_commands]
                 shown_words = block.text.split()
@@ -430,7 +454,9 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
                     assert outputs[-1].split()[: len(shown_words) - 1] == shown_words[:-1]
                 else:
                     assert outputs[-1].split() == shown_words
+                pending_commands = []
                 num_compared += 1
+    assert not pending_commands
     assert num_compared == 4
     shown_figure = ROOT / "docs/images/pmma_glass.png"
     difference = compare_images(str(shown_figure), str(tmp_path / "pmma_glass.png"), MAX_GREY_DIFFERENCE)
