@@ -23,6 +23,7 @@ from stiction.companions.contact_picture import MAX_PICTURE_SIDE_POINTS
 from stiction.evaluate.member_means import MemberDependence
 from stiction.evaluate.point import read_estimate
 from stiction.mechanics.half_space import HalfSpaceCurve
+from stiction.mechanics.half_space_problem import has_finite_approach
 from stiction.mechanics.onset import DEFAULT_POISSON_RATIO
 from stiction.mechanics.presliding import fit_iwan, fit_lugre
 from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
@@ -74,7 +75,8 @@ def import_fit_packages(study: Study) -> None:
     Nothing is imported for a free half-plane, because an onset curve without displacements is not fitted.
     """
     contact: Any = study.contact
-    if study.is_areal or not study.uses_half_space or contact.boundary == "periodic":
+    num_dimensions = 2 if study.is_areal else 1
+    if not study.uses_half_space or has_finite_approach(num_dimensions, periodic=contact.boundary == "periodic"):
         import scipy.optimize  # noqa: F401
 
 

@@ -82,6 +82,14 @@ def solver_thread_count() -> int:
     return 1 if get_workers is None else int(get_workers())
 
 
+def has_finite_approach(num_dimensions: int, *, periodic: bool) -> bool:
+    """Return whether distant points of two bodies have finite displacements, which are infinite on a free half-plane.
+
+    The bodies are profiles (1 dimension) or height maps (2 dimensions).
+    """
+    return periodic or num_dimensions == 2
+
+
 @dataclass(frozen=True, eq=False)
 class HalfSpaceProblem:
     """Contact problem of two surfaces: heights, gap (µm, at least 0), material and boundary conditions."""
@@ -118,8 +126,8 @@ class HalfSpaceProblem:
 
     @property
     def has_finite_approach(self) -> bool:
-        """True if distant points have a finite approach. On a free half-plane, the approach is infinite."""
-        return self.periodic or len(self.spacing) == 2
+        """True if distant points have a finite approach."""
+        return has_finite_approach(len(self.spacing), periodic=self.periodic)
 
     @property
     def measured_point_mask(self) -> Floats:
