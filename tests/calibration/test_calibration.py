@@ -191,7 +191,7 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
     value, lower, upper = strength.predict(predicted_pair, "50 MPa")
     assert value == pytest.approx(0.25, rel=0.02)
-    assert upper - lower < 0.03
+    assert upper - lower < 0.035  # most of this width is due to unresolved roughness
     unrelated_pair = pair(
         *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
     )  # A hardness given by another text is independent of the hardness of the calibrated pair.
@@ -290,20 +290,51 @@ def test_prediction_for_a_pair_equals_the_combined_interval_computed_with_the_in
     assert value == pytest.approx(result.value, abs=0.1 * width)
 
 
-def test_prediction_interval_from_tests_of_yielding_pairs_is_narrower_than_the_combined_interval(tmp_path) -> None:
-    options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
+def test_inputs_of_tested_yielding_pairs_have_the_same_errors_in_another_pair(tmp_path) -> None:
+    options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %", "effective_modulus": "80 GPa ± 5 %"}
     tested_pair = pair(*rough_surface_pair(0.05), **options)
     tests = [FrictionTest(tested_pair, "20 MPa", coefficient=0.25, uncertainty=0.004)] * 3
     strength = calibrate(tests, common=0.0, sliding="all")
     write_interface(strength, tmp_path / "film.csv")
     options = {name: value for name, value in options.items() if name not in ("mu0", "tau0")}
     result = pair(*rough_surface_pair(0.02), interface=tmp_path / "film.csv", **options)
-    _, lower, upper = strength.predict(result, "20 MPa")
-    assert result.interval[0] < lower < upper < result.interval[1]
-    assert upper - lower < 0.9 * np.ptp(result.interval)
-    fit = replace(strength.fits[0], scores={})
-    _, *ends = replace(strength, fits=(fit,)).predict(result, "20 MPa")
-    assert ends == pytest.approx(result.interval, abs=1e-6 * np.ptp(result.interval))
+    for interface in (strength, read_interface(tmp_path / "film.csv")):
+        assert interface.predict(result, "20 MPa") == pytest.approx((result.value, *result.interval), rel=1e-6)
+    assert set(result.budget["input"]) == {
+        "the interface with the hardness and other inputs of its tests", "positions", "unresolved roughness"
+    }  # fmt: skip
+    independent_fit = replace(strength.fits[0], scores={})
+    *_, low, high = replace(strength, fits=(independent_fit,)).predict(result, "20 MPa")
+    assert np.ptp(result.interval) < 0.95 * (high - low)
+
+
+def test_interface_file_without_scores_keeps_the_correlation_of_mu0_and_tau0_with_the_hardness(tmp_path) -> None:
+    tested_pair, predicted_pair = (
+        pair(*rough_surface_pair(rms), hardness="0.5..1.5 GPa", yield_exponent=1.15, **PAIR_OPTIONS)
+        for rms in (0.03, 0.02)
+    )
+    tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.005) for load in ("20 MPa", "50 MPa")]
+    strength = calibrate(tests, sliding="all")
+    write_interface(replace(strength, fits=(replace(strength.fits[0], scores={}),)), tmp_path / "old.csv")
+    old_strength = read_interface(tmp_path / "old.csv")
+    name = "hardness log-normal 0.5..1.5"
+    assert old_strength.fits[0].scores[name] == pytest.approx(strength.fits[0].scores[name], abs=1e-3)
+    (_, low, high), (_, *expected) = (each.predict(predicted_pair, "50 MPa") for each in (old_strength, strength))
+    assert [low, high] == pytest.approx(expected, abs=0.1 * np.ptp(expected))
+
+
+def test_pair_with_an_interface_calibrated_on_it_has_no_further_errors_of_its_contact_area(tmp_path) -> None:
+    options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
+    tested_pair = pair(*rough_surface_pair(0.03), **options)
+    tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.004) for load in ("20 MPa", "50 MPa")]
+    strength = calibrate(tests, common=0.0, sliding="all")
+    write_interface(strength, tmp_path / "film.csv")
+    options = {name: value for name, value in options.items() if name not in ("mu0", "tau0")}
+    result = pair(*rough_surface_pair(0.03), interface=tmp_path / "film.csv", **options)
+    assert result.study.pair_checksum == tested_pair.study.pair_checksum
+    assert strength.predict(tested_pair, "20 MPa") == pytest.approx((result.value, *result.interval), rel=1e-6)
+    assert result.budget["input"].tolist() == ["the interface with the hardness and other inputs of its tests"]
+    assert result.interval == pytest.approx([0.244, 0.256], abs=0.003)
 
 
 def test_prediction_interval_for_the_tested_pair_omits_the_error_of_its_contact_area() -> None:
@@ -314,7 +345,9 @@ def test_prediction_interval_for_the_tested_pair_omits_the_error_of_its_contact_
     prediction_for_other_pair = strength.predict(
         pair(*rough_surface_pair(0.02), hardness="0.8 GPa", **PAIR_OPTIONS), "20 MPa"
     )
-    assert prediction_for_same_pair == pytest.approx(np.array([1.0, 0.99, 1.01]) * 0.25, abs=0.0004)
+    assert prediction_for_same_pair[1:] == pytest.approx(np.array([0.99, 1.01]) * 0.25, abs=0.0004)
+    # The coefficient is that of the medians of mu0 and tau0, which the tests do not separate.
+    assert prediction_for_same_pair[0] == pytest.approx(0.25, abs=0.0015)
     assert np.ptp(prediction_for_other_pair[1:]) > 2 * np.ptp(prediction_for_same_pair[1:])
 
 

@@ -109,6 +109,23 @@ def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_ta
     assert "smooth ball" in single_pair.stdout
 
 
+def test_calibrate_command_ranks_further_tests_by_the_interval_of_the_wanted_pair(two_finishes_directory):
+    arguments = ["--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", "--target", "lapped"]
+    text = check_stiction("calibrate", *arguments, cwd=two_finishes_directory).stdout
+    assert "± μ0" not in text
+    record = json.loads(check_stiction("calibrate", *arguments, "--json", cwd=two_finishes_directory).stdout)
+    # The loads of the result that is wanted are 40 and 160 MPa.
+    assert [entry["text"].split("(")[1] for entry in record["predicted"]] == ["40 MPa)", "160 MPa)"]
+    plans = record["further_tests"]
+    widths = [entry["coefficient"]["upper"] - entry["coefficient"]["lower"] for entry in plans]
+    present = record["predicted"][0]["coefficient"]
+    assert plans[0]["text"] == "as many tests of this pair"
+    assert widths == sorted(widths)
+    assert widths[-1] < present["upper"] - present["lower"]
+    rows = [line for line in text.splitlines() if line.startswith(tuple(entry["text"][:30] for entry in plans))]
+    assert len(rows) == len(plans)
+
+
 def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)

@@ -334,7 +334,10 @@ def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_lo
         ([*PROFILE_FILES, "--part", "3/2"], ["--part"]),
         ([*PROFILE_FILES, "--lines", "4"], ["--lines"]),
         ([*PROFILE_FILES, "--poisson", "0.3"], ["--poisson"]),
-        ([*PROFILE_FILES, "--hardness", "3 GPa"], ["--hardness"]),
+        (
+            [*PROFILE_FILES, "--hardness", "3 GPa"],
+            ["--hardness needs --mechanics half-space, or --law jackson-green with the asperity model"],
+        ),
         ([*PROFILE_FILES, "--young", "200 GPa"], ["--effective-modulus", "--young"]),
         ([*PROFILE_FILES, "--law", "jackson-green"], ["--yield-strength or --hardness"]),
         ([*PROFILE_FILES, "--law", "jackson-green", "--hardness", "3 GPa"], ["--poisson"]),

@@ -33,7 +33,8 @@ from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
 from stiction.study.study import parse_study
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
-from stiction.views.sentence import quotable_sentence
+from stiction.views.rows import point_record
+from stiction.views.sentence import contributions_text, quotable_sentence
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -127,7 +128,35 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
     # Mu0 and tau0 are sampled without correlation.
     assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)
-    assert "interface film (measured)" in result.sentence
+    assert "interface film (measured, friction at all contacts)" in result.sentence
+
+
+def test_result_marks_the_coefficient_for_the_other_sliding_rule_than_that_of_its_interface(
+    result, opposing_result
+) -> None:
+    remark = ", for which the interface was not calibrated"
+    for each, rule in ((result, "opposing contacts only"), (opposing_result, "all contacts")):
+        first, second = " ".join(repr(each).split()).split(" friction at ")[1:3]
+        assert remark not in first
+        assert second.startswith(rule + remark)
+        assert each.summary().first.calibrated_rule == each.summary().first.rules[0].rule
+    assert remark not in repr(pair(*rough_surfaces(), mu0=0.2, tau0="50 MPa", **PAIR_OPTIONS))
+
+
+def test_result_with_an_interface_that_is_not_separated_reports_only_the_sum_of_the_contributions(
+    tmp_path, result
+) -> None:
+    film = replace(interface(result.study.friction.interface.file), separated=False)
+    write_interface(film, tmp_path / "sum")
+    unseparated_result = pair(*rough_surfaces(), interface=tmp_path / "sum", **PAIR_OPTIONS)
+    point, separated_point = unseparated_result.summary().first, result.summary().first
+    assert list(separated_point.contribution_terms) == ["mu0", "adhesion", "slopes"]
+    mu0, adhesion, slopes = separated_point.contributions
+    assert point.contribution_terms == pytest.approx({"mu0_and_adhesion": mu0 + adhesion, "slopes": slopes})
+    assert point.roughness_contribution is None
+    assert f"{mu0 + adhesion:.3f} (μ0 and τ0 on the true area, not separated by the tests)" in contributions_text(point)
+    assert "its tests determine only μ0 + τ0 A/F" in unseparated_result.sentence
+    assert point_record(point)["contributions"] == point.contribution_terms
 
 
 def test_pair_result_lists_first_the_coefficient_for_the_sliding_rule_of_the_interface(result, opposing_result) -> None:

@@ -8,7 +8,7 @@ import pytest
 from stiction.evaluate.member_means import MemberDependence
 from stiction.evaluate.point import iterate_points
 from stiction.study.values import quantity
-from stiction.summary.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat
+from stiction.summary.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat, build_pressure_checks
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, summarize, summarize_point
 from stiction.views.latex import latex_table
 from stiction.views.layout import format_paragraph
@@ -223,6 +223,22 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
 )
 def test_assessment_of_a_result_without_caveats_recommends_quoting_the_result(numbers, study):
     assert summarize_single_point(measured_result(**numbers), measured_study(**study)).assessment == "Quote it"
+
+
+@pytest.mark.parametrize(
+    ("study", "remedy"),
+    [
+        (measured_study(), "give the hardness of the softer body"),
+        (
+            measured_study(mechanics="asperities"),
+            "give the hardness of the softer body with --mechanics half-space, or with --law jackson-green",
+        ),
+        (generated_study(), "use lower heights, a lower D, or the contact law jackson-green"),
+    ],
+)
+def test_caveat_about_high_pressure_recommends_inputs_that_the_contact_model_accepts(study, remedy):
+    ((check, *_),) = build_pressure_checks(study, 80.0)
+    assert check.remedy == remedy
 
 
 @pytest.mark.parametrize("kind", ["measured", "generated"])

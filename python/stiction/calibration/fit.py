@@ -22,10 +22,11 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.calibration.friction_tests import FrictionTest, depends_on_junction_growth, evaluate_test_sums
 from stiction.calibration.growth import find_best_mu0, find_tau0_range
+from stiction.calibration.planning import DEFAULT_RELATIVE_ERROR, list_area_plans
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
-from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit
+from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit, area_error_name
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
@@ -132,13 +133,12 @@ class CalibrationProblem:
             self.error = np.array([test.uncertainty for test in tests], float)
         else:  # if the tests have no given errors, assume errors proportional to the measured coefficients of friction
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
-        scatter_by_surfaces: dict[Hashable, float] = {}
+        area_errors: dict[str, float] = {}
         for equation in self._friction:
             if equation.scatter > 0:
-                scatter_by_surfaces[equation.surfaces] = max(
-                    scatter_by_surfaces.get(equation.surfaces, 0.0), equation.scatter
-                )
-        self._scatter_by_surfaces = scatter_by_surfaces
+                name = area_error_name(equation.surfaces)
+                area_errors[name] = max(area_errors.get(name, 0.0), equation.scatter)
+        self._area_errors = area_errors
         self.has_growing_contacts = any(
             equation.area_factor is not None and equation.area_factor.junction_growth is not None
             for equation in self._friction
@@ -147,8 +147,8 @@ class CalibrationProblem:
             name for equation in self._friction if equation.area_factor for name in equation.area_factor.nuisance_names
         ]
         self._run_membership = _build_run_membership_matrix(tests)
-        self.nuisances: list[Hashable] = [
-            *([GAIN_NUISANCE_NAME] if common > 0 else []), *scatter_by_surfaces, *dict.fromkeys(input_names),
+        self.nuisances: list[str] = [
+            *([GAIN_NUISANCE_NAME] if common > 0 else []), *area_errors, *dict.fromkeys(input_names),
             *([RUN_SPREAD_NUISANCE_NAME] if len(self._run_membership) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
@@ -199,9 +199,8 @@ class CalibrationProblem:
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
-                factor = factor * np.exp(
-                    self._scatter_by_surfaces[equation.surfaces] * scores_by_name[equation.surfaces]
-                ).reshape(shape)
+                name = area_error_name(equation.surfaces)
+                factor = factor * np.exp(self._area_errors[name] * scores_by_name[name]).reshape(shape)
             return np.broadcast_to(factor, (len(scores), *grid_shape))
 
         sums = {name: np.array([equation.sums[name] for equation in self._friction]) for name in LOAD_SUM_NAMES}
@@ -487,7 +486,7 @@ class CalibrationProblem:
         ]
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
-    def _compute_growth_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _compute_growth_samples(self, scores: Mapping[str, Floats]) -> Floats:
         """Return samples of the junction growth α that all tests share, or NaN if the tests share no α."""
         from scipy.special import ndtr
 
@@ -515,7 +514,7 @@ class CalibrationProblem:
             else None
         )
 
-    def _compute_hardness_samples(self, scores: Mapping[Hashable, Floats]) -> Floats:
+    def _compute_hardness_samples(self, scores: Mapping[str, Floats]) -> Floats:
         """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
         from scipy.special import ndtr
 
@@ -821,21 +820,13 @@ class CalibrationProblem:
         )
         predicted_coefficients = mu0_coefficient * mu0 + tau0_coefficient * tau0
         relative_error = (
-            float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12))) if self.has_errors else 0.05
+            float(np.median(self.error / np.maximum(predicted_coefficients, 1e-12)))
+            if self.has_errors
+            else DEFAULT_RELATIVE_ERROR
         )
         area_per_load, count = self.mean_area_per_load, len(self.error)
-        # For a ball (Hertz), A/F is proportional to F^(-1/3). Recommend loads that span a factor of 100.
-        ball_ratio = 10 ** (1 / 3)
-        plans = (
-            (
-                "a smooth ball below yield, two decades of load",
-                area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
-            ),
-            ("as many tests on a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)),
-            ("as many tests with the same film on a body twice as hard", np.full(count, area_per_load / 2)),
-        )
         plans_with_errors = []
-        for plan, further_areas_per_load in plans:
+        for plan, further_areas_per_load in list_area_plans(area_per_load, count):
             areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
             coefficient_errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
             design_matrix = np.stack([1 / coefficient_errors, areas_per_load / coefficient_errors], axis=1)

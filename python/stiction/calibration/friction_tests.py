@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -14,7 +14,7 @@ from stiction._checks import Floats, validate_number
 from stiction._errors import ArgumentError
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
-from stiction.evaluate.member_values import interpolate_member_sums
+from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums
 from stiction.mechanics.closed_forms import hertz_sphere
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve, FrictionLaw, sums_per_load
 from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
@@ -23,7 +23,7 @@ from stiction.solve.member_sums import MemberSums
 from stiction.study.elasticity import PairElasticity
 from stiction.study.input_distributions import InputValue, UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import SLIDING_RULES
+from stiction.study.interfaces import SLIDING_RULES, shared_input_name
 from stiction.study.moduli import UncertainModulus, find_default_area_loss, parse_elasticity
 from stiction.study.study import parse_study_of_dataset
 
@@ -113,7 +113,7 @@ class _FrictionTestSums:
 
     sums: Mapping[str, float]
     scatter: float = 0.0  # relative standard error of the true area in a test
-    surfaces: Hashable = None  # identifies the surfaces; tests on the same surfaces have the same error of the area
+    surfaces: str = ""  # checksum of the surfaces; tests with equal checksums have the same error of the area
     hardness: float = math.nan
     area_factor: AreaFactor | None = None
 
@@ -124,18 +124,14 @@ class AreaFactor:
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
-    surfaces: Hashable  # identifies the surfaces; tests on the same surfaces have the same area loss
+    surfaces: str  # checksum of the surfaces; tests with equal checksums have the same area loss
 
-    def nuisance_name(self, name: str) -> Hashable:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter.
-
-        Small contacts lose a larger fraction of their area than large ones, so other surfaces have another area loss.
-        """
-        text = f"{name} {self.uncertain_inputs[name].text}"
-        return (text, self.surfaces) if name == "area_loss" else text
+    def nuisance_name(self, name: str) -> str:
+        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
+        return shared_input_name(name, self.uncertain_inputs[name], self.surfaces)
 
     @property
-    def nuisance_names(self) -> list[Hashable]:
+    def nuisance_names(self) -> list[str]:
         """Names of the nuisance parameters for all uncertain inputs."""
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
@@ -176,7 +172,9 @@ class _BallAreaFactor(AreaFactor):
         loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
         return (
-            cls(uncertain_inputs, ("ball", ball.radius), ball.moduli, float(loss)) if uncertain_inputs or loss else None
+            cls(uncertain_inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
+            if uncertain_inputs or loss
+            else None
         )
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
@@ -209,7 +207,7 @@ class _AreaFactorFromResult(AreaFactor):
             return None
         inputs_of_factor = uncertain_inputs | ({} if creep is None else {"creep": creep})
         area = sums.compute_once(build_area_functions)[0]
-        return cls(inputs_of_factor, sums.head.attrs["study"], area, load, inputs, wait)
+        return cls(inputs_of_factor, sums.study.pair_checksum, area, load, inputs, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:
@@ -420,16 +418,11 @@ def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _F
         )
         raise ValueError(f"load must be within the range of the result, got {load:g} mN{hint}")
     adhesive_sums = contact_sums["tangential_adhesive"][is_reached]
-    relative_error = (
-        float(adhesive_sums.std(ddof=1) / adhesive_sums.mean() / math.sqrt(len(adhesive_sums)))
-        if len(adhesive_sums) > 1
-        else 0.0
-    )
-    mean_sums = {name: values[is_reached].mean() for name, values in contact_sums.items()}
-    surfaces = dataset.attrs["study"]
+    means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
+    study = MemberSums.of(result).study
     return _FrictionTestSums(
-        sums=sums_per_load(mean_sums),
-        scatter=relative_error,
-        surfaces=surfaces,
-        hardness=float(parse_study_of_dataset(dataset).contact.hardness or math.nan),
+        sums=sums_per_load(means),
+        scatter=estimate_area_error(adhesive_sums),
+        surfaces=study.pair_checksum,
+        hardness=float(study.contact.hardness or math.nan),
     )

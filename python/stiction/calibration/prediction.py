@@ -4,29 +4,17 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.calibration.friction_tests import (
-    AreaFactor,
-    Ball,
-    FrictionTest,
-    depends_on_junction_growth,
-    evaluate_test_sums,
-)
-from stiction.evaluate.budget import predict_interval
+from stiction.calibration.friction_tests import Ball, FrictionTest, depends_on_junction_growth, evaluate_test_sums
+from stiction.evaluate.budget import predict_coefficient
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
-from stiction.study.interfaces import (
-    HARDNESS_HEADER_ENTRY,
-    InterfaceStrength,
-    ValueWithLimits,
-    cover_credible_intervals,
-)
+from stiction.study.interfaces import InterfaceStrength, ValueWithLimits, area_error_name, cover_credible_intervals
 
 
 class Interface(InterfaceStrength):
@@ -66,13 +54,11 @@ class Interface(InterfaceStrength):
         Returns
         -------
         (float, float, float)
-            Median, lower limit and upper limit. The interval includes the joint uncertainty of mu0 and tau0, and the
-            scatter of the area between positions. The upper limit is infinite if the interface may be
-            stronger than the softer body. For measured bodies, the interval is
-            the combined interval that `pair` computes with this interface, without alternative preparations of the
-            scans. This does not apply if tests and result share their surfaces or an uncertain input, such as the
-            exponent of bodies that yield or a modulus: their common errors cancel here, but not in `pair`, which
-            samples all inputs except the hardness and the junction growth again.
+            Coefficient, lower limit and upper limit. For measured bodies, these are the numbers that `pair` gives with
+            this interface, which covers unresolved roughness and positions too. Inputs that affected the tests, such as
+            the hardness of the same material, have the same error in the tests and here. If the interface was
+            calibrated on this pair, errors of its true area cancel. The upper limit is infinite if the interface may be
+            stronger than the softer body.
 
         Warns
         -----
@@ -84,23 +70,16 @@ class Interface(InterfaceStrength):
         from scipy.special import ndtr
 
         fit, generator = self.fits[0], np.random.default_rng(1)
-        test_sums = evaluate_test_sums(FrictionTest(result, load, coefficient=0.0), fit.sliding)
+        test = FrictionTest(result, load, coefficient=0.0)
+        test_sums = evaluate_test_sums(test, fit.sliding)
 
-        def draw_scores(name: Hashable) -> Floats:
+        def draw_scores(name: str) -> Floats:
             # If the parameter also affects the tests of the fit, use its samples from the fit.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
-        area_samples = np.exp(test_sums.scatter * draw_scores(test_sums.surfaces))
+        area_samples = np.exp(test_sums.scatter * draw_scores(area_error_name(test_sums.surfaces)))
         if (area_factor := test_sums.area_factor) is not None:
             samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
-            if "hardness" in samples and area_factor.uncertain_inputs["hardness"].describes_same_hardness(
-                self.about.get(HARDNESS_HEADER_ENTRY, "")
-            ):
-                samples["hardness"] = fit.hardness
-            if "junction_growth" in samples and self.has_equal_junction_growth(
-                area_factor.uncertain_inputs["junction_growth"]
-            ):
-                samples["junction_growth"] = fit.junction_growth
         growth = None if area_factor is None else area_factor.junction_growth
         depends_on_growth = growth is not None or depends_on_junction_growth(
             test_sums, float(np.median(fit.mu0)), float(np.median(fit.tau0))
@@ -114,6 +93,13 @@ class Interface(InterfaceStrength):
                 f"{result_growth}; press both with the same junction_growth",
                 stacklevel=2,
             )
+
+        is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured
+        if is_measured_pair:
+            combined = predict_coefficient(MemberSums.of(result), float(test.load), self)
+            # The mean over a single position has no interval. Then return the interval of the fit.
+            if not any(map(math.isnan, combined)):
+                return combined
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
             """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
@@ -130,31 +116,7 @@ class Interface(InterfaceStrength):
         )
         value, lower, _ = cover_credible_intervals(coefficients)
         _, _, upper = cover_credible_intervals(upper_coefficients)
-        has_shared_errors = test_sums.surfaces in fit.scores or (
-            area_factor is not None and bool(fit.scores.keys() & self._list_separate_nuisances(area_factor))
-        )
-        if isinstance(result, (Ball, FrictionCurve)) or has_shared_errors:
-            return value, lower, upper
-        sums = MemberSums.of(result)
-        if not sums.study.is_measured:
-            return value, lower, upper
-        combined_interval = predict_interval(sums, float(FrictionTest(result, load, coefficient=0.0).load), self)
-        # The mean over a single position has no interval. Then return the interval of the fit.
-        return (
-            (value, lower, upper)
-            if math.isnan(combined_interval.lower + combined_interval.upper)
-            else (value, *combined_interval)
-        )
-
-    def _list_separate_nuisances(self, area_factor: AreaFactor) -> set[Hashable]:
-        """Return the names of an area factor's nuisance parameters, except those with joint samples in the fit."""
-        uncertain_inputs = area_factor.uncertain_inputs
-        joint_names = {
-            "hardness": "hardness" in uncertain_inputs
-            and uncertain_inputs["hardness"].describes_same_hardness(self.about.get(HARDNESS_HEADER_ENTRY, "")),
-            "junction_growth": self.has_equal_junction_growth(uncertain_inputs.get("junction_growth")),
-        }
-        return {area_factor.nuisance_name(name) for name in uncertain_inputs if not joint_names.get(name)}
+        return value, lower, upper
 
 
 def read_interface(path: str | Path) -> Interface:

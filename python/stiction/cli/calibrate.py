@@ -41,6 +41,10 @@ CommonUncertaintyOption = Annotated[
 ]
 OutliersOption = Annotated[bool, option("--outliers", "Allow for outliers among the tests.")]
 _BALL_OPTIONS = ("effective_modulus", "young", "poisson", "upper_material", "lower_material", "area_loss")
+TargetOption = Annotated[
+    Path | None,
+    option("--target DIR", "Result of `pair` whose friction you want: predict it, and rank further tests.", False),
+]
 OutputOption = Annotated[
     Path | None,
     option("--output -o NAME", "File for the interface, to use with --interface; also writes NAME.png.", False),
@@ -51,7 +55,7 @@ OutputOption = Annotated[
     "calibrate",
     "stiction calibrate forces.csv --pair ground --pair lapped -o steel_brass",
     "stiction calibrate forces.csv --ball '5 mm' --upper PMMA --lower glass",
-    "stiction calibrate --pair ground --load '10 MPa' --measured '0.25±0.01'",
+    "stiction calibrate --pair ground --load '10 MPa' --measured '0.25±0.01' --target lapped",
 )
 def calibrate(
     context: typer.Context,
@@ -72,6 +76,7 @@ def calibrate(
     upper_material: Annotated[str | None, pair_option("upper_material")] = None,
     lower_material: Annotated[str | None, pair_option("lower_material")] = None,
     area_loss: Annotated[str | None, pair_option("area_loss")] = None,
+    target: TargetOption = None,
     output: OutputOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -87,7 +92,13 @@ def calibrate(
     from stiction.cli.result_output import choose_message_printer, open_result_with_warning
     from stiction.study.input_distributions import Z_95, parse_uncertain_input
     from stiction.study.interfaces import write_interface
-    from stiction.views.calibration import calibration_figure, calibration_json, calibration_text, tested_pair_notes
+    from stiction.views.calibration import (
+        calibration_figure,
+        calibration_json,
+        calibration_text,
+        predict_target,
+        tested_pair_notes,
+    )
     from stiction.views.style import save_figure
 
     bodies: dict[str, Any] = {directory.resolve().name: open_result_with_warning(directory) for directory in pair or ()}
@@ -121,11 +132,15 @@ def calibrate(
         value = parse_uncertain_input("--measured", measured)
         standard_error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=standard_error),)
+    target_result = None if target is None else open_result_with_warning(target)
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
     pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
+    prediction = None if target_result is None else predict_target(interface, target_result)
     print_output(
-        calibration_json(interface, pair_caveats, lays) if as_json else calibration_text(interface, pair_caveats + lays)
+        calibration_json(interface, pair_caveats, lays, prediction)
+        if as_json
+        else calibration_text(interface, pair_caveats + lays, prediction)
     )
     if ball is not None:
         loads = [float(test.load) for test in tests if test.result is bodies["ball"]]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._estimate import Interval, extend_intervals
+from stiction._estimate import extend_intervals
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.combined_intervals import (
     COMBINED_QUANTITIES,
@@ -24,12 +24,12 @@ from stiction.evaluate.combined_intervals import (
     UPPER_SCANS_INPUT_NAME,
     CombinedIntervals,
     InputSampler,
-    StrengthArrays,
+    JointSamples,
     extend_percentiles,
 )
 from stiction.evaluate.contact_area import build_area_functions, compute_load_exponents
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
-from stiction.evaluate.member_values import interpolate_member_sums, member_values
+from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums, member_values
 from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
@@ -38,7 +38,13 @@ from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, Alternat
 from stiction.solve.layout import share_read_only
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Input, Inputs
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, round_median_strength
+from stiction.study.interfaces import (
+    InterfaceStrength,
+    ValueWithLimits,
+    area_error_name,
+    round_median_strength,
+    shared_input_name,
+)
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
@@ -48,6 +54,8 @@ if TYPE_CHECKING:
 
 MAX_BUDGETED_COEFFICIENTS = 100
 """Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
+
+MAX_NAMED_SHARED_INPUTS = 2  # maximum number of inputs that the label of an interface names
 
 INTERVALS_COVERING_ALTERNATIVES = (
     "friction_combined",
@@ -83,12 +91,15 @@ def add_uncertainty(
     `friction_combined` is added. Results of generated bodies are returned unchanged.
 
     All these intervals, and the intervals of the true area, cover the results for the alternative preparations of the
-    scans that are stored with the result. Each of these preparations is an `input` too.
+    scans that are stored with the result. Each of these preparations is an `input` too. If the interface was calibrated
+    on this pair, the tests include errors of the scans, and no interval covers alternative preparations.
     """
     result = MemberSums.of(result)
     if not result.study.is_measured or at.attrs.get("load_definition") != "elastic":
         return at
     own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
+    if is_tested_pair(result.study, Inputs.from_study(result.study).strength):
+        return own
     if budget:
         alternatives = evaluate_alternatives(result, at)
     else:
@@ -132,13 +143,26 @@ def _evaluate_alternatives_uncached(
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of each variable, by its name
 
 
-def predict_interval(result: MemberSums, load: float, strength: InterfaceStrength) -> Interval:
-    """Return the combined interval of the coefficient at a load (mN), for the samples of mu0 and tau0 in `strength`.
+def is_tested_pair(study: Study, strength: InterfaceStrength | None) -> bool:
+    """Return whether an interface was calibrated on the pair of a study."""
+    return strength is not None and area_error_name(study.pair_checksum) in strength.fits[0].scores
 
-    The sliding rule is the rule under which mu0 and tau0 were fitted. The fitted α of junction growth is used if the
-    interface was calibrated with the junction growth of the result. The interval does not cover alternative
-    preparations of the scans.
+
+def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStrength) -> ValueWithLimits:
+    """Return the coefficient of a measured pair at a load (mN) with its combined interval, for a given interface.
+
+    The number and its interval are those of `pair` with this interface. The sliding rule is the rule under which mu0
+    and tau0 were fitted. The fitted α of junction growth is used if the interface was calibrated with the junction
+    growth of the result.
     """
+    alternatives = {} if is_tested_pair(result.study, strength) else load_stored_alternatives(result)
+    values, *others = (_evaluate_with_interface(each, load, strength) for each in (result, *alternatives.values()))
+    value, lower, upper = _extend_estimates(values, others).tolist() if others else values.tolist()
+    return value, lower, upper
+
+
+def _evaluate_with_interface(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
+    """Return the coefficient at a load (mN) with its combined interval, without alternative preparations."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
@@ -150,13 +174,10 @@ def predict_interval(result: MemberSums, load: float, strength: InterfaceStrengt
         and (strength.has_equal_junction_growth(growth_estimate))
     ):
         changes["contact.junction_growth"] = f"{strength.junction_growth.value:.6g} ({strength.junction_growth.text})"
-    changed_result = result.with_study(study.with_changes(changes))
-    at = at_load(changed_result, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
-    combined_friction = _add_own_uncertainty(at, changed_result, budget=False, tests=False, strength=strength)[
-        "friction_combined"
-    ]
-    _, lower, upper = combined_friction.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values.tolist()
-    return Interval(lower, upper)
+    sums = result.with_study(study.with_changes(changes))
+    at = at_load(sums, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
+    combined = _add_own_uncertainty(at, sums, budget=False, tests=False, strength=strength)["friction_combined"]
+    return np.asarray(combined.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values)
 
 
 def _add_own_uncertainty(
@@ -198,7 +219,7 @@ def _evaluate_uncertainty(
     shape = tuple(at.sizes[dim] for dim in dims)
     study_inputs = Inputs.from_study(study)
     inputs_by_strength = {
-        (mu0, tau0): find_inputs_and_strengths(study_inputs.replaced(mu0=mu0, tau0=tau0), strength)
+        (mu0, tau0): find_inputs_and_strengths(study_inputs.replaced(mu0=mu0, tau0=tau0), strength, study.pair_checksum)
         for mu0 in at["mu0"].values.tolist()
         for tau0 in at["tau0"].values.tolist()
     }
@@ -279,40 +300,42 @@ def _evaluate_uncertainty(
 
 
 # uncertain inputs by name, and joint samples of mu0 and tau0
-_SampledInputs = tuple[dict[str, Input], list[StrengthArrays]]
+_SampledInputs = tuple[dict[str, Input], list[JointSamples]]
 
 
-def find_inputs_and_strengths(study_inputs: Inputs, strength: InterfaceStrength | None = None) -> _SampledInputs:
-    """Return the uncertain inputs, and samples from the joint distribution of a calibrated interface's mu0 and tau0.
+def find_inputs_and_strengths(
+    study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
+) -> _SampledInputs:
+    """Return the uncertain inputs, and the joint samples of mu0, tau0 and further inputs of a calibrated interface.
 
-    The samples replace the inputs with which the interface was calibrated. Without an interface, there are no
-    samples. If given, `strength` replaces the interface of the inputs.
+    The joint samples contain each input that also affected the tests of the interface, because its error is the same in
+    the tests and in the pair. Without an interface, there are no samples. If given, `strength` replaces the interface
+    of the inputs. `pair_checksum` identifies the pair among the tested pairs.
     """
     inputs = {name: study_input for name, study_input in study_inputs.uncertain.items() if name != "creep"}
     if (interface := strength or study_inputs.strength) is None:
         return inputs, []
-    fit, hardness = interface.fits[0], inputs.get("hardness")
-    fit_has_same_hardness = hardness is not None and hardness.estimate.describes_same_hardness(
-        interface.about.get(HARDNESS_HEADER_ENTRY, "")
-    )
-    growth = (
-        fit.junction_growth if interface.has_equal_junction_growth(study_inputs.estimate("junction_growth")) else None
-    )
-    hardness_and_growth = fit.hardness if fit_has_same_hardness else None, growth
-    replaced_names = {"mu0", "tau0"} | ({"hardness"} if fit_has_same_hardness else set())
-    replaced_names |= {"junction_growth"} if growth is not None else set()
-    strengths = [(*mu0_and_tau0, *hardness_and_growth) for mu0_and_tau0 in interface.strength_samples]
-    return {name: study_input for name, study_input in inputs.items() if name not in replaced_names}, strengths
+    from scipy.special import ndtr
+
+    scores = interface.fits[0].scores
+    score_names = {name: shared_input_name(name, each.estimate, pair_checksum) for name, each in inputs.items()}
+    shared = {
+        name: inputs[name].estimate.quantile(ndtr(scores[score_name]))
+        for name, score_name in score_names.items()
+        if score_name in scores
+    }
+    area_scores = scores.get(area_error_name(pair_checksum))
+    strengths = [JointSamples(*each, shared, area_scores) for each in interface.strength_samples]
+    replaced_names = {"mu0", "tau0", *shared}
+    return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
 
 
-def _label_interface(study_inputs: Inputs, joint_samples: StrengthArrays) -> str:
-    """Return the budget label of a calibrated interface, which names the inputs that are sampled with mu0 and tau0."""
-    _, _, hardness, growth = joint_samples
-    labels = [
-        study_inputs.uncertain[name].label
-        for name, samples in (("hardness", hardness), ("junction_growth", growth))
-        if samples is not None and name in study_inputs.uncertain
-    ]
+def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
+    """Return the label of a calibrated interface in the budget, with the inputs that its samples contain."""
+    names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
+    labels = [study_inputs.uncertain[name].label for name in names]
+    if len(labels) > MAX_NAMED_SHARED_INPUTS:
+        labels = [labels[0], "other inputs of its tests"]
     return " with ".join(filter(None, ("the interface", " and ".join(labels))))
 
 
@@ -401,8 +424,14 @@ def _iterate_intervals(
     values_by_name = _get_arrays_over_dims(
         {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims
     )
-    contact_sums = interpolate_member_sums(result, loads).mean(("repetition", "direction"))
+    member_sums = interpolate_member_sums(result, loads)
+    contact_sums = member_sums.mean(("repetition", "direction"))
     sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    area_errors = None
+    if any(each.area_scores is not None for _, strengths in inputs_by_strength.values() for each in strengths):
+        adhesive_sums = member_sums["tangential_adhesive"].mean("direction")
+        errors = adhesive_sums.reduce(_estimate_area_errors, "repetition")
+        area_errors = _get_arrays_over_dims({"error": errors.variable}, at, dims)["error"]
     sums_at_no_load = {}
     if "friction_at_no_load" in at:
         mean_sums = result.means(ZERO_LOAD_SUM_QUANTITIES).mean("direction")
@@ -431,12 +460,16 @@ def _iterate_intervals(
         central_quantities = central_values[cell_indices].select(indices["mu0"], indices["tau0"])
         inputs, strengths = inputs_by_strength[float(point["mu0"]), float(point["tau0"])]
         scan_mean = scan_means.get(position)
-        yield (
-            position,
-            CombinedIntervals(
-                point, response, central_quantities, study, inputs, sampler, strengths, scan_mean, drifts
-            ),
-        )
+        intervals = CombinedIntervals(
+            point, response, central_quantities, study, inputs, sampler, strengths, scan_mean, drifts,
+            float(area_errors[position]) if area_errors is not None else 0.0,
+        )  # fmt: skip
+        yield position, intervals
+
+
+def _estimate_area_errors(adhesive_sums: Floats, axis: int, **_: Any) -> Floats:
+    """Return the relative standard error of the mean true area for each contact, from the members along an axis."""
+    return np.apply_along_axis(lambda sums: estimate_area_error(sums[np.isfinite(sums)]), axis, adhesive_sums)
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:

@@ -53,8 +53,31 @@ MAX_CACHED_AREAS = 64  # maximum number of cached samples of the true area
 # maximum number of cached samples of the yield pressure, enough for all mu0 and tau0 of a report
 MAX_CACHED_PRESSURES = 256
 
-StrengthArrays = tuple[Floats, Floats, Floats | None, Floats | None]
-"""Joint samples of mu0, tau0 (GPa), hardness (GPa) and junction growth; the last two may be None."""
+
+@dataclass(frozen=True)
+class JointSamples:
+    """Joint samples of mu0, tau0 (GPa) and the inputs that a pair shares with the tests of its interface.
+
+    Attributes
+    ----------
+    mu0, tau0 : array
+    inputs : mapping of str to array
+        Samples of the shared inputs by name, such as "hardness" (GPa).
+    area_scores : array or None
+        Normal scores of the error of the true area, if the interface was calibrated on this pair. The tests then
+        include all errors of the true area, so that the pair needs no further ones.
+    """
+
+    mu0: Floats
+    tau0: Floats
+    inputs: Mapping[str, Floats]
+    area_scores: Floats | None = None
+
+
+_RESPONSE_INPUT_NAMES = (
+    "mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss", "size_effect",
+)  # fmt: skip
+"""Names of the inputs that a `ContactResponse` takes. All other inputs are elastic constants, which determine E*."""
 
 _Value = TypeVar("_Value")
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
@@ -139,6 +162,10 @@ class InputSampler:
             self._cache[samples_key] = self._generate_samples(inputs, names, fixed)
         return self._cache[samples_key]
 
+    def relative_modulus(self, values: Mapping[str, Floats]) -> Floats | float:
+        """Return E* for samples of the elastic constants, divided by the E* of the study."""
+        return self._inputs.relative_modulus(values)
+
     def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear for samples of the inputs.
 
@@ -197,12 +224,14 @@ class CombinedIntervals:
     sources of sampling uncertainty; it is empty if there is no coefficient or no interval. `drifts` contains, by source
     of sampling uncertainty, the standard deviations of the logarithm of the slope of the gap between the scan of a part
     and the whole part. `inputs` are the uncertain inputs whose values the samples of `strengths` do not contain.
+    `area_error` is the relative standard error of the true area, for samples with scores of this error.
     """
 
     def __init__(
         self, point: Mapping[str, Any], response: ContactResponse, central: ResponseValues, study: Study,
-        inputs: Mapping[str, Any], sampler: InputSampler, strengths: Sequence[StrengthArrays] = (),
+        inputs: Mapping[str, Any], sampler: InputSampler, strengths: Sequence[JointSamples] = (),
         scan_mean: ScanPairMean | None = None, drifts: Mapping[str, float] = MappingProxyType({}),
+        area_error: float = 0.0,
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
@@ -213,6 +242,8 @@ class CombinedIntervals:
         # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
         # is 0.
         self.strengths = strengths
+        self.is_tested = any(each.area_scores is not None for each in strengths)
+        self.area_error = area_error
         self.drifts = drifts
         self._central = central
         self._scan_mean = scan_mean
@@ -232,14 +263,15 @@ class CombinedIntervals:
             bracket_inputs = self.mu0, float(self._central.plastic_friction) - self.mu0, self.contacts
             self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
             self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
-        self.standard_errors = self._split_relative_error(*self.sampling, self.value)
+        self.standard_errors = {} if self.is_tested else self._split_relative_error(*self.sampling, self.value)
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
+        # An interface that was calibrated on this pair contains the errors of its true area.
+        sources = (*self.standard_errors, *self.drifts, *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()))
         self.names = (
             *self.inputs,
             *((INTERFACE_INPUT_NAME,) if self.strengths else ()),
-            *dict.fromkeys((*self.standard_errors, *self.drifts)),
-            *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()),
+            *dict.fromkeys(() if self.is_tested else sources),
         )
 
     def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
@@ -304,6 +336,8 @@ class CombinedIntervals:
         the mean and the range of coefficients for finer scans.
         """
         included_intervals = [(self.value, self.value)]
+        if self.is_tested:
+            return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
         if not set(fixed) & set(SAMPLING_INPUT_NAMES):
             included_intervals.append(self.sampling)
         if UNRESOLVED_ROUGHNESS_INPUT_NAME not in fixed and self.finest is not None and self.bracket is not None:
@@ -523,14 +557,14 @@ class CombinedIntervals:
         names: tuple[str, ...] | None = None,
     ) -> tuple[InputValues, _InputSamples]:  # fmt: skip
         samples = self._sampler.draw(self.inputs, self.names if names is None else names, fixed)
-        drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in self.drifts.items())
+        drifts = {name: deviation for name, deviation in self.drifts.items() if name in samples.scores}
+        drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in drifts.items())
         creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
         input_values = {
-            name: samples.values.get(name, getattr(self.response.central, name))
-            for name in ("mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss", "size_effect")
+            name: samples.values.get(name, getattr(self.response.central, name)) for name in _RESPONSE_INPUT_NAMES
         }
         input_values["hardness"] = input_values["hardness"] * creep_factor
-        height_factor = np.exp(drift) if self.drifts else 1.0
+        height_factor = np.exp(drift) if drifts else 1.0
         inputs = InputValues(
             **input_values, uses_slip_lines=self.response.central.uses_slip_lines, modulus=samples.modulus,
             height_factor=height_factor,
@@ -547,25 +581,23 @@ class CombinedIntervals:
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
         """
-        mu0, tau0, hardness, growth_samples = self.strengths[strength_index]
-        central_inputs = self.response.central
-        joint_inputs = replace(
-            central_inputs,
-            mu0=mu0,
-            tau0=tau0,
-            hardness=central_inputs.hardness if hardness is None else hardness,
-            junction_growth=central_inputs.junction_growth if growth_samples is None else growth_samples,
-        )
-        contact_quantities = self.response.evaluate(joint_inputs)
-        order = np.argsort(
-            np.where(contact_quantities.has_no_upper_limit, np.inf, contact_quantities.friction_coefficient)
-        )
+        joint, central = self.strengths[strength_index], self.response.central
+        joint_values = {"mu0": joint.mu0, "tau0": joint.tau0, **joint.inputs}
+        changes: dict[str, Any] = {name: each for name, each in joint_values.items() if name in _RESPONSE_INPUT_NAMES}
+        if joint.area_scores is not None:
+            changes["area_ratio"] = np.exp(self.area_error * joint.area_scores)
+        moduli = {name: each for name, each in joint_values.items() if name not in changes}
+        if moduli:
+            changes["modulus"] = self._sampler.relative_modulus(moduli)
+        values = self.response.evaluate(replace(central, **changes))
+        order = np.argsort(np.where(values.has_no_upper_limit, np.inf, values.friction_coefficient))
         indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
-        changes: dict[str, Any] = {"mu0": mu0[indices], "tau0": tau0[indices]}
-        if growth_samples is not None:
-            changes["junction_growth"] = growth_samples[indices]
-        if hardness is not None:
-            changes["hardness"] = hardness[indices] * inputs.hardness / central_inputs.hardness
+        changes = {name: each[indices] for name, each in changes.items()}
+        if moduli:
+            drawn = {name: each[indices] for name, each in moduli.items()}
+            changes["modulus"] = self._sampler.relative_modulus(samples.values | drawn)
+        if "hardness" in changes:
+            changes["hardness"] = changes["hardness"] * inputs.hardness / central.hardness
         return replace(inputs, **changes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -180,6 +181,12 @@ def interpolate_member_sums(
         )
 
     return _evaluate_pieces(result, member_kind, evaluate_piece)
+
+
+def estimate_area_error(adhesive_sums: Floats) -> float:
+    """Return the relative standard error of the mean true area, from one adhesive sum per member; 0 for one member."""
+    count = len(adhesive_sums)
+    return float(adhesive_sums.std(ddof=1) / adhesive_sums.mean() / math.sqrt(count)) if count > 1 else 0.0
 
 
 def _evaluate_pieces(

@@ -51,6 +51,8 @@ class InputValues:
         Fraction of their true area that elastic contacts lose before they slide.
     size_effect : float or array, µm
         Length h* of the indentation size effect. Without effect if the depth of the indentation is unknown.
+    area_ratio : float or array
+        Factor of the sliding area, which is the error of its mean over positions.
     """
 
     mu0: Any
@@ -63,6 +65,7 @@ class InputValues:
     uses_slip_lines: bool = False
     area_loss: Any = 0.0
     size_effect: Any = CENTRAL_SIZE_EFFECT_LENGTH
+    area_ratio: Any = 1.0
 
     @property
     def law(self) -> FrictionLaw:
@@ -245,7 +248,8 @@ class ContactResponse:
         # Contacts with tau0 = 0 cannot seize, because their friction does not depend on the area.
         is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
         sliding_area = np.where(np.isinf(onset.area), area, onset.area)
-        coefficient = law.coefficient(self.sums, sliding_area / central_area, onset.friction_fraction)
+        area_ratio = inputs.area_ratio * sliding_area / central_area
+        coefficient = law.coefficient(self.sums, area_ratio, onset.friction_fraction)
         return ResponseValues(
             friction_coefficient=np.where(is_seized, np.inf, coefficient),
             has_no_upper_limit=is_seized | (onset.friction_fraction < 1),

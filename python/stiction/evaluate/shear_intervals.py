@@ -67,7 +67,7 @@ def draw_shear_samples(
 ) -> list[ShearInputSamples]:
     """Draw samples of a shear test's inputs and, for a calibrated interface, more samples with mu0 = 0 or tau0 = 0."""
     uncertain_inputs, joint_strengths = find_inputs_and_strengths(inputs, strength)
-    if not uncertain_inputs and all(np.ptp(mu0) == np.ptp(tau0) == 0 for mu0, tau0, *_ in joint_strengths):
+    if not uncertain_inputs and all(np.ptp(joint.mu0) == np.ptp(joint.tau0) == 0 for joint in joint_strengths):
         return []
     *points, probabilities, interface_points = _draw_points(len(uncertain_inputs) + 2, num_displacements).T
     input_samples = {
@@ -75,20 +75,23 @@ def draw_shear_samples(
         for column, (name, study_input) in zip(points, uncertain_inputs.items(), strict=True)
     }
     mu0, tau0 = (input_samples.get(name, np.full(probabilities.size, inputs.central(name))) for name in ("mu0", "tau0"))
-    ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(input_samples))}
-    if "hardness" in input_samples:
-        ratios["hardness"] = input_samples["hardness"] / inputs.central("hardness")
-    samples = [ShearInputSamples(mu0, tau0, ratios, probabilities)]
+
+    def find_ratios(values: Mapping[str, Floats]) -> dict[str, Floats]:
+        ratios = {"effective_modulus": np.asarray(inputs.relative_modulus(values))}
+        return ratios | ({"hardness": values["hardness"] / inputs.central("hardness")} if "hardness" in values else {})
+
+    samples = [ShearInputSamples(mu0, tau0, find_ratios(input_samples), probabilities)]
     if joint_strengths:
-        index = (interface_points * joint_strengths[0][0].size).astype(int)
+        index = (interface_points * joint_strengths[0].mu0.size).astype(int)
         samples = [
             ShearInputSamples(
-                joint_mu0[index], joint_tau0[index],
-                ratios if hardness is None else ratios | {"hardness": hardness[index] / inputs.central("hardness")},
+                joint.mu0[index],
+                joint.tau0[index],
+                find_ratios(input_samples | {name: samples[index] for name, samples in joint.inputs.items()}),
                 probabilities,
             )
-            for joint_mu0, joint_tau0, hardness, _ in joint_strengths
-        ]  # fmt: skip
+            for joint in joint_strengths
+        ]
     return [
         replace(
             test_samples,

@@ -105,15 +105,14 @@ class UncertainInput:
         """Short text of an input: a number with up to six digits if exact, otherwise the range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
-    def describes_same_hardness(self, text: str) -> bool:
-        """Return whether a text gives the hardness and uncertainty of this input, possibly in another unit."""
-        try:
-            other_input = self if text == self.text else parse_uncertain_input("", text, "hardness")
-        except ValueError:
-            return False
-        return self.distribution == other_input.distribution and np.allclose(
-            [self.low, self.high], [other_input.low, other_input.high]
-        )
+    @property
+    def distribution_text(self) -> str:
+        """Distribution in core units, as in "log-normal 1.059..1.294". It is the same text for every unit of the input.
+
+        Limits are rounded to four digits.
+        """
+        limits = f"{self.low:.4g}" if self.is_exact else f"{self.low:.4g}..{self.high:.4g}"
+        return f"{self.distribution} {limits}{f' {SLIP_LINE_TEXT}' if self.uses_slip_lines else ''}"
 
     def quantile(self, probability: ArrayLike) -> Floats:
         """Return the quantiles of the distribution (core units) at given probabilities."""

@@ -12,7 +12,7 @@ import io
 import math
 import tomllib
 import zlib
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, lru_cache
 from importlib import resources
@@ -73,6 +73,24 @@ The entry is missing if no test depends on α, or if α differs between tests.
 """
 
 
+MAX_SCORE_OF_OLD_FILE = 5.0  # largest normal score that is recovered from a file without columns of scores
+_SCORE_COLUMN_PREFIX = "score of "  # prefix of column titles for normal scores in an interface file
+
+
+def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
+    """Return the name under which all tests and pairs with the same distribution of an input share this input.
+
+    Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
+    """
+    text = f"{name} {estimate.distribution_text}"
+    return f"{text} of {pair_checksum}" if name == "area_loss" else text
+
+
+def area_error_name(pair_checksum: str) -> str:
+    """Return the name of the relative error of the true area that all tests of a pair share."""
+    return f"area of {pair_checksum}"
+
+
 ValueWithLimits = tuple[float, float, float]  # a number with the lower and the upper limit of its 95 % interval
 
 
@@ -91,8 +109,9 @@ class StrengthFit:
     hardness: Floats  # hardness (GPa) of each sample of mu0; NaN if the tests have different hardnesses
     junction_growth: Floats  # junction growth α of each sample of mu0; NaN if α differs between tests or has no effect
     area_per_load: Floats  # area per load A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
-    # samples of the nuisance parameters of the fit, as standard normal numbers
-    scores: Mapping[Hashable, Floats] = field(default_factory=dict)
+    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0. Their names
+    # are those of `shared_input_name` and `area_error_name`. Another pair with the same input uses the same scores.
+    scores: Mapping[str, Floats] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -150,7 +169,12 @@ class InterfaceStrength:
         header = dict(line[2:].partition(": ")[::2] for line in lines[1:] if line.startswith("# "))
         rows = [line for line in lines if line and not line.startswith("#")]
         try:
-            if lines[0] != INTERFACE_FILE_HEADER or tuple(next(csv.reader(rows))) != INTERFACE_FILE_COLUMNS:
+            num_columns, titles = len(INTERFACE_FILE_COLUMNS), next(csv.reader(rows))
+            if (
+                lines[0] != INTERFACE_FILE_HEADER
+                or tuple(titles[:num_columns]) != INTERFACE_FILE_COLUMNS
+                or not all(title.startswith(_SCORE_COLUMN_PREFIX) for title in titles[num_columns:])
+            ):
                 raise ValueError
             sample_table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
             area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
@@ -158,15 +182,21 @@ class InterfaceStrength:
             check_choice("sliding", sliding, SlidingRule)
             parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
-            reason = "an entry of the header is missing or unknown, or a row does not have five numbers"
+            reason = "an entry of the header is missing or unknown, or a row does not have a number in each column"
             raise ValueError(f"{printable_path(path)} is a damaged interface file ({reason})") from None
         if (
             sample_table.ndim != 2
-            or sample_table.shape[1] != len(INTERFACE_FILE_COLUMNS)
+            or sample_table.shape[1] != len(titles)
             or not (np.isfinite(sample_table[:, :2]) & (sample_table[:, :2] >= 0)).all()
+            or np.isnan(sample_table[:, num_columns:]).any()
         ):
             raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
-        fit = _build_strength_fit(sliding, *sample_table.T)
+        scores = {
+            title.removeprefix(_SCORE_COLUMN_PREFIX): column
+            for title, column in zip(titles[num_columns:], sample_table.T[num_columns:], strict=True)
+        }
+        fit = _build_strength_fit(sliding, *sample_table.T[:num_columns])
+        fit = replace(fit, scores=scores or _compute_scores_of_old_file(fit, header))
         return cls((fit,), area_per_load, variation, separated, about=header)
 
     @classmethod
@@ -418,25 +448,40 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
                 f"variation and separated, got {short_repr(key)}"
             )
         header[key] = printable_text(text, len(text))
-    file_text = io.StringIO()
+    file_text, fit = io.StringIO(), interface.fits[0]
+    titles = [*INTERFACE_FILE_COLUMNS, *(f"{_SCORE_COLUMN_PREFIX}{name}" for name in fit.scores)]
     file_text.write(
-        "\n".join(
-            [
-                INTERFACE_FILE_HEADER,
-                *(f"# {key}: {value}" for key, value in header.items()),
-                ",".join(INTERFACE_FILE_COLUMNS),
-            ]
-        )
+        "\n".join([INTERFACE_FILE_HEADER, *(f"# {key}: {value}" for key, value in header.items()), ",".join(titles)])
         + "\n"
     )
-    fit = interface.fits[0]
-    columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load]
+    columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load, *fit.scores.values()]
     np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
     return file_text.getvalue().encode()
 
 
 def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) -> StrengthFit:
     return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *other_samples)
+
+
+def _compute_scores_of_old_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
+    """Return the normal scores of hardness and junction growth in an interface file without columns of scores."""
+    from scipy.special import ndtr
+
+    columns = {
+        "hardness": (HARDNESS_HEADER_ENTRY, fit.hardness),
+        "junction_growth": (JUNCTION_GROWTH_HEADER_ENTRY, fit.junction_growth),
+    }
+    nodes, scores = np.linspace(-MAX_SCORE_OF_OLD_FILE, MAX_SCORE_OF_OLD_FILE, 2001), {}
+    for name, (entry, samples) in columns.items():
+        if entry not in header or np.isnan(samples).any():
+            continue
+        try:
+            estimate = parse_study_input(name, header[entry])
+        except ValueError:
+            continue
+        if not estimate.is_exact:
+            scores[shared_input_name(name, estimate, "")] = np.interp(samples, estimate.quantile(ndtr(nodes)), nodes)
+    return scores
 
 
 def interfaces() -> dict[str, dict[str, str]]:
@@ -529,10 +574,14 @@ class InterfaceSettings(SettingsSection):
             entry = InterfaceSettings.from_source(self.file)
             if (entry.mu0, entry.tau0) != (self.mu0, self.tau0):
                 return None
-            is_published = self.file in _published_interfaces()
-            return _read_cached_interface(self.file, 0 if is_published else Path(self.file).stat().st_mtime_ns)
+            return _read_cached_interface(self.file, 0 if self.is_published else Path(self.file).stat().st_mtime_ns)
         except (ValueError, OSError):
             return None
+
+    @property
+    def is_published(self) -> bool:
+        """True if the interface is in the published list, and False if it comes from a file."""
+        return self.file in _published_interfaces()
 
     @property
     def name(self) -> str:
@@ -547,8 +596,8 @@ class InterfaceSettings(SettingsSection):
 
     @model_serializer(mode="wrap")
     def _serialize(self, serialize: SerializerFunctionWrapHandler) -> Any:
-        is_published = self.file in _published_interfaces() and InterfaceSettings.from_source(self.file) == self
-        return self.file if is_published else serialize(self)
+        is_unchanged = self.is_published and InterfaceSettings.from_source(self.file) == self
+        return self.file if is_unchanged else serialize(self)
 
 
 def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:

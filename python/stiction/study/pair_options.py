@@ -365,7 +365,7 @@ def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
-@make_condition("is for {mechanics} half-space, and for {law} jackson-green")
+@make_condition("needs {mechanics} half-space, or {law} jackson-green with the asperity model")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
     """Return whether a contact model is used that can limit the pressure to a hardness."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import zlib
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -447,6 +449,24 @@ class Study(SettingsSection):
         return bool(getattr(self.surfaces, "gap", None))
 
     @property
+    def pair_checksum(self) -> str:
+        """Checksum of surfaces, positions, and central values of E* and hardness.
+
+        It does not depend on paths, loads or friction, so that `calibrate` recognizes a tested pair.
+        """
+        sections: dict[str, Any] = {name: drop_none_entries(getattr(self, name)) for name in ("surfaces", "ensemble")}
+        contact = self.contact
+        sections["contact"] = (
+            contact.mechanics,
+            *(
+                f"{float(getattr(contact, name, None) or 0.0):.6g}"
+                for name in ("effective_modulus", "hardness", "work_of_adhesion", "indent")
+            ),
+        )
+        text = json.dumps(_drop_paths(sections), sort_keys=True, default=str)
+        return f"{zlib.crc32(text.encode()):08x}"
+
+    @property
     def is_areal(self) -> bool:
         """True if the members are pairs of height maps, and False if they are pairs of profiles."""
         return self.surfaces.is_areal
@@ -652,6 +672,14 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     if isinstance(section, MeasuredMapContactSettings):
         key_order["direction"] = 1  # write the key `direction` last
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
+
+
+def _drop_paths(value: Any) -> Any:
+    """Return nested entries of a study without the paths of files whose checksum is known, and without loaded files."""
+    if isinstance(value, Mapping):
+        ignored_keys = ("file", "body") if "sha256" in value else ()
+        return {key: _drop_paths(item) for key, item in value.items() if key not in ignored_keys}
+    return [_drop_paths(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def study_names() -> list[str]:

@@ -473,6 +473,8 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
         hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         remedy = "give the hardness of the softer body"
+        if not study.uses_half_space:  # asperities yield only by the Jackson-Green law
+            remedy += " with --mechanics half-space, or with --law jackson-green"
         return (
             (
                 build_pressure_check(yield_limit, yielded_text, remedy, "fault"),
@@ -480,7 +482,8 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
             ),
         )
     text = "the mean pressure in contact is {}, at which almost no material is still elastic"
-    return ((build_pressure_check(yield_limit, text, "use lower heights, a lower D, or a hardness", "caution"),),)
+    yielding = "a hardness" if study.uses_half_space else "the contact law jackson-green"
+    return ((build_pressure_check(yield_limit, text, f"use lower heights, a lower D, or {yielding}", "caution"),),)
 
 
 def assess_ensemble_points(

@@ -44,9 +44,9 @@ from stiction.evaluate.point import (
 from stiction.evaluate.pull_off import PullOffValues, find_pull_off_values
 from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
-from stiction.mechanics.model import PROFILE_WIDTH
+from stiction.mechanics.model import PROFILE_WIDTH, SlidingRule
 from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
-from stiction.study.inputs import Inputs
+from stiction.study.inputs import Inputs, find_interface
 from stiction.summary.assessment import (
     ASPERITY_CHECKS,
     FEW_CONTACTS_CHECK_NAMES,
@@ -146,6 +146,36 @@ class PointSummary:
     quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
     numbers: Mapping[str, float] = field(default_factory=dict, repr=False)
     distributions: Mapping[str, Mapping[float, Estimate]] = field(default_factory=dict, repr=False)
+
+    @property
+    def has_values_of_interface(self) -> bool:
+        """True if mu0 and tau0 of the point are the medians of a calibrated interface."""
+        return has_values_of_interface(self.study, self.at)
+
+    @property
+    def are_strengths_separated(self) -> bool:
+        """False if the tests of the point's interface determine only the sum mu0 + tau0 A/F."""
+        return are_strengths_separated(self.study, self.at)
+
+    @property
+    def calibrated_rule(self) -> SlidingRule | None:
+        """Sliding rule under which the interface of the point was calibrated, or None if no tests were fitted."""
+        interface = self.study.friction.interface
+        is_calibrated = interface is not None and not interface.is_published and self.has_values_of_interface
+        return interface.fitted_rule if is_calibrated and interface is not None else None
+
+    @property
+    def contribution_terms(self) -> dict[str, float]:
+        """Contributions to the coefficient by name; empty if they are unknown.
+
+        The contributions of mu0 and tau0 are one term if the tests of the interface determine only their sum.
+        """
+        if self.contributions is None:
+            return {}
+        mu0, adhesion, slopes = self.contributions
+        if not self.are_strengths_separated:
+            return {"mu0_and_adhesion": mu0 + adhesion, "slopes": slopes}
+        return {"mu0": mu0, "adhesion": adhesion, "slopes": slopes}
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
@@ -671,6 +701,23 @@ def _compute_friction_contributions(
     return *parts, rule.value - sum(parts)
 
 
+def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
+    """Return whether mu0 or tau0 at the coordinates of a result point is the central value of the study."""
+    return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
+
+
+def has_values_of_interface(study: Study, coordinates: Mapping[str, Any]) -> bool:
+    """Return whether mu0 and tau0 at the coordinates of a result point are the medians of an interface."""
+    has_interface = study.friction.interface is not None
+    return has_interface and all(has_central_value(study, coordinates, name) for name in ("mu0", "tau0"))
+
+
+def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> bool:
+    """Return False if mu0 and tau0 come from an interface whose tests determine only the sum mu0 + tau0 A/F."""
+    interface = find_interface(study) if has_values_of_interface(study, coordinates) else None
+    return interface is None or interface.separated
+
+
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     """Return the coordinates of a result point by name, including the Hurst exponent of self-affine surfaces."""
     coordinates = {
@@ -689,13 +736,14 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also
-    unknown for a gap, which does not contain the roughness of the two faces, and if the interface of contacts that
-    yield is stronger than the softer body.
+    unknown for a gap, which does not contain the roughness of the two faces, if the interface of contacts that yield is
+    stronger than the softer body, and if the tests of the interface do not separate mu0 from tau0.
     """
     contributions = _compute_friction_contributions(point, study, rule)
     if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
         return None
-    if is_stronger_than_body(point, study):
+    strengths = {name: float(point[name]) for name in ("mu0", "tau0")}
+    if is_stronger_than_body(point, study) or not are_strengths_separated(study, strengths):
         return None
     plastic_friction = compute_plastic_friction(point, study)
     return rule.value - (contributions[0] if plastic_friction is None else plastic_friction)

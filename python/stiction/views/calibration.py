@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,11 +15,12 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
+from stiction.calibration.planning import PlannedTests, plan_tests
 from stiction.calibration.prediction import Interface
-from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit
+from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit, ValueWithLimits
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, point_load_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, point_load_text
 from stiction.views.sentence import junction_growth_text, lay_assumption
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
@@ -35,10 +37,37 @@ MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800  # maximum number of samples (mu0, tau0) in a figure
 
 
-def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> str:
+@dataclass(frozen=True)
+class TargetPrediction:
+    """Coefficients of a wanted pair at the loads of its study, and its intervals after further tests at the first load.
+
+    `points` has the text of each load, and the coefficient with its interval.
+    """
+
+    points: tuple[tuple[str, ValueWithLimits], ...]
+    plans: tuple[PlannedTests, ...]
+
+
+def predict_target(interface: Interface, result: Evaluation) -> TargetPrediction:
+    """Predict the coefficients of a wanted pair, and the intervals after further tests."""
+    loads = [float(load) for load in result.study.friction.load]
+    points = tuple(
+        (
+            load_text(load, load / result.nominal_area if result.nominal_area else math.nan),
+            interface.predict(result, load),
+        )
+        for load in loads
+    )
+    return TargetPrediction(points, plan_tests(interface, result, loads[0]))
+
+
+def calibration_text(
+    interface: Interface, pair_notes: Sequence[str] = (), prediction: TargetPrediction | None = None
+) -> str:
     """Return a calibration as text: mu0 + tau0 A/F, the fits and, if the tests separate them, mu0 and tau0.
 
-    `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`.
+    `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`. `prediction` replaces the table of
+    tests that would separate mu0 and tau0.
     """
     first_fit = interface.fits[0]
     sum_text = f"μ0 + τ0 A/F = {Estimate(*interface.identified).table_text}"
@@ -56,11 +85,25 @@ def calibration_text(interface: Interface, pair_notes: Sequence[str] = ()) -> st
         "",
         *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _describe_fit(interface, fit)),
     ]
-    if interface.advice:
+    if prediction is not None:
+        lines += ["", *_describe_prediction(prediction, SLIDING_RULE_DESCRIPTIONS[first_fit.sliding])]
+    elif interface.advice:
         table = [["further test that would separate μ0 and τ0", "± μ0", "± τ0"]]
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
         lines += ["", format_table(table)]
     return "\n".join(lines)
+
+
+def _describe_prediction(prediction: TargetPrediction, rule: str) -> Iterator[str]:
+    """Yield the predicted coefficients, and a table of further tests by the interval that they would leave."""
+    for text, limits in prediction.points:
+        yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
+    yield ""
+    rows = [
+        ["further tests, by the interval at the first load", "μ_s"],
+        ["none", str(Estimate(*prediction.points[0][1]))],
+    ]
+    yield format_table([*rows, *([plan.text, str(Estimate(*plan.coefficient))] for plan in prediction.plans)])
 
 
 def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
@@ -167,7 +210,12 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
         yield f"{rule}: residuals vary with the load (probability {fit.trend:.1g}), so the law does not fit."
 
 
-def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lays: Sequence[str] = ()) -> str:
+def calibration_json(
+    interface: Interface,
+    pair_caveats: Sequence[str] = (),
+    lays: Sequence[str] = (),
+    prediction: TargetPrediction | None = None,
+) -> str:
     """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.area_per_load}
@@ -197,8 +245,22 @@ def calibration_json(interface: Interface, pair_caveats: Sequence[str] = (), lay
         "calibrate", estimate_records, kind="interface", variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
-        pair_caveats=list(pair_caveats), lays=list(lays),
+        pair_caveats=list(pair_caveats), lays=list(lays), **_build_prediction_fields(prediction),
     )  # fmt: skip
+
+
+def _build_prediction_fields(prediction: TargetPrediction | None) -> dict[str, Any]:
+    """Return the predicted coefficients and the planned tests as fields of a JSON record; empty without a target."""
+    if prediction is None:
+        return {}
+    return {
+        "predicted": [_build_coefficient_fields(text, limits) for text, limits in prediction.points],
+        "further_tests": [_build_coefficient_fields(plan.text, plan.coefficient) for plan in prediction.plans],
+    }
+
+
+def _build_coefficient_fields(text: str, limits: ValueWithLimits) -> dict[str, Any]:
+    return {"text": text, "coefficient": Estimate(*limits, name="mu_s", unit="1", kind="combined").to_record()}
 
 
 def interfaces_text(interfaces: Sequence[Mapping[str, str]]) -> str:

@@ -30,6 +30,21 @@ COORDINATE_LABELS = {"fractal_dimension": "D", "hurst_exponent": "H", "mu0": "μ
 _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": "um"}
 
 
+CONTRIBUTION_LABELS = {
+    "mu0": "μ0", "adhesion": "τ0 on the true area", "slopes": "slopes",
+    "mu0_and_adhesion": "μ0 and τ0 on the true area, not separated by the tests",
+}  # fmt: skip
+"""Labels of the contributions to a coefficient, by the names of `PointSummary.contribution_terms`."""
+
+
+def sliding_rule_text(point: PointSummary, rule: str) -> str:
+    """Return a phrase on a sliding rule, with a remark if the interface was calibrated under the other rule."""
+    text = SLIDING_RULE_DESCRIPTIONS[rule]
+    if point.calibrated_rule in (None, rule):
+        return text
+    return f"{text}, for which the interface was not calibrated"
+
+
 def coordinate_text(name: str, value: float) -> str:
     """Return the value of a coordinate of a result point with its unit as text, as in "50 MPa"."""
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"

@@ -349,9 +349,8 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             }
             for rule in point.rules
         ],
-        "contributions": None
-        if point.contributions is None
-        else dict(zip(("mu0", "adhesion", "slopes"), point.contributions, strict=True)),
+        "contributions": point.contribution_terms or None,
+        "calibrated_rule": point.calibrated_rule,
         "budget": [
             {"input": entry.label, "coefficient": entry.to_record({"input": entry.label}), "width": entry.width}
             for entry in point.budget

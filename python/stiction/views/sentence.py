@@ -15,9 +15,10 @@ from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
 from stiction.study.moduli import find_default_area_loss
-from stiction.summary.summary import PointSummary, Summary
+from stiction.summary.summary import PointSummary, Summary, has_central_value
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
+    CONTRIBUTION_LABELS,
     SLIDING_RULE_DESCRIPTIONS,
     averaged_directions_text,
     coordinate_text,
@@ -68,7 +69,7 @@ def quotable_sentence(point: PointSummary) -> str:
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
     # An interface was calibrated for one sliding rule, so the coefficient under the other rule is left out.
-    rules = point.rules[:1] if _has_values_of_interface(point) else point.rules
+    rules = point.rules[:1] if point.has_values_of_interface else point.rules
     coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", point_note_text(point)]
     sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
@@ -138,8 +139,8 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
         items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
     items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
     items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
-    if _has_values_of_interface(point):
-        items.append(_interface_text(study))
+    if point.has_values_of_interface:
+        items.append(_interface_text(point))
     if materials := material_names_text(study):
         items.append(materials)
     items.append(f"E* = {format_with_unit(point.effective_modulus, 'GPa')}")
@@ -198,26 +199,18 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
 def _input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets, or "" if a result point does not have its central value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
-    return f" ({entry.estimate.text})" if entry is not None and _is_central_value(point, name) else ""
+    return f" ({entry.estimate.text})" if entry is not None and has_central_value(point.study, point.at, name) else ""
 
 
-def _has_values_of_interface(point: PointSummary) -> bool:
-    """Return whether mu0 and tau0 of a result point are the medians of a calibrated interface."""
-    has_interface = point.study.friction.interface is not None
-    return has_interface and all(_is_central_value(point, name) for name in ("mu0", "tau0"))
-
-
-def _is_central_value(point: PointSummary, name: str) -> bool:
-    return math.isclose(point.at[name], float(getattr(point.study.friction, name)[0]), rel_tol=1e-3)
-
-
-def _interface_text(study: Study) -> str:
-    """Return a phrase on the interface that defines mu0 and tau0: name, kind and conditions."""
+def _interface_text(point: PointSummary) -> str:
+    """Return a phrase on the interface that defines mu0 and tau0: name, kind, sliding rule and conditions."""
+    study = point.study
     interface, name = find_interface(study), study.friction.interface.name if study.friction.interface else ""
     if interface is None:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
-    fit, items = interface.fits[0], [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
-    items += [SLIDING_RULE_DESCRIPTIONS[fit.sliding]] if fit.sliding != "all" else []
+    items = [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
+    items += [] if point.calibrated_rule is None else [SLIDING_RULE_DESCRIPTIONS[point.calibrated_rule]]
+    items += [] if point.are_strengths_separated else ["its tests determine only μ0 + τ0 A/F"]
     items += ["its range is unknown"] if interface.has_unknown_range else []
     return f"interface {name} ({', '.join(filter(None, items))})"
 
@@ -397,14 +390,15 @@ def roughness_text(point: PointSummary) -> str:
 
 def contributions_text(point: PointSummary) -> str:
     """Return a sentence on the contributions of mu0, adhesion and slopes to friction, or "" if they are unknown."""
-    if point.contributions is None:
-        return ""
-    mu0, adhesion_part, slopes_part = (round(contribution, 3) + 0.0 for contribution in point.contributions)
-    sign = "\N{MINUS SIGN}" if slopes_part < 0 else "+"
-    load_note = "" if math.isclose(mu0, point.at["mu0"], abs_tol=1e-3) else " on the load of the contacts"
-    return (
-        f"{mu0:.3f} (μ0{load_note}) + {adhesion_part:.3f} (τ0 on the true area) {sign} {abs(slopes_part):.3f} (slopes)"
-    )
+    terms = {name: round(contribution, 3) + 0.0 for name, contribution in point.contribution_terms.items()}
+    text = ""
+    for name, contribution in terms.items():
+        label = CONTRIBUTION_LABELS[name]
+        if name == "mu0" and not math.isclose(contribution, point.at["mu0"], abs_tol=1e-3):
+            label += " on the load of the contacts"
+        sign = (" \N{MINUS SIGN} " if contribution < 0 else " + ") if text else ""
+        text += f"{sign}{abs(contribution):.3f} ({label})"
+    return text
 
 
 def single_test_text(point: PointSummary) -> str:

@@ -39,6 +39,7 @@ from stiction.views.point import (
     nominal_area_text,
     point_coordinate_text,
     point_load_text,
+    sliding_rule_text,
 )
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantities_paragraph
@@ -349,7 +350,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
             symbol, relation = ("   ", "  ") if index else ("μ_s", "= ")
             text = coefficient_text(point, rule)
             relation = "" if text.startswith("≥") else relation
-            line = f"{symbol} {relation}{text}  {SLIDING_RULE_DESCRIPTIONS[rule.rule]}"
+            line = f"{symbol} {relation}{text}  {sliding_rule_text(point, rule.rule)}"
             lines.append(WrappedText(line, hanging_indent=" " * 8))
         return [*lines, roughness_text(point)]
     headings = (f"μ_s {SLIDING_RULE_TITLES[rule.rule]}" for rule in points[0].rules)

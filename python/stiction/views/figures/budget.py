@@ -25,6 +25,14 @@ MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure of the uncertaint
 MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's label; longer labels are wrapped
 
 
+_CONTRIBUTION_STYLES = {
+    "": (NOT_OPPOSING_COLOUR, None), "mu0": (NOT_OPPOSING_COLOUR, r"$\mu_0$"),
+    "adhesion": (AREA_COLOUR, r"$\tau_0$ on the true area"), "slopes": (OPPOSING_COLOUR, "slopes"),
+    "mu0_and_adhesion": (NOT_OPPOSING_COLOUR, r"$\mu_0$ and $\tau_0$, not separated"),
+}  # fmt: skip
+"""Colour and label of each contribution to the coefficient, by the names of `PointSummary.contribution_terms`."""
+
+
 def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: contributions to friction, combined interval, and uncertainty budget."""
     width = point.upper - point.lower
@@ -38,18 +46,10 @@ def uncertainty_budget_figure(point: PointSummary, *, title: str = "") -> Figure
     figure = new_figure(42 + 6 * len(rows))
     axes: Any = figure.subplots()
     contribution_start = 0.0
-    labels = (r"$\mu_0$", r"$\tau_0$ on the true area", "slopes")
-    for contribution, colour, label in zip(
-        point.contributions or (point.value,), (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR), labels, strict=False
-    ):
-        axes.barh(
-            0,
-            contribution,
-            left=contribution_start,
-            height=0.6,
-            color=colour,
-            label=label if point.contributions else None,
-        )
+    terms = point.contribution_terms or {"": point.value}
+    for name, contribution in terms.items():
+        colour, label = _CONTRIBUTION_STYLES[name]
+        axes.barh(0, contribution, left=contribution_start, height=0.6, color=colour, label=label)
         contribution_start += contribution
     interval_distances = [[point.value - point.lower], [point.upper - point.value]]
     axes.errorbar([point.value], [0], xerr=interval_distances, color="black", capsize=3, linewidth=1.2)

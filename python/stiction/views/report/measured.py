@@ -18,6 +18,7 @@ from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
 from stiction.views.point import (
+    CONTRIBUTION_LABELS,
     SLIDING_RULE_DESCRIPTIONS,
     averaged_directions_text,
     cutoff_text,
@@ -240,20 +241,17 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
     }  # fmt: skip
 
 
-_FRICTION_CONTRIBUTION_LABELS = ("μ0", "τ0 on the true area", "slopes")
-
-
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
     """Return the coefficient under the rule "all", its interval and its contributions for the page scripts."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None
-    contribution_texts = []
-    for index, (contribution, label) in enumerate(zip(point.contributions, _FRICTION_CONTRIBUTION_LABELS, strict=True)):
+    contribution_texts, terms = [], point.contribution_terms
+    for index, (name, contribution) in enumerate(terms.items()):
         sign = (" \N{MINUS SIGN} " if contribution <= -0.0005 else " + ") if index else ""
-        contribution_texts.append(f"{sign}{abs(contribution):.3f} ({label})")
+        contribution_texts.append(f"{sign}{abs(contribution):.3f} ({CONTRIBUTION_LABELS[name]})")
     return {
-        "contributions": point.contributions,
+        "contributions": list(terms.values()),
         "ends": [all_contacts_estimate.lower, all_contacts_estimate.upper],
         "value": all_contacts_estimate.value,
         "texts": contribution_texts,

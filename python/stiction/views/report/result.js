@@ -132,7 +132,7 @@ function contributionBar({contributions, ends: [low, high], value, texts}) {
   const percent = (part) => `${(100 * part) / most}%`;
   const bar = shape("svg", {class: "bar", role: "img", width: "100%", height: 34});
   let from = 0;
-  const colours = ["accent", "area", "opposing"].map((name) => `var(--${name})`);
+  const colours = (contributions.length < 3 ? ["accent", "opposing"] : ["accent", "area", "opposing"]).map((name) => `var(--${name})`);
   contributions.forEach((part, index) => {
     const begin = part < 0 ? from + part : from;
     bar.append(shape("rect", {x: percent(begin), y: 6, width: percent(Math.abs(part)), height: 16, fill: colours[index]}));

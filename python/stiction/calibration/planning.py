@@ -1,0 +1,102 @@
+"""Expected effect of further friction tests on the predicted friction coefficient of a pair."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stiction._checks import Floats, check_instance
+from stiction.calibration.prediction import Interface
+from stiction.mechanics.friction import FrictionLaw
+from stiction.study.input_distributions import Z_95
+from stiction.study.interfaces import ValueWithLimits, round_median_strength
+
+DEFAULT_RELATIVE_ERROR = 0.05  # relative error of planned tests if the errors of the present tests are unknown
+BALL_LOAD_RANGE = 100.0  # ratio of the largest to the smallest load of planned tests on a ball
+
+
+class PlannedTests(NamedTuple):
+    """Further friction tests, and the coefficient of a pair with its 95 % interval after these tests."""
+
+    text: str
+    coefficient: ValueWithLimits
+
+
+def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
+    """Yield further tests that would separate mu0 from tau0, each with the true area per load (1/GPa) of every test.
+
+    `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
+    """
+    # For a ball (Hertz), A/F is proportional to F^(-1/3).
+    ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
+    yield (
+        "a smooth ball below yield, two decades of load",
+        area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
+    )
+    yield "as many tests on a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)
+    yield "as many tests with the same film on a body twice as hard", np.full(count, area_per_load / 2)
+
+
+def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[PlannedTests, ...]:
+    """Return further tests and the interval of a pair's coefficient after these tests, the narrowest interval first.
+
+    Parameters
+    ----------
+    interface : Interface
+        Result of `calibrate`.
+    result : Result, HalfSpaceCurve, LoadCurve or Ball
+        Pair whose coefficient is wanted.
+    load : float or str, mN
+
+    Returns
+    -------
+    tuple of PlannedTests
+        The planned tests are as many as the present ones and have their median relative error. They are assumed to
+        measure the coefficients that follow from the medians of mu0 and tau0, without an error common to all tests.
+
+    Notes
+    -----
+    Each joint sample of mu0, tau0 and the shared inputs is weighted by the probability of the planned measurements.
+
+    Examples
+    --------
+    >>> from stiction import Ball, FrictionTest, calibrate
+    >>> from stiction.calibration.planning import plan_tests
+    >>> ball, wanted = Ball("5 mm", "3 GPa"), Ball("50 mm", "3 GPa")
+    >>> tests = [FrictionTest(ball, "20 mN", coefficient=0.3, uncertainty=0.01) for _ in range(3)]
+    >>> plan_tests(calibrate(tests), wanted, "20 mN")[0].text
+    'as many tests of this pair'
+    """
+    check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
+    relative_errors = [uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid]
+    relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
+    if not math.isfinite(relative_error):
+        relative_error = DEFAULT_RELATIVE_ERROR
+    count, central_law = max(len(interface.tests), 1), FrictionLaw(*round_median_strength(interface))
+    plans = []
+    for text, areas_per_load in list_area_plans(interface.area_per_load, count):
+        fit = interface.fits[0]
+        expected = central_law.force(1.0, areas_per_load)
+        predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
+        misfit = (predicted / expected - 1) / relative_error
+        weights = np.exp(-0.5 * (misfit**2).sum(axis=1))
+        plans.append(PlannedTests(text, _resample(interface, weights).predict(result, load)))
+    value, *_ = interface.predict(result, load)
+    half_width = Z_95 * relative_error / math.sqrt(count) * value
+    plans.append(PlannedTests("as many tests of this pair", (value, max(value - half_width, 0.0), value + half_width)))
+    return tuple(sorted(plans, key=lambda plan: plan.coefficient[2] - plan.coefficient[1]))
+
+
+def _resample(interface: Interface, weights: Floats) -> Interface:
+    """Return an interface with as many joint samples, drawn in proportion to their weights."""
+    fit, cumulative_weight = interface.fits[0], np.cumsum(weights)
+    targets = (np.arange(weights.size) + 0.5) / weights.size * cumulative_weight[-1]
+    indices = np.searchsorted(cumulative_weight, targets)
+    names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
+    columns: dict[str, Any] = {name: getattr(fit, name)[indices] for name in names}
+    columns["scores"] = {name: scores[indices] for name, scores in fit.scores.items()}
+    return replace(interface, fits=(replace(fit, **columns),))
