@@ -122,7 +122,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing blocks of a study, or of a part of it, and return the result.
+    """Solve the contacts of a study, or of a part of it, that are not stored yet, and return the result.
 
     If no part is given, the companion results are computed too.
 

@@ -83,7 +83,7 @@ class ElasticKernel {
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the stiffness operator E*|k|/2 of an area, truncated to a stencil of 3 x 3 points.
+  /// Return the stiffness operator E*|k|/2 of a two-dimensional grid, truncated to a stencil of 3 x 3 points.
   /// The nine weights of the stencil are stored row by row.
   /// The weight of the central point is chosen so that the sum of all nine weights is small.
   const std::array<double, 9>& stencil() const { return stencil_; }

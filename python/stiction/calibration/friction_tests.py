@@ -64,7 +64,7 @@ class Ball:
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # Balls are compared by `lost_fraction` instead.
+    # Balls with equal `lost_fraction` count as equal, whatever area loss was given.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
     # Elastic constants of ball and flat, computed from the central values of their moduli.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)

@@ -236,7 +236,7 @@ class ShearBox:
         return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
-        """Solve the half-space contact at an offset for given vertical contact forces (mN)."""
+        """Solve the contact of the faces at a horizontal offset (µm) under given vertical contact forces (mN)."""
         upper, lower = _close_round_off_gap(*self.faces_at(offset))
         return half_space(
             upper, lower, np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,

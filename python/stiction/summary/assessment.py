@@ -290,7 +290,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
-    if study.is_gap:  # a gap between two faces has only one relative position
+    if study.is_gap:  # two faces that are given by their gap have only one relative position
         total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
     return (
         LimitCheck("contacts_missing_of_all", 0.0, total_text, total_remedy, about="contact_count"),
@@ -311,7 +311,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 def _build_contact_checks(study: Study) -> CheckGroups:
     """Return the groups of checks of the pull-off force and of the contacts at a result point."""
     text = "the pull-off force is a lower bound"
-    if not study.is_gap:  # a gap between two faces has only one relative position
+    if not study.is_gap:  # two faces that are given by their gap have only one relative position
         text += f": {{}} of the {study.member_names.plural} have only a bound"
     remedy = "call half_space to see the reason as a warning"
     pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)

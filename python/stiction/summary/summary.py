@@ -356,10 +356,10 @@ class Summary:
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return friction at several cutoffs and its bounds for finer scans, for one mu0 and tau0 at the first load.
+        """Return the friction at several cutoff wavelengths, and the bounds of the friction of a finer scan.
 
-        The load is the first load of the study or, if the summary does not contain it, the nearest load. Returns None
-        if there is only one cutoff.
+        The friction is that for one mu0 and tau0, at the first load of the study or, if the summary does not contain
+        it, at the nearest load. Returns None if there is only one cutoff.
         """
         if (points := self._points_at_cutoffs) is None:
             return None

@@ -186,7 +186,7 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return, at given points, the larger of two typical deviations: of the whole scan and of the neighbourhood.
+        """Return the typical height deviation at given points: that of their neighbourhood, or of the scan if larger.
 
         A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
         """
