@@ -429,7 +429,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",
-                "must be 0 if work_of_adhesion is above 0, because the model has no growth of adhesive contacts under shear",
+                "must be 0 if work_of_adhesion is above 0, because the model neglects the growth of adhesive contacts",
             )
         return self
 
