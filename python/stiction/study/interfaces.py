@@ -1,7 +1,8 @@
 """Strength of interfaces (mu0 and tau0), from a published list or from calibration files.
 
 An interface file has header lines that begin with "# ", and below them a table with one sample per row. The columns are
-mu0, tau0, hardness, junction growth, and the true area per load of the tests (A/F).
+mu0, tau0, hardness, junction growth, the true area per load of the tests (A/F), and the normal score of each uncertain
+input of the tests.
 """
 
 from __future__ import annotations
