@@ -37,7 +37,7 @@ _MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with it
 # Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
-# The limit is high, because a power law has three parameters and can begin at any of about 50 bins.
+# This increase must be large, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.

@@ -225,7 +225,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a spectrum and a power law in a wavelength band, after subtracting random scatter.
+    """Return the rms ratio between a spectrum and a power law in a wavelength band, without random scatter.
 
     `chance` is the variance of ln(density) for a single harmonic.
     """

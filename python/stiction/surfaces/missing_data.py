@@ -27,7 +27,7 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
 
 # Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
-# Independent rounding errors give 0.25 from means of neighbours, and 0.21 to 0.33 from lines through neighbours.
+# Independent rounding errors give 0.25 steps from means of neighbours, 0.21 to 0.33 from lines through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10

@@ -64,7 +64,7 @@ _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of noise densities along x and y that are regarded as equal
 # A spectrum can hide noise if its density is at least this multiple of the noise density.
-# This ratio is below 1 to allow for random scatter of the density.
+# The ratio of spectral to noise density is below 1 to allow for random scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # Noise along one axis can be hidden along the other only if at least this number of lines have independent noise.
 _MIN_INDEPENDENT_LINES = 8.0

@@ -41,7 +41,7 @@ The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and
 """
 _NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
-# This fraction is 0.4 in a Gaussian groove with a width of two points (at 1/e of the depth).
+# In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
 _MIN_SPIKE_STEP_RATIO = 0.7
 # minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height
 _MIN_SPIKE_TO_RMS_RATIO = 2.0

@@ -256,7 +256,7 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # The order 0, 1, -1, 2, -2 makes the random number of a wave vector independent of the grid.
+    # With wave vectors in the order 0, 1, -1, 2, -2, their random numbers are independent of the grid.
     order = np.arange(1, 2 * max_orders[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)

@@ -46,7 +46,7 @@ MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Maximum fraction of repeated rows for which a caveat is reported.
-# If the fraction is larger, the map is probably a profile that was extended along y.
+# With more repeated rows, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.

@@ -369,7 +369,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         or table.row_digits is None
     ):
         return ()
-    for num_trailing in (1, 2, 3):  # the count of points may follow a spacing or a size, or precede it
+    for num_trailing in (1, 2, 3):  # a spacing or a size may stand before or after the count of points
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
             place_text = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
