@@ -194,7 +194,7 @@ def complete_result(
 
 
 def _import_result_packages() -> None:
-    """Import the packages that store and evaluate a result in advance, while the workers compute."""
+    """Import, while the workers compute, the packages that later store and evaluate the result."""
     import_dataset_packages()
     import scipy.fft
     import scipy.special  # noqa: F401

@@ -194,7 +194,7 @@ def test_intervals_of_means_at_loads_agree_with_a_slow_jackknife(repetitions, do
         values[..., 1:] = 0.0
     means = MeansAtLoads(normal.mean(axis=2), [values.mean(axis=2), normal.mean(axis=2)], repetitions, np.array([load]))
     for members in (slice(0, 2), slice(2, None)):
-        means.add(normal[..., members], [values[..., members], normal[..., members]])
+        means.add_repetitions(normal[..., members], [values[..., members], normal[..., members]])
     expected = [interval_at_load(normal[curve], values[curve], load) for curve in range(num_curves)]
     computed_intervals = np.stack([means.mean(0), *means.interval(0)], axis=-1)[:, 0]
     assert computed_intervals == pytest.approx(np.array(expected), rel=JACKKNIFE_TOLERANCE)
@@ -205,7 +205,7 @@ def test_mean_at_a_load_has_no_interval_if_only_one_repetition_carries_load():
     normal = np.zeros((1, 5, 4))
     normal[..., 2] = np.arange(1.0, 6.0)
     means = MeansAtLoads(normal.mean(axis=2), [normal.mean(axis=2)], 4, np.array([0.8]))
-    means.add(normal, [normal])
+    means.add_repetitions(normal, [normal])
     assert means.mean(0) == pytest.approx(0.8)
     assert np.isnan(means.interval(0)).all()
 
@@ -216,7 +216,7 @@ def test_interval_of_a_mean_of_zero_is_zero_if_the_loads_differ_only_by_round_of
     normal = np.geomspace(0.01, 0.3, 5)[np.newaxis, :, np.newaxis] * (1 + round_off)
     values = np.where(normal > 0.05, normal, 0.0)
     means = MeansAtLoads(normal.mean(axis=2), [values.mean(axis=2)], 3, np.linspace(0.0101, 0.02, 50))
-    means.add(normal, [values])
+    means.add_repetitions(normal, [values])
     assert (means.mean(0) == 0).all()
     assert (np.stack(means.interval(0)) == 0).all()
 

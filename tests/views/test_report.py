@@ -169,7 +169,7 @@ def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_termina
     ]
     assert len(printed_tables) > 5
     for table in printed_tables:
-        value_text, _, unit = table.record()["texts"][0][0][load_index].partition("\N{NO-BREAK SPACE}")
+        value_text, _, unit = table.to_record()["texts"][0][0][load_index].partition("\N{NO-BREAK SPACE}")
         row = f"{table.words[0].lower()}{table.words[1:]}{f' ({unit})' if unit else ''}"
         assert re.search(rf"^{re.escape(row)} +{re.escape(value_text)}( no interval)?$", terminal_text, re.MULTILINE), (
             row

@@ -91,7 +91,9 @@ class Job:
             "versions": self.versions if self.files else 0,
         }  # fmt: skip
 
-    def show(self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None) -> None:
+    def show_result(
+        self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None
+    ) -> None:
         """Store the coefficients and caveats of a result, so that the page shows them.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
@@ -220,7 +222,7 @@ class JobQueue:
             """Show the final coefficients of a job before its figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
-            job.show(_read_shown_values(job, record), None)
+            job.show_result(_read_shown_values(job, record), None)
 
         output_option = "--json" if has_record else "--part=1/1"
         arguments = ["stiction", *job.arguments, output_option, f"--output={job.directory}"]
@@ -248,7 +250,7 @@ class JobQueue:
         files = self._choose_directory()
         # The thread that copies files does not change the job, because the thread may outlast a job that is stopped.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
-        job.show(_read_shown_values(job, record), files, counts=counts)
+        job.show_result(_read_shown_values(job, record), files, counts=counts)
 
     def _copy_files(self, job: Job, files: Path, record: str) -> tuple[int, int] | None:
         """Copy the files and the JSON record of a job to a new directory.
@@ -293,7 +295,7 @@ class JobQueue:
         # the command has no preview, or the page shows a result of the command already
         if response is None or (source and job.versions):
             return
-        job.show(
+        job.show_result(
             response["answer"],
             files,
             scope=scope and scope.format_map(response) + SCOPE_TEXT_SUFFIX,

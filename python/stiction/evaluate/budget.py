@@ -244,7 +244,7 @@ def _evaluate_uncertainty(
     quantities = _CombinedQuantities(at, dims)
     reported_rule = list_rules_with_reported_first(study)[0]
     for position, samples in _iterate_intervals(result, at, dims, inputs_by_strength, scan_means, drifts):
-        quantities.add(position, samples)
+        quantities.add_intervals(position, samples)
         if not samples.names:
             coefficient_intervals[position] = samples.estimate_zero_coefficient()
             continue
@@ -378,7 +378,7 @@ class _CombinedQuantities:
                 own_dims = (*(dim for dim in dims if dim in at[name].dims), "statistic")
                 self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
 
-    def add(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
+    def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
         """Widen the intervals of all quantities so that they include the intervals computed with one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
@@ -457,7 +457,7 @@ def _iterate_intervals(
         cell_indices = tuple(index for dim, index in indices.items() if dim not in ("mu0", "tau0"))
         if cell_indices not in central_values:
             central_values[cell_indices] = response.evaluate(all_inputs)
-        central_quantities = central_values[cell_indices].select(indices["mu0"], indices["tau0"])
+        central_quantities = central_values[cell_indices].select_sample(indices["mu0"], indices["tau0"])
         inputs, strengths = inputs_by_strength[float(point["mu0"]), float(point["tau0"])]
         scan_mean = scan_means.get(position)
         intervals = CombinedIntervals(

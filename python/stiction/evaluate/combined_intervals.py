@@ -150,7 +150,7 @@ class InputSampler:
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
         self.intervals: dict[Any, Interval] = {}  # cached intervals of coefficients
 
-    def draw(
+    def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
         """Draw samples of the named inputs and sampling errors, or return the samples of an earlier call.
@@ -556,7 +556,7 @@ class CombinedIntervals:
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0,
         names: tuple[str, ...] | None = None,
     ) -> tuple[InputValues, _InputSamples]:  # fmt: skip
-        samples = self._sampler.draw(self.inputs, self.names if names is None else names, fixed)
+        samples = self._sampler.draw_samples(self.inputs, self.names if names is None else names, fixed)
         drifts = {name: deviation for name, deviation in self.drifts.items() if name in samples.scores}
         drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in drifts.items())
         creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
@@ -659,7 +659,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return the same quantiles as `numpy.quantile`, to the last bit. Without an axis, this takes a fifth of the time.
+    """Return the same quantiles as `numpy.quantile`, to the last bit, and in a fifth of the time if there is no axis.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """

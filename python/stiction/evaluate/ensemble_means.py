@@ -158,7 +158,7 @@ def compute_ensemble_friction(
         sums_without_member = load_sums[:, np.newaxis] - member_loads
         jackknife_changes = sums_without_member[1] / sums_without_member[0] - mean
     jackknife_sums = intervals.PowerSums(mean.shape)
-    jackknife_sums.add(np.moveaxis(jackknife_changes, 0, -1))
+    jackknife_sums.add_values(np.moveaxis(jackknife_changes, 0, -1))
     half_width = (
         jackknife_sums.half_width() if contact_sums.sizes["repetition"] >= intervals.MIN_SAMPLE_SIZE else np.nan
     )

@@ -228,7 +228,7 @@ class MeansAtLoads:
     the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln mean(n). If
     the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric first-order
     interval instead. The constructor takes the means of c curves (c, k) of the normal load and of each quantity, and
-    `add` takes the repetitions.
+    `add_repetitions` takes the repetitions.
     """
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
@@ -245,12 +245,12 @@ class MeansAtLoads:
         ]
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
-    def add(self, normal: Floats, quantities: Sequence[Floats]) -> None:
+    def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
         """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of each quantity."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
-            quantity.add(normal, values, points, self._repetitions)
+            quantity.add_repetitions(normal, values, points, self._repetitions)
 
     def mean(self, quantity: int) -> Floats:
         """Return the means of one quantity as an array (curves, loads)."""
@@ -287,7 +287,9 @@ class _QuantityAtLoads:
         self._logarithms, self._differences = PowerSums(mean.shape), PowerSums(mean.shape)
         self.keeps_sign, self.keeps_load = np.ones((2, mean.size), np.bool_)
 
-    def add(self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int) -> None:
+    def add_repetitions(
+        self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
+    ) -> None:
         """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of the quantity."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
@@ -326,7 +328,7 @@ class PowerSums:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
-    def add(self, values: Floats) -> None:
+    def add_values(self, values: Floats) -> None:
         """Add the first four powers of further jackknife values to the sums."""
         self._count += values.shape[-1]
         squares = values * values

@@ -294,7 +294,7 @@ def evaluate_ensemble_quantities(
                     normal_load, *values = quantities.compute_curves(
                         cell_index, sums, slice(batch_start, batch_start + batch_size)
                     )
-                    means_by_cell[cell_index].add(normal_load, values)
+                    means_by_cell[cell_index].add_repetitions(normal_load, values)
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
             del piece, piece_sums  # release memory before the next piece is read

@@ -262,7 +262,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fractions with an upper limit of 1.
+    """Return the contact status for each true area fraction, and the area fractions limited to at most 1.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -354,7 +354,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Evaluate all columns with the same missing members together, which saves time: most columns miss no member.
+        # Evaluate all columns in which the same members are missing together, because most columns miss no member.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

@@ -181,7 +181,7 @@ class ResponseValues:
     area_at_onset: Floats
     plastic_friction: Floats
 
-    def select(self, *indices: int) -> ResponseValues:
+    def select_sample(self, *indices: int) -> ResponseValues:
         """Return the quantities for a single sample of the inputs, selected by its indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})

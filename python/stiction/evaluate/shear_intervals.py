@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIN_INPUT_SAMPLES = 2**10  # minimum number of input samples, regardless of the number of displacements
-MAX_CURVE_VALUE_COUNT = 2**21  # maximum number of samples times number of displacements, which limits the memory
+MAX_CURVE_VALUE_COUNT = 2**21  # maximum product of the numbers of samples and displacements, which limits the memory
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""

@@ -55,11 +55,11 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
         and surfaces.press != "surrogates"
     )
 
-    def prepare(file: Any, _: str) -> Any:
+    def prepare_file(file: Any, _: str) -> Any:
         file = file.with_masked_outliers(interpolate=not allows_missing_points)
         return file.with_tip_correction(TIP_CORRECTION) if name == TIP_ALTERNATIVE else file
 
-    return study.model_copy(update={"surfaces": surfaces.with_changed_files(prepare)})
+    return study.model_copy(update={"surfaces": surfaces.with_changed_files(prepare_file)})
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:

@@ -412,7 +412,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the numbers that are compared by checks of contacts, pull-off force and rms gradient."""
+    """Return the names of the numbers that are checked for contacts, pull-off force and rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -524,7 +524,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Encode each combination of reasons as one number, because sorting rows of numbers takes much longer.
+    # Encode each combination of caveats as one number, because sorting rows of numbers takes much longer.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -645,7 +645,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_unlimited_caveats(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if some samples of friction have no upper limit, or if τ0 is nearly as high as bulk strength."""
+    """Yield a caveat if friction has no upper limit for some input samples, or if τ0 is close to the bulk strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")

@@ -158,7 +158,7 @@ MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw the plastic limit, the extrapolation and the closed-form estimate as background of the computed curves."""
+    """Draw the plastic limit, the extrapolation and the closed-form estimate behind the computed curves."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(

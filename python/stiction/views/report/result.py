@@ -162,7 +162,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: st
     else:
         content = generated_report_content(data, evaluate_generated_values(result), name)
     packed_arrays = pack_arrays(content.arrays)
-    facts = content.facts | {"quantities": [table.record() for table in content.quantities]}
+    facts = content.facts | {"quantities": [table.to_record() for table in content.quantities]}
     facts |= {"tables": packed_arrays.offsets, "formats": packed_arrays.formats, "leading": STORED_FLOAT_BYTES}
     return content, facts, packed_arrays
 

@@ -173,7 +173,7 @@ class QuantityEstimates:
     factor: float
     limit: float | None
 
-    def record(self) -> dict[str, Any]:
+    def to_record(self) -> dict[str, Any]:
         """Return the estimates as JSON fields: values, limits, decimals, and texts."""
         points = self.factor * self.estimates
         decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
