@@ -63,7 +63,7 @@ class _BestFit:
 
     mu0: float
     tau0: float  # tau0 (GPa) of the best fit
-    scores: Floats  # nuisance parameters of the best fit, as standard normal numbers
+    scores: Floats  # nuisance parameters of the best fit, as normal scores (mean 0, standard deviation 1)
     residuals: Floats  # residuals of the tests that slid, divided by the errors of the tests
     # derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters
     jacobian: Floats
@@ -194,8 +194,7 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Exclude strengths at which the interface is stronger than the softer body, because no test
-                    # measures such an interface.
+                    # Exclude strengths at which the softer body would shear, because no test measures them.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -330,7 +329,7 @@ class CalibrationProblem:
 
         free_indices = [index for index, value in enumerate(self.fixed_strengths) if value is None]
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
-        robust_factors, scale = np.ones(len(self.slid)), 1.0
+        robust_factors, error_scale = np.ones(len(self.slid)), 1.0
 
         def insert_run_spread_score(free_scores: Floats) -> Floats:
             scores = np.zeros((len(free_scores), len(self.nuisances)))
@@ -340,7 +339,7 @@ class CalibrationProblem:
         def build_equation_rows(free_scores: Floats) -> Floats:
             columns = self._compute_equation_coefficients(insert_run_spread_score(free_scores))
             rows = self._build_weighted_equations(
-                columns, np.full(len(free_scores), scale), np.full(len(free_scores), 1e6 * scale)
+                columns, np.full(len(free_scores), error_scale), np.full(len(free_scores), 1e6 * error_scale)
             )[0]
             return np.asarray(rows * robust_factors[self.slid, np.newaxis])
 
@@ -355,7 +354,7 @@ class CalibrationProblem:
         def residuals_with_growth(points: Floats) -> Floats:
             """Return the residuals of tests with sliding, with junction growth, for each row of fit parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
-            scales = np.full(len(points), scale)
+            scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
                 insert_run_spread_score(points[:, len(free_indices) :]), scales, 1e6 * scales, mu0, tau0
             )
@@ -368,15 +367,17 @@ class CalibrationProblem:
             return np.concatenate([rows[:, 2] - rows[:, :2] @ to_strengths(x), x[len(free_indices) :]])
 
         def jacobian(x: Floats) -> Floats:
-            step = 1e-5
+            difference_step = 1e-5
             if self.has_growing_contacts:
                 step_residuals = residuals_with_growth(
-                    x + step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
+                    x + difference_step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
                 # A step that makes the interface stronger than the softer body gives infinite residuals.
-                test_rows = np.nan_to_num((step_residuals[1:] - step_residuals[0]).T / step, posinf=0.0, neginf=0.0)
+                test_rows = np.nan_to_num(
+                    (step_residuals[1:] - step_residuals[0]).T / difference_step, posinf=0.0, neginf=0.0
+                )
             else:
-                free_scores = x[len(free_indices) :] + step * np.concatenate(
+                free_scores = x[len(free_indices) :] + difference_step * np.concatenate(
                     [np.zeros((1, len(score_indices))), np.eye(len(score_indices))]
                 )
                 rows = build_equation_rows(free_scores)
@@ -384,7 +385,7 @@ class CalibrationProblem:
                 test_rows = np.concatenate(
                     [
                         -rows[0][:, free_indices] / column_norms[free_indices],
-                        (step_residuals[1:] - step_residuals[0]).T / step,
+                        (step_residuals[1:] - step_residuals[0]).T / difference_step,
                     ],
                     axis=1,
                 )
@@ -393,7 +394,7 @@ class CalibrationProblem:
             )
             return np.concatenate([test_rows, prior_rows])
 
-        lower = np.concatenate([np.zeros(len(free_indices)), np.full(len(score_indices), -np.inf)])
+        lower_bounds = np.concatenate([np.zeros(len(free_indices)), np.full(len(score_indices), -np.inf)])
         x = np.zeros(len(free_indices) + len(score_indices))
         for _ in range(1 if self.has_errors and not self.outliers else 4):
             linear_strengths = _solve_nonnegative_least_squares(
@@ -410,12 +411,15 @@ class CalibrationProblem:
             ):
                 x[: len(free_indices)] /= 2  # halve the fitted mu0 and tau0 while the interface seizes
             if x.size:
-                x = least_squares(residuals, x, jacobian, bounds=(lower, np.inf), xtol=1e-9, ftol=1e-9).x
+                x = least_squares(residuals, x, jacobian, bounds=(lower_bounds, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
             jacobian_matrix = jacobian(x) if x.size else np.zeros((len(misfit), 0))
             if not self.has_errors:
                 residual_scale = np.median(np.abs(misfit)) / 0.6745 if self.outliers else np.sqrt((misfit**2).mean())
-                scale, misfit = scale * max(float(residual_scale), 1e-9), misfit / max(float(residual_scale), 1e-9)
+                error_scale, misfit = (
+                    error_scale * max(float(residual_scale), 1e-9),
+                    misfit / max(float(residual_scale), 1e-9),
+                )
             if self.outliers:
                 robust_factors[self.slid] = np.sqrt(
                     (OUTLIER_DEGREES_OF_FREEDOM + 1) / (OUTLIER_DEGREES_OF_FREEDOM + misfit**2)
@@ -423,7 +427,7 @@ class CalibrationProblem:
         scores = np.zeros(len(self.nuisances))
         scores[score_indices] = x[len(free_indices) :]
         mu0, tau0 = to_strengths(x)
-        return _BestFit(float(mu0), float(tau0), scores, misfit, jacobian_matrix, robust_factors, scale)
+        return _BestFit(float(mu0), float(tau0), scores, misfit, jacobian_matrix, robust_factors, error_scale)
 
     def fit(self) -> StrengthFit:
         """Fit the joint distribution of mu0 and tau0 to the tests, and assess the quality of the fit."""
@@ -548,12 +552,14 @@ class CalibrationProblem:
             rows = robust_triangle = triangular_factors
         deviance_range = MAX_GRID_DEVIANCE * (1.0 if self.slid.all() and not self.outliers else 4.0)
         if self.fixed_strengths[1] is not None:
-            low = high = np.full(len(points), self.fixed_strengths[1])
+            lowest_tau0 = highest_tau0 = np.full(len(points), self.fixed_strengths[1])
         elif self.fixed_strengths[0] is not None:
-            low, high = _find_tau0_range_at_fixed_mu0(self.fixed_strengths[0], robust_triangle, deviance_range)
+            lowest_tau0, highest_tau0 = _find_tau0_range_at_fixed_mu0(
+                self.fixed_strengths[0], robust_triangle, deviance_range
+            )
         else:
-            low, high = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
-        grid_limits = _GridLimits(robust_triangle, deviance_range, low, high)
+            lowest_tau0, highest_tau0 = _find_tau0_range_at_best_mu0(robust_triangle, deviance_range)
+        grid_limits = _GridLimits(robust_triangle, deviance_range, lowest_tau0, highest_tau0)
         if self.has_growing_contacts:
             grid_limits = self._find_grid_limits_with_growth(grid_limits, scores, scale, spread, columns)
         num_tau0_cells = 1 if self.fixed_strengths[1] is not None else NUM_TAU0_CELLS
@@ -584,15 +590,15 @@ class CalibrationProblem:
             else:
                 log_probability -= 0.5 * residual**2
         for test in np.flatnonzero(~self.slid):
-            error = scale * self.error[test]
+            test_error = scale * self.error[test]
             if len(self._run_membership):
-                error = np.hypot(error, spread * self._run_errors[test])
+                test_error = np.hypot(test_error, spread * self._run_errors[test])
             mu0_coefficient_of_test, right_side_of_test = (
                 column[:, test, np.newaxis, np.newaxis] for column in (mu0_coefficient, right_side)
             )
             log_probability += log_ndtr(
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
-                / error[:, np.newaxis, np.newaxis]
+                / test_error[:, np.newaxis, np.newaxis]
             )
         # For each nuisance point, the prior of the strengths is uniform in mu0 and in tau0 A/F.
         best_cell = (
@@ -644,27 +650,26 @@ class CalibrationProblem:
 
         if self.fixed_strengths[1] is None:
             # Each test gives an upper limit of tau0: the tau0 for mu0 = 0, the smallest possible mu0.
-            error = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
+            test_errors = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
                 * (math.sqrt(limits.deviance_range) + math.sqrt(robust_factors.size))
-                * error[:, self.slid]
+                * test_errors[:, self.slid]
                 / robust_factors
             )
             with np.errstate(divide="ignore"):
                 max_tau0 = (columns[2][:, self.slid] + margin) / np.maximum(columns[1][:, self.slid], 0.0)
-            low, high = find_tau0_range(
+            lowest_tau0, highest_tau0 = find_tau0_range(
                 lambda tau0: find_best_mu0_at(tau0)[2], max_tau0.min(axis=1), limits.deviance_range
             )
-            limits = replace(limits, min_tau0=low, max_tau0=high)
+            limits = replace(limits, min_tau0=lowest_tau0, max_tau0=highest_tau0)
         num_tau0_cells = 1 if self.fixed_strengths[1] is not None else NUM_TAU0_CELLS
         tau0 = limits.min_tau0[:, np.newaxis] + np.multiply.outer(
             limits.max_tau0 - limits.min_tau0, (np.arange(num_tau0_cells) + 0.5) / num_tau0_cells
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals vary more slowly with mu0 below the best mu0 than above, but at least as much as without junction
-        # growth.
+        # Below the best mu0, residuals vary more slowly than above, but at least as much as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -687,9 +692,9 @@ class CalibrationProblem:
             cell_offset = (tau0 - limits.min_tau0[point]) / np.where(width > 0, width, 1.0) - row - 0.5
             best_mu0 = limits.best_mu0[point, row] + slope[point, row] * np.where(width > 0, cell_offset, 0.0)
             width_below, width_above = limits.width_below[point, row], limits.width_above[point, row]
-        low = np.maximum(best_mu0 - width_below, 0.0)
-        high = np.maximum(best_mu0 + width_above, low + width_above)
-        return low, (high - low) / NUM_MU0_CELLS
+        lowest_mu0 = np.maximum(best_mu0 - width_below, 0.0)
+        highest_mu0 = np.maximum(best_mu0 + width_above, lowest_mu0 + width_above)
+        return lowest_mu0, (highest_mu0 - lowest_mu0) / NUM_MU0_CELLS
 
     # ---- Nuisance parameters ----------------------------------------------------------------------------------------
 
@@ -710,13 +715,15 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            power = 1.0  # exponent of the weights; exponents below 1 reduce the influence of a few large weights
+            weight_exponent = (
+                1.0  # exponent of the weights; exponents below 1 reduce the influence of a few large weights
+            )
             while (
-                power > 1e-3
-                and _compute_effective_sample_size(power * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
+                weight_exponent > 1e-3
+                and _compute_effective_sample_size(weight_exponent * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
             ):
-                power *= 0.7
-            weight = np.exp(power * (log_weight - log_weight.max()))
+                weight_exponent *= 0.7
+            weight = np.exp(weight_exponent * (log_weight - log_weight.max()))
             mean = np.average(nuisance_points[:, active_indices], axis=0, weights=weight)
             covariance = np.cov(nuisance_points[:, active_indices].T, aweights=weight, ddof=0).reshape(
                 len(active_indices), -1
@@ -824,10 +831,10 @@ class CalibrationProblem:
             if self.has_errors
             else DEFAULT_RELATIVE_ERROR
         )
-        area_per_load, count = self.mean_area_per_load, len(self.error)
+        area_per_load, num_tests = self.mean_area_per_load, len(self.error)
         plans_with_errors = []
-        for plan, further_areas_per_load in list_area_plans(area_per_load, count):
-            areas_per_load = np.concatenate([np.full(count, area_per_load), further_areas_per_load])
+        for plan, further_areas_per_load in list_area_plans(area_per_load, num_tests):
+            areas_per_load = np.concatenate([np.full(num_tests, area_per_load), further_areas_per_load])
             coefficient_errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
             design_matrix = np.stack([1 / coefficient_errors, areas_per_load / coefficient_errors], axis=1)
             covariance = np.linalg.inv(design_matrix.T @ design_matrix)
@@ -927,14 +934,14 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
         np.sqrt(max_deviance) / second_row[:, 1],
         np.sqrt(np.maximum(max_deviance - deviance_at_bound, 0.0) / curvature),
     )
-    limits = []
+    tau0_limits = []
     for sign in (-1.0, 1.0):
         bound = unbounded_best + sign * half_width
-        limits.append(
+        tau0_limits.append(
             np.where(first_row[:, 2] - first_row[:, 1] * bound >= 0, bound, best_at_bound + sign * half_width_at_bound)
         )
-    low = np.maximum(limits[0], 0.0)
-    return low, np.maximum(limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
+    low = np.maximum(tau0_limits[0], 0.0)
+    return low, np.maximum(tau0_limits[1], low + 1e-9 * np.abs(half_width_at_bound) + 1e-300)
 
 
 def _find_tau0_range_at_fixed_mu0(

@@ -148,10 +148,10 @@ class AreaFactor:
         return None
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
+        """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
 
-        The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
-        growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
+        area is infinite, or the nominal area if tau0 is 0.
         """
         raise NotImplementedError
 
@@ -215,10 +215,10 @@ class _AreaFactorFromResult(AreaFactor):
         return self.inputs.estimate("junction_growth")
 
     def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the ratio of the true area at the onset of sliding to the computed area, and the friction fraction.
+        """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
 
-        The friction fraction is `OnsetState.friction_fraction`. `samples` are samples of the inputs. The junction
-        growth of the test replaces that of the law. At seizure the area is infinite, or the nominal area if tau0 is 0.
+        `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
+        area is infinite, or the nominal area if tau0 is 0.
         """
         inputs: dict[str, Any] = {
             "modulus": self.inputs.relative_modulus(samples),

@@ -62,17 +62,17 @@ def find_tau0_range(
         Upper bound on tau0.
     deviance_range : float
     """
-    low, high = np.zeros(max_tau0.shape), max_tau0
+    lower_limit, upper_limit = np.zeros(max_tau0.shape), max_tau0
     fractions = np.linspace(0.0, 1.0, NUM_TAU0_SEARCH_POINTS)
     row_indices = np.arange(max_tau0.size)
     for _ in range(NUM_TAU0_SEARCHES):
-        tau0 = low[:, np.newaxis] + np.multiply.outer(high - low, fractions)
+        tau0 = lower_limit[:, np.newaxis] + np.multiply.outer(upper_limit - lower_limit, fractions)
         deviances = sum_of_squares(tau0)
         is_within = deviances <= deviances.min(axis=1, keepdims=True) + deviance_range
         first_inside = is_within.argmax(axis=1)
         last_inside = NUM_TAU0_SEARCH_POINTS - 1 - is_within[:, ::-1].argmax(axis=1)
-        low, high = (
+        lower_limit, upper_limit = (
             tau0[row_indices, np.maximum(first_inside - 1, 0)],
             tau0[row_indices, np.minimum(last_inside + 1, NUM_TAU0_SEARCH_POINTS - 1)],
         )
-    return low, high
+    return lower_limit, upper_limit

@@ -103,20 +103,20 @@ class Interface(InterfaceStrength):
 
         def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
             """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
-            law, fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
+            law, friction_fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
-                area, fraction = area_factor.onset_factors(samples, law)
+                area, friction_fraction = area_factor.onset_factors(samples, law)
                 total_area = area_samples * area
-            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), fraction)
+            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), friction_fraction)
             values = np.where(np.isfinite(values), values, np.inf)
-            return values, np.where(fraction < 1, np.inf, values)
+            return values, np.where(friction_fraction < 1, np.inf, values)
 
         coefficients, upper_coefficients = zip(
             *(compute_coefficients(*strengths) for strengths in self.strength_samples), strict=True
         )
-        value, lower, _ = cover_credible_intervals(coefficients)
-        _, _, upper = cover_credible_intervals(upper_coefficients)
-        return value, lower, upper
+        median, lower_limit, _ = cover_credible_intervals(coefficients)
+        _, _, upper_limit = cover_credible_intervals(upper_coefficients)
+        return median, lower_limit, upper_limit
 
 
 def read_interface(path: str | Path) -> Interface:

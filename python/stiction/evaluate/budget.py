@@ -37,7 +37,7 @@ from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.layout import share_read_only
 from stiction.solve.member_sums import MemberSums
-from stiction.study.inputs import Input, Inputs
+from stiction.study.inputs import Inputs, StudyInput
 from stiction.study.interfaces import (
     InterfaceStrength,
     ValueWithLimits,
@@ -300,7 +300,7 @@ def _evaluate_uncertainty(
 
 
 # uncertain inputs by name, and joint samples of mu0 and tau0
-_SampledInputs = tuple[dict[str, Input], list[JointSamples]]
+_SampledInputs = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
 def find_inputs_and_strengths(

@@ -56,7 +56,7 @@ MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = 1e-8
 # tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# tolerance as a fraction of the latest residual if all steps are plain, and so do not amplify errors of solutions
+# the same fraction if all steps are plain; it is larger, because plain steps do not amplify errors of the solutions
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
 # An increase of the attraction during separation by less than this fraction of the maximum counts as numerical error.
@@ -103,7 +103,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Number of iterated states, and best state. The caller decides from them when to stop the iteration.
+    # Number of iterated states, and best state, from which the caller decides when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -369,10 +369,10 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # An equilibrium that was computed for a contact load may be unstable under its external load. The list
-        # `stable_states` contains the equilibria from which energy minimizations may start.
+        # An equilibrium that was computed for a contact load may be unstable under its external load.
+        # Energy minimizations may start only from the equilibria in `stable_states`.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
-        # No load is below minus the attraction of an earlier state, because the contact load is positive.
+        # Every load exceeds the negative attraction of an earlier state, because the contact load is positive.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -611,7 +611,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the length of an extrapolated step of the attraction, in plain steps. It is at most `max_factor`.
+    """Return the length of an extrapolated step of the attraction as a multiple of a plain step, up to `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """

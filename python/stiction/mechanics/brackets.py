@@ -53,7 +53,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and the cutoff's limits of uncertainty.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and the uncertainty limits of the cutoff.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.

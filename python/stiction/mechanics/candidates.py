@@ -172,7 +172,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the contact candidates and the contact model. For two surfaces, the candidates are None."""
+    """Return the contact candidates (None if two surfaces are given) and the contact model."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

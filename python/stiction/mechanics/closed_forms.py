@@ -26,8 +26,7 @@ from stiction.mechanics.model import SlidingRule
 # Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
 _SLOPE_TOLERANCE = 1e-9  # largest relative amount by which a specified rms slope may exceed the rms gradient
-# Below this standard deviation of the slopes s, the mean of (1 + s²)^(1/2) is computed from a short series, which is
-# exact to the last bit.
+# Below this standard deviation of the slopes s, a short series gives the mean of (1 + s²)^(1/2) to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")

@@ -216,12 +216,14 @@ class FrictionLaw:
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
-        fraction = self._compute_limited_fraction(
+        friction_fraction = self._compute_limited_fraction(
             load, area_at_onset, np.maximum(pressure, load / nominal_area), hardness
         )
-        fraction = np.where(can_shear, fraction, 1.0)
+        friction_fraction = np.where(can_shear, friction_fraction, 1.0)
         limited_coefficient = np.minimum(plastic_coefficient, 2 / self.junction_growth)
-        return OnsetState(np.where(fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, fraction)
+        return OnsetState(
+            np.where(friction_fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, friction_fraction
+        )
 
     def _compute_limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
         """Return the fraction of the friction force that remains if the body's shear strength limits local tractions.
@@ -315,12 +317,12 @@ def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
         np.minimum(indices, size - 2).astype(np.intp) for indices, size in ((rows, num_rows), (columns, num_columns))
     )
     row_weights, column_weights = rows - first_rows, columns - first_columns
-    entries, first = table.ravel(), first_rows * num_columns + first_columns
+    entries, first_entries = table.ravel(), first_rows * num_columns + first_columns
     return np.asarray(
-        entries[first] * (1 - row_weights) * (1 - column_weights)
-        + entries[first + 1] * (1 - row_weights) * column_weights
-        + entries[first + num_columns] * row_weights * (1 - column_weights)
-        + entries[first + num_columns + 1] * row_weights * column_weights
+        entries[first_entries] * (1 - row_weights) * (1 - column_weights)
+        + entries[first_entries + 1] * (1 - row_weights) * column_weights
+        + entries[first_entries + num_columns] * row_weights * (1 - column_weights)
+        + entries[first_entries + num_columns + 1] * row_weights * column_weights
     )
 
 
@@ -572,7 +574,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Choose the status of each load curve, such as "ok" or "no-contact", from boolean arrays that are broadcast.
+    """Choose the status of each load curve, such as "ok" or "no-contact", from broadcast boolean arrays.
 
     `touched`: there is a contact. `reached`: the curve reaches the load. `locked`: the contacts are self-locked at the
     last loading step. `below`: the first loading step already supports more than the load.

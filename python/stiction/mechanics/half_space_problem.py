@@ -253,7 +253,7 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures with a sum of 1 GPa that displace all contact points equally, and this displacement (µm)."""
+        """Pressures with a sum of 1 GPa that displace contact points equally, without tilt, and the displacement."""
         if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
@@ -285,9 +285,8 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa. By
-        # reciprocity, the mean displacement is the mean of the displacements under a uniform pressure, weighted by the
-        # contact pressures.
+        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
+        # By reciprocity, uniform-pressure displacements, weighted by contact pressures, give the mean displacement.
         approach_of_unit_sum, mean_displacement = self._get_compliances(free_mask)
         closure = approach_of_unit_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
@@ -346,15 +345,14 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     uniform_displacement = problem.uniform_pressure_displacement
     num_points = np.array([solution.points.size for solution in solutions])
     first_point = np.cumsum(num_points) - num_points
-    values = np.concatenate([solution.values for solution in solutions])
+    pressures = np.concatenate([solution.values for solution in solutions])
     displacements = uniform_displacement.ravel()[np.concatenate([solution.points for solution in solutions])]
-    is_at_hardness = values == problem.hardness
+    is_at_hardness = pressures == problem.hardness
     load, approach, error = (
         np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
     )
-    # By reciprocity, the mean displacement is the mean of the displacements under a uniform pressure, weighted by the
-    # contact pressures.
-    displacement = np.add.reduceat(values * displacements, first_point)
+    # By reciprocity, uniform-pressure displacements, weighted by contact pressures, give the mean displacement.
+    displacement = np.add.reduceat(pressures * displacements, first_point)
     attraction_force = np.zeros(load.size)
     if problem.work_of_adhesion > 0:
         attraction_force = np.array([solution.attraction_force for solution in solutions])
@@ -367,14 +365,13 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
         "error": error,
         "iterations": np.array([solution.iterations for solution in solutions]),
         "contact_count": np.array([int(solution.patch.max()) for solution in solutions]),
-        "load_share_at_hardness": np.add.reduceat(np.where(is_at_hardness, values, 0.0), first_point)
-        / np.add.reduceat(values, first_point),
+        "load_share_at_hardness": np.add.reduceat(np.where(is_at_hardness, pressures, 0.0), first_point)
+        / np.add.reduceat(pressures, first_point),
         "area_share_at_hardness": np.add.reduceat(is_at_hardness, first_point, dtype=np.float64) / num_points,
     }
 
 
-# Largest accepted ratio of the gap to the side length of the grid. Larger ratios mean slopes far too steep for the
-# model.
+# Largest accepted ratio of the gap to the side length of the grid. Larger ratios mean slopes too steep for the model.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
@@ -505,8 +502,7 @@ class TiltResponse:
     approach: float  # approach (µm) due to a mean pressure of 1 GPa
     moments: Floats  # moments (GPa µm) due to a mean pressure of 1 GPa, along n axes
     slope_pressures: list[Floats]  # change of the pressures (GPa) per unit slope along each axis, at constant load
-    # Change of the n moments per unit slope along n axes. The matrix is negative definite unless only one point
-    # touches.
+    # Change of the n moments per unit slope along n axes, a matrix that is negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod
@@ -567,8 +563,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Give missing points a gap that never closes. The large gaps raise the standard deviation of the gap, so
-            # rescale the solver tolerance, which refers to this deviation.
+            # Give missing points a gap that never closes. The large gaps raise the standard deviation of the gap.
+            # The solver tolerance refers to this standard deviation, and is therefore rescaled.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(

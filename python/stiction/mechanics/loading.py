@@ -165,7 +165,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and a status: "ok" or the reason for NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and a status: "ok", or the cause of NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)
@@ -177,8 +177,8 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # Compute approaches with equal ratios, up to the approach at which all points touch. If the surfaces are parallel,
-    # the range of their gap is 0, and no approach is computed.
+    # Compute approaches with equal ratios, up to the approach at which all points touch.
+    # If the surfaces are parallel, the range of their gap is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     num_approaches = (
         round(-np.log(_MIN_APPROACH_TO_GAP_RANGE) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0

@@ -297,7 +297,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, other_material: Material) -> bool:
-    """Return whether a name is a formula that equals the other name except for case, such as "TiN" and "tin"."""
+    """Return whether a name is a formula that differs from a material's name only in case, such as "TiN" and "tin"."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other_material))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

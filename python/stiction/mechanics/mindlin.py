@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the argument `transverse_fraction` of `compliance_ratio`, a mean squared sine, for each elliptic contact.
+    """Return for each elliptic contact the mean of sin² that is the `transverse_fraction` of `compliance_ratio`.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -116,8 +116,7 @@ class AsperityTangentialProblem:
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # The tangential load is a concave function of the displacement, so its initial tangent bounds the
-            # displacement from below.
+            # The load is a concave function of the displacement, so displacement >= load / (initial stiffness).
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,

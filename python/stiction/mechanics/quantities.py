@@ -88,7 +88,7 @@ class ResultQuantity:
 
     @property
     def table_label(self) -> str:
-        """Label of the quantity in tables: `short_words`, or else `words`."""
+        """Label of the quantity in tables: `short_words` if given, otherwise `words`."""
         return self.short_words or self.words
 
     @property
@@ -130,7 +130,7 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the description of a contact sum, with the unit and the words that the core declares."""
+    """Return the description of a contact sum, with the unit and the words that the C++ core declares."""
     unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
     source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
     defaults: dict[str, Any] = {

@@ -147,8 +147,8 @@ def resolution(
     """
     check_pair(upper, lower)
     effective_modulus = modulus_or_default(effective_modulus, upper, lower)
-    pair = _BodyPair(upper, lower, boundary)
-    cut_off_lengths = pair.choose_cut_offs(cut_offs)
+    body_pair = _BodyPair(upper, lower, boundary)
+    cut_off_lengths = body_pair.choose_cut_offs(cut_offs)
     if hardness is not None:
         hardness = validate_number("hardness", hardness, unit="GPa", above=0)
     parameters = None if mu0 is None else _validate_strengths(mu0, tau0)
@@ -156,7 +156,7 @@ def resolution(
     if direction is None:
         direction = _FOUR_DIRECTIONS if is_areal else ("+x", "-x")
     directions: tuple[Direction, ...] = tuple(direction) if np.ndim(direction) else (direction,)  # type: ignore[assignment,arg-type]
-    options: dict[str, Any] = {
+    solver_options: dict[str, Any] = {
         "effective_modulus": effective_modulus, "boundary": boundary, "compliance_share": compliance_share,
         "direction": directions if is_areal else directions[0], "sliding": "all", "tolerance": tolerance,
     }  # fmt: skip
@@ -168,22 +168,26 @@ def resolution(
         report(num_done, count)
         solutions.append(
             _solve_at_loads(
-                *pair.bodies_with_cut_off(cut_off_length), load_array, directions, hardness=hardness, **options
+                *body_pair.bodies_with_cut_off(cut_off_length),
+                load_array,
+                directions,
+                hardness=hardness,
+                **solver_options,
             )
         )
     elastic_solution = solutions[0]
     if hardness is not None:
         report(len(cut_off_lengths), count)
-        elastic_solution = _solve_at_loads(upper, lower, load_array, directions, hardness=None, **options)
+        elastic_solution = _solve_at_loads(upper, lower, load_array, directions, hardness=None, **solver_options)
     report(count, count)
-    result = _make_cutoff_dataset(pair, cut_off_lengths, load_array, solutions, effective_modulus, hardness)
+    result = _make_cutoff_dataset(body_pair, cut_off_lengths, load_array, solutions, effective_modulus, hardness)
     if parameters is not None:
         result = result.assign(friction_coefficient=resolution_friction(result, mu0=parameters[0], tau0=parameters[1]))
     rough_bodies = [body for body in (upper, lower) if not body.is_flat]
-    limits = [instrument_limit(body, tip_radius=tip_radius, periodic=pair.periodic) for body in rough_bodies]
+    limits = [instrument_limit(body, tip_radius=tip_radius, periodic=body_pair.periodic) for body in rough_bodies]
     largest_limit = max(limits, key=lambda limit: limit.wavelength)
     result.attrs |= {"instrument_limit_um": largest_limit.wavelength, "instrument_limit_reason": largest_limit.reason}
-    return _add_plastic_limits(result, pair, load_array, elastic_solution, effective_modulus, hardness, parameters)
+    return _add_plastic_limits(result, body_pair, load_array, elastic_solution, effective_modulus, hardness, parameters)
 
 
 def resolution_friction(result: xr.Dataset, *, mu0: float, tau0: float = 0.0) -> xr.DataArray:
@@ -320,26 +324,26 @@ def _solve_at_loads(
 
 
 def _make_cutoff_dataset(
-    pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
+    body_pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return a dataset of area, pressure and contact sums at each cutoff. Values are NaN where the solver failed."""
     import xarray as xr
 
-    gaps = [pair.compute_gap(*pair.bodies_with_cut_off(length)) for length in lengths]
-    gradient = np.array([brackets.gap_rms_gradient(gap, periodic=pair.periodic) for gap in gaps])
+    gaps = [body_pair.compute_gap(*body_pair.bodies_with_cut_off(length)) for length in lengths]
+    gradient = np.array([brackets.gap_rms_gradient(gap, periodic=body_pair.periodic) for gap in gaps])
     values = {
         name: np.array([solution[name] for solution in solutions])
         for name in (*_DIRECTION_INDEPENDENT_FIELDS, *LOAD_SUM_NAMES)
     }
     area = values["contact_area"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        values |= {"contact_area_fraction": area / pair.nominal_area, "mean_pressure": loads / area}
+        values |= {"contact_area_fraction": area / body_pair.nominal_area, "mean_pressure": loads / area}
         kappa = area * modulus * gradient[:, np.newaxis] / loads
     dimensions = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
         "shortest_wavelength": (
-            "cut_off", [max(length, pair.shortest_cut_off) for length in lengths],
+            "cut_off", [max(length, body_pair.shortest_cut_off) for length in lengths],
             _variable_attributes("µm", "shortest resolved wavelength"),
         ),
         "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
@@ -363,8 +367,8 @@ def _make_cutoff_dataset(
         attrs={
             "model": "elastic half-space" + (", perfectly plastic at the hardness" if hardness is not None else ""),
             "effective_modulus_GPa": modulus, "hardness_GPa": math.nan if hardness is None else hardness,
-            "nominal_area_um2": pair.nominal_area, "boundary": pair.boundary,
-            "upper_history": "; ".join(pair.upper.history), "lower_history": "; ".join(pair.lower.history),
+            "nominal_area_um2": body_pair.nominal_area, "boundary": body_pair.boundary,
+            "upper_history": "; ".join(body_pair.upper.history), "lower_history": "; ".join(body_pair.lower.history),
         },
     )  # fmt: skip
 
@@ -377,27 +381,29 @@ def _variable_attributes(unit: str, text: str) -> dict[str, str]:
 
 
 def _add_plastic_limits(
-    result: xr.Dataset, pair: _BodyPair, loads: Floats, elastic: dict[str, Floats], modulus: float,
-    hardness: float | None, parameters: tuple[float, float] | None,
+    result: xr.Dataset, body_pair: _BodyPair, loads: Floats, elastic_solution: dict[str, Floats], modulus: float,
+    hardness: float | None, strengths: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
     """Add the plastic limit, the plastic wavelength and extrapolated elastic areas to a `resolution` dataset."""
-    gap = pair.compute_gap(pair.upper, pair.lower)
-    roughness = scale_dependent_roughness(gap, periodic=pair.periodic)
-    estimate = brackets.estimate_gap_hurst_exponent(gap, pair.periodic)
-    area = elastic["contact_area"]
+    gap = body_pair.compute_gap(body_pair.upper, body_pair.lower)
+    roughness = scale_dependent_roughness(gap, periodic=body_pair.periodic)
+    hurst_estimate = brackets.estimate_gap_hurst_exponent(gap, body_pair.periodic)
+    area = elastic_solution["contact_area"]
     kappa = area * modulus * float(result.rms_gradient[0]) / loads
-    kappa_uncertainty = brackets.kappa_uncertainty_factor(elastic["contact_count"])
+    kappa_uncertainty = brackets.kappa_uncertainty_factor(elastic_solution["contact_count"])
     if hardness is not None:
-        result = brackets.add_finer_scan_bounds(result, hardness, parameters)
+        result = brackets.add_finer_scan_bounds(result, hardness, strengths)
     hardnesses = TYPICAL_HARDNESSES if hardness is None else (hardness,)
     gradients_at_hardness = [zip(kappa * item / modulus, kappa_uncertainty, strict=True) for item in hardnesses]
     plastic_wavelengths = np.array([
-        [brackets.plastic_wavelength(roughness, estimate, *bounds) for bounds in item]
+        [brackets.plastic_wavelength(roughness, hurst_estimate, *bounds) for bounds in item]
         for item in gradients_at_hardness
     ])  # fmt: skip
     gradient = float(result.rms_gradient[0])
-    gradients = brackets.extrapolated_gradients(roughness, estimate, pair.shortest_cut_off, gradient)
-    area_of_slope = kappa * loads / (modulus * pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
+    gradients = brackets.extrapolated_gradients(roughness, hurst_estimate, body_pair.shortest_cut_off, gradient)
+    area_of_slope = (
+        kappa * loads / (modulus * body_pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
+    )
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
     # Use the best estimate of the rms gradient, because its uncertainty hardly affects the slope correction.
     central_gradients = gradients[:, :1, np.newaxis]
@@ -405,7 +411,7 @@ def _add_plastic_limits(
     quantities: dict[str, tuple[Any, Floats, str, str]] = {
         "elastic_kappa": (dimensions[1], kappa, "1", "A E* h'/F of the elastic solution of the scan"),
         "elastic_area_fraction": (
-            dimensions[1], area / pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
+            dimensions[1], area / body_pair.nominal_area, "1", "ratio of real to nominal area of the elastic solution"
         ),
         "plastic_wavelength": (
             ("hardness", *dimensions[1:]), plastic_wavelengths, "µm", _PLASTIC_WAVELENGTH_DESCRIPTION
@@ -416,12 +422,12 @@ def _add_plastic_limits(
             "elastic ratio of real to nominal area, extrapolated",
         ),
     }  # fmt: skip
-    if parameters is not None:
-        friction = parameters[0] + parameters[1] * area_fractions * pair.nominal_area / loads[:, np.newaxis]
+    if strengths is not None:
+        friction = strengths[0] + strengths[1] * area_fractions * body_pair.nominal_area / loads[:, np.newaxis]
         friction = friction * brackets.transverse_slope_factor(central_gradients, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
         quantities["continued_elastic_friction_coefficient"] = dimensions, friction, "1", description
-    finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * pair.shortest_cut_off
+    finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * body_pair.shortest_cut_off
     variables = {
         name: (dims, values, _variable_attributes(unit, description))
         for name, (dims, values, unit, description) in quantities.items()
@@ -435,11 +441,11 @@ def _add_plastic_limits(
             _variable_attributes("µm", "shortest wavelength of a finer scan"),
         ),
     )
-    if estimate is not None:
+    if hurst_estimate is not None:
         extended_result.attrs |= {
-            "hurst_exponent": estimate.value, "hurst_exponent_lower": estimate.lower,
-            "hurst_exponent_upper": estimate.upper, "hurst_caution": estimate.caution or "",
-            "band_um": (estimate.shortest_wavelength, estimate.longest_wavelength),
+            "hurst_exponent": hurst_estimate.value, "hurst_exponent_lower": hurst_estimate.lower,
+            "hurst_exponent_upper": hurst_estimate.upper, "hurst_caution": hurst_estimate.caution or "",
+            "band_um": (hurst_estimate.shortest_wavelength, hurst_estimate.longest_wavelength),
         }  # fmt: skip
     return extended_result
 

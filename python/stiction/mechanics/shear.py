@@ -326,7 +326,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the excess of the normal load over its target, and the target (mN), at an elastic load (mN)."""
+            """Return the excess of the normal load over its target, and the target (mN), at a contact force (mN)."""
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first_row is None:

@@ -36,8 +36,8 @@ MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one load of a tilting surface
 # Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Increase of the change of the moment per unit slope, so that the Newton equations have a solution.
-# The increase is in units of (mean pressure) · (side length)² / (standard deviation of the gap).
+# Number that is added to the moment per unit slope, so that the Newton equations have a solution.
+# Its unit is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
@@ -148,8 +148,8 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
     gap = np.where(is_measured, problem.gap.ravel() / gap_range, np.inf)
     max_fraction = 1.0 if problem.hardness is None else min(1.0, problem.hardness / total_pressure)
     num_points = int(np.ceil(1 / max_fraction))
-    fractions = np.append(np.full(num_points - 1, max_fraction), 1 - (num_points - 1) * max_fraction)
-    bounds = [*((-gap.size, gap.size) for _ in arms), (None, None)]
+    load_fractions = np.append(np.full(num_points - 1, max_fraction), 1 - (num_points - 1) * max_fraction)
+    slope_bounds = [*((-gap.size, gap.size) for _ in arms), (None, None)]
     slopes, upper_bound = np.zeros(len(arms)), np.inf
     planes: list[list[float]] = []
     offsets: list[float] = []
@@ -157,14 +157,14 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         tilted_gap = gap + sum(slope * arm for slope, arm in zip(slopes, arms, strict=True))
         lowest_points = np.argpartition(tilted_gap, num_points - 1)[:num_points]
         energy, moments = (
-            float(fractions @ tilted_gap[lowest_points]),
-            np.array([fractions @ arm[lowest_points] for arm in arms]),
+            float(load_fractions @ tilted_gap[lowest_points]),
+            np.array([load_fractions @ arm[lowest_points] for arm in arms]),
         )
         if upper_bound - energy <= RIGID_TILT_TOLERANCE:
             break
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
-        solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=bounds)
+        solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
         # The simplex solution has a coarse tolerance, so solve for the vertex at which its active planes intersect.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:

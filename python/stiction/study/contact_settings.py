@@ -510,7 +510,7 @@ class AsperityModelSettings(CommonContactSettings):
 # ---- Combinations of contact model and kind of surfaces --------------------------------------------------------------
 
 
-class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceContactSettings):
+class AsperitySettingsForGeneratedSurfaces(AsperityModelSettings, GeneratedSurfaceContactSettings):
     """Keys of the section `[contact]` for generated surfaces in the asperity model, at given approaches."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
@@ -546,7 +546,7 @@ class GeneratedSurfaceAsperitySettings(AsperityModelSettings, GeneratedSurfaceCo
         return {"shear": self.shear, "direction": self.direction}
 
 
-class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
+class AsperitySettingsForGeneratedProfiles(AsperitySettingsForGeneratedSurfaces):
     """Section `[contact]` of the asperity model for generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
@@ -554,7 +554,7 @@ class GeneratedProfileAsperitySettings(GeneratedSurfaceAsperitySettings):
     detection: DetectionSetting = "cell"
 
 
-class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
+class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
     """Section `[contact]` of the asperity model for generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
@@ -562,14 +562,14 @@ class GeneratedMapAsperitySettings(GeneratedSurfaceAsperitySettings):
     curvature: CurvatureSetting = "signed"
 
 
-class MeasuredLineAsperitySettings(AsperityModelSettings, MeasuredLineContactSettings):
+class AsperitySettingsForMeasuredLines(AsperityModelSettings, MeasuredLineContactSettings):
     """Section `[contact]` of the asperity model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSettings):
+class AsperitySettingsForMeasuredMaps(AsperityModelSettings, MeasuredMapContactSettings):
     """Section `[contact]` of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
@@ -578,57 +578,60 @@ class MeasuredMapAsperitySettings(AsperityModelSettings, MeasuredMapContactSetti
     curvature: CurvatureSetting = "signed"
 
 
-class GeneratedProfileHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
+class HalfSpaceSettingsForGeneratedProfiles(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
     """Section `[contact]` of the half-plane model for generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
-class GeneratedMapHalfSpaceSettings(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
+class HalfSpaceSettingsForGeneratedMaps(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
     """Section `[contact]` of the half-space model for generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class MeasuredLineHalfSpaceSettings(HalfSpaceSettings, MeasuredLineContactSettings):
+class HalfSpaceSettingsForMeasuredLines(HalfSpaceSettings, MeasuredLineContactSettings):
     """Section `[contact]` of the half-plane model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class MeasuredMapHalfSpaceSettings(HalfSpaceSettings, MeasuredMapContactSettings):
+class HalfSpaceSettingsForMeasuredMaps(HalfSpaceSettings, MeasuredMapContactSettings):
     """Section `[contact]` of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
 
 ContactSettings = (
-    GeneratedProfileAsperitySettings
-    | GeneratedMapAsperitySettings
-    | MeasuredLineAsperitySettings
-    | MeasuredMapAsperitySettings
-    | GeneratedProfileHalfSpaceSettings
-    | GeneratedMapHalfSpaceSettings
-    | MeasuredLineHalfSpaceSettings
-    | MeasuredMapHalfSpaceSettings
+    AsperitySettingsForGeneratedProfiles
+    | AsperitySettingsForGeneratedMaps
+    | AsperitySettingsForMeasuredLines
+    | AsperitySettingsForMeasuredMaps
+    | HalfSpaceSettingsForGeneratedProfiles
+    | HalfSpaceSettingsForGeneratedMaps
+    | HalfSpaceSettingsForMeasuredLines
+    | HalfSpaceSettingsForMeasuredMaps
 )
 """Section `[contact]` of a study: one of eight classes, for each combination of bodies and contact model."""
 
 CONTACT_SETTINGS_CLASSES: dict[str, dict[str, type[ContactSettings]]] = {
     "generated lines": {
-        "asperities": GeneratedProfileAsperitySettings,
-        "half-space": GeneratedProfileHalfSpaceSettings,
+        "asperities": AsperitySettingsForGeneratedProfiles,
+        "half-space": HalfSpaceSettingsForGeneratedProfiles,
     },
-    "generated areas": {"asperities": GeneratedMapAsperitySettings, "half-space": GeneratedMapHalfSpaceSettings},
-    "measured lines": {"asperities": MeasuredLineAsperitySettings, "half-space": MeasuredLineHalfSpaceSettings},
-    "measured areas": {"half-space": MeasuredMapHalfSpaceSettings, "asperities": MeasuredMapAsperitySettings},
+    "generated areas": {
+        "asperities": AsperitySettingsForGeneratedMaps,
+        "half-space": HalfSpaceSettingsForGeneratedMaps,
+    },
+    "measured lines": {"asperities": AsperitySettingsForMeasuredLines, "half-space": HalfSpaceSettingsForMeasuredLines},
+    "measured areas": {"half-space": HalfSpaceSettingsForMeasuredMaps, "asperities": AsperitySettingsForMeasuredMaps},
 }
 """Classes of the section `[contact]`, by kind of bodies and value of the key `mechanics`. The first class of each kind
 is the default.
 """
 
 SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
-    AsperityModelSettings, GeneratedSurfaceAsperitySettings, MeasuredSurfaceContactSettings,
+    AsperityModelSettings, AsperitySettingsForGeneratedSurfaces, MeasuredSurfaceContactSettings,
     GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
 """Base classes of `[contact]`. A message names such a class if a key belongs to other bodies or another model."""

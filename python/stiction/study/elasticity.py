@@ -50,28 +50,28 @@ def determine_elasticity(
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
-    modulus, upper, lower = effective_modulus, upper_material, lower_material
-    for side, name in (("upper", upper), ("lower", lower)):
+    modulus, upper_name, lower_name = effective_modulus, upper_material, lower_material
+    for side, name in (("upper", upper_name), ("lower", lower_name)):
         if not isinstance(name, str | None):
             raise ArgumentError(
                 f"{{{side}_material}} must be the name of a material, got {{got}}", got=short_repr(name)
             )
     materials_text = "{upper_material} and {lower_material}"
-    sources = {"{effective_modulus}": modulus, "{young}": young, materials_text: upper or lower}
+    sources = {"{effective_modulus}": modulus, "{young}": young, materials_text: upper_name or lower_name}
     given_sources = [source for source, value in sources.items() if value is not None]
-    if young is not None and bool(upper) != bool(lower):
-        return _combine_material_with_moduli(upper, lower, young, poisson)
+    if young is not None and bool(upper_name) != bool(lower_name):
+        return _combine_material_with_moduli(upper_name, lower_name, young, poisson)
     if len(given_sources) != 1:
         raise ArgumentError(
             f"give {{effective_modulus}}, or {{young}} and {{poisson}}, or {materials_text}"
             + (f", not both {' and '.join(given_sources)}" if given_sources else "")
         )
-    if upper or lower:
+    if upper_name or lower_name:
         if poisson is not None:
             raise ArgumentError(
                 f"{{poisson}} must not be given together with {materials_text}, which define Poisson's ratios"
             )
-        return _combine_materials(str(upper or lower), str(lower or upper))
+        return _combine_materials(str(upper_name or lower_name), str(lower_name or upper_name))
     poisson_ratios = None if poisson is None else parse_numbers("poisson", poisson)
     if poisson_ratios is not None and (
         len(poisson_ratios) > 2 or not all(0 <= ratio <= 0.5 for ratio in poisson_ratios)
@@ -83,10 +83,10 @@ def determine_elasticity(
                 "{poisson} must be a single number (for the softer body) if {effective_modulus} is given, got {got}",
                 got=repr(poisson),
             )
-        value = float(parse_quantity("effective_modulus", modulus, "pressure"))
-        if not value > 0:
+        modulus_value = float(parse_quantity("effective_modulus", modulus, "pressure"))
+        if not modulus_value > 0:
             raise ArgumentError("{effective_modulus} must be above 0, got {got}", got=repr(modulus))
-        return PairElasticity(value, poisson_ratio=None if poisson_ratios is None else poisson_ratios[0])
+        return PairElasticity(modulus_value, poisson_ratio=None if poisson_ratios is None else poisson_ratios[0])
     moduli = [float(value) for value in parse_quantities("young", young, "pressure")]
     if len(moduli) > 2:
         raise ArgumentError("{young} must be one or two moduli, got {got}", got=repr(young))

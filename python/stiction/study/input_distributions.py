@@ -27,8 +27,7 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
-# Number of samples of each input. With fewer samples, the budget fractions of two inputs that contribute equally could
-# differ by more than 0.01.
+# Number of samples of each input. With fewer, budget fractions of equally important inputs differ by more than 0.01.
 NUM_INPUT_SAMPLES = 2**14
 MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest accepted standard uncertainty of an input, relative to its central value
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
@@ -376,7 +375,7 @@ _INPUT_LIMITS = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the text of an input of a study, such as "hardness", which may be a range or have an uncertainty.
+    """Parse the value of an input with a given name, such as "hardness": number, range, or text with an uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not contain the name.
     """

@@ -41,7 +41,7 @@ _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of junctio
 
 
 @dataclass(frozen=True)
-class Input:
+class StudyInput:
     """Input of a study, such as the hardness, with its label, unit, central value and distribution.
 
     Attributes
@@ -76,13 +76,13 @@ class Inputs:
 
     Attributes
     ----------
-    entries : mapping of str to Input
+    entries : mapping of str to StudyInput
         All inputs that the study has.
     interface : InterfaceSettings or None
         Entry of the interface that defines mu0 and tau0 jointly.
     """
 
-    entries: Mapping[str, Input]
+    entries: Mapping[str, StudyInput]
     interface: InterfaceSettings | None
     _modulus: UncertainModulus
 
@@ -120,7 +120,7 @@ class Inputs:
         return _build_inputs(tuple(values.items()), bodies, materials, None, has_size_effect=False)
 
     @property
-    def uncertain(self) -> Mapping[str, Input]:
+    def uncertain(self) -> Mapping[str, StudyInput]:
         """Inputs of the study that are not exact, by name."""
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
@@ -183,7 +183,7 @@ def _build_inputs(
     materials: tuple[Material, ...], interface: InterfaceSettings | None, has_size_effect: bool,
 ) -> Inputs:  # fmt: skip
     softer_material = softest_material(*materials)
-    entries: dict[str, Input] = {}
+    entries: dict[str, StudyInput] = {}
     for name, value in values:
         if name == "effective_modulus" and bodies:
             continue
@@ -192,7 +192,9 @@ def _build_inputs(
         label = _SLIP_LINE_LABEL if value.estimate.uses_slip_lines else label
         entries[name] = _build_input(name, label, value)
     if has_size_effect:
-        entries["size_effect"] = Input(_LABELS["size_effect"], "µm", SIZE_EFFECT.value, SIZE_EFFECT, SIZE_EFFECT.text)
+        entries["size_effect"] = StudyInput(
+            _LABELS["size_effect"], "µm", SIZE_EFFECT.value, SIZE_EFFECT, SIZE_EFFECT.text
+        )
     is_one_material = bool(materials) and materials[0] == materials[1]
     for index, side in enumerate(SIDES[: 1 if is_one_material else 2] if bodies else ()):
         for name, value in zip(MODULUS_NAMES, bodies[index], strict=True):
@@ -208,8 +210,8 @@ def _build_inputs(
     return Inputs(MappingProxyType(entries), interface, modulus)
 
 
-def _build_input(name: str, label: str, value: InputValue) -> Input:
-    return Input(label, "GPa" if INPUT_KINDS[name] else "", float(value), value.estimate, value.text)
+def _build_input(name: str, label: str, value: InputValue) -> StudyInput:
+    return StudyInput(label, "GPa" if INPUT_KINDS[name] else "", float(value), value.estimate, value.text)
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:

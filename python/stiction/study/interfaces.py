@@ -279,7 +279,7 @@ class InterfaceStrength:
 
     @cached_property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) with mu0 = 0 or with tau0 = 0, for each of both whose interval includes 0.
+        """Samples of mu0 and tau0 (GPa) with mu0 = 0 if the interval of mu0 includes 0, and with tau0 = 0 likewise.
 
         The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
         """

@@ -237,8 +237,7 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans that are low-pass filtered at a cutoff (µm, 0 for none)."""
         surfaces = self._surfaces
-        # Each pair of scans numbers its members from 0. Only surrogates keep the member number of the study, which is
-        # their random seed.
+        # Each pair of scans numbers its members from 0. Surrogates keep the study's member number, which is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
@@ -306,12 +305,12 @@ class PreparedBodies:
         """Return the fraction of the area that was measured on both bodies, averaged over the first few members."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
-        fractions = []
+        measured_fractions = []
         with contextlib.suppress(ValueError, IndexError):  # a study may have fewer than `NUM_AVERAGED_MEMBERS` members
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
-                fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
-        return float(np.mean(fractions)) if fractions else 1.0
+                measured_fractions.append(1.0 if missing is None else 1 - float(missing.mean()))
+        return float(np.mean(measured_fractions)) if measured_fractions else 1.0
 
 
 def count_grid_points(study: Study) -> int:

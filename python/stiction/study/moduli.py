@@ -121,19 +121,19 @@ def parse_elasticity(
     elasticity = determine_elasticity(
         **elasticity_arguments, upper_material=upper_material, lower_material=lower_material
     )
-    value = elasticity.effective_modulus
+    central_modulus = elasticity.effective_modulus
     if "effective_modulus" in inputs:
-        return elasticity, UncertainModulus(value, inputs["effective_modulus"][0])
+        return elasticity, UncertainModulus(central_modulus, inputs["effective_modulus"][0])
     if "young" in inputs:
         pairs_of_moduli = zip((2 * inputs["young"])[:2], (2 * inputs["poisson"])[:2], strict=True)
         bodies = [{"young": e, "poisson": nu} for e, nu in pairs_of_moduli]
         if upper_material or lower_material:
             bodies[0 if upper_material else 1] = find_material_moduli(material(str(upper_material or lower_material)))
-        return elasticity, UncertainModulus(value, bodies=tuple(bodies))
+        return elasticity, UncertainModulus(central_modulus, bodies=tuple(bodies))
     materials = [material(str(name)) for name in (upper_material or lower_material, lower_material or upper_material)]
     bodies = [find_material_moduli(body) for body in materials]
     is_one_material = materials[0] == materials[1]
-    return elasticity, UncertainModulus(value, bodies=tuple(bodies), is_one_material=is_one_material)
+    return elasticity, UncertainModulus(central_modulus, bodies=tuple(bodies), is_one_material=is_one_material)
 
 
 def _parse_inputs(name: str, value: Any) -> list[UncertainInput]:

@@ -418,7 +418,7 @@ class MeasuredPair:
         """
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
-        # Round the forces, so that they contain no round-off.
+        # Round the forces to 12 digits, because the conversion of units causes round-off.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
@@ -436,7 +436,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest adhesive force (mN) on a grid cell: work of adhesion divided by its range, times the cell area."""
+        """Largest adhesive force (mN) on a grid cell: work of adhesion over adhesion range, times cell area."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, study_range = (
@@ -463,7 +463,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as the user gives them, each with a mark: (mN, False) for a force, or (GPa, True) for a pressure."""
+        """Loads as the user gives them, as pairs: (mN, False) for a force, or (GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)

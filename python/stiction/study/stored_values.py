@@ -25,7 +25,7 @@ ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
-_CHUNK_SIZE = 2**14  # number of stored numbers that are compared at a time
+_CHUNK_SIZE = 2**14  # number of stored values that are compared at a time
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),

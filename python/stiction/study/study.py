@@ -636,7 +636,7 @@ class Study(SettingsSection):
             friction |= {key: getattr(self.friction, key) for key in STRENGTH_KEYS}
 
     def _remove_dependent_loads(
-        self, data: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
+        self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
         """Remove loads from a study of generated surfaces if they would contradict the loads that change.
 
@@ -645,9 +645,12 @@ class Study(SettingsSection):
         and will add two that enclose the changed loads.
         """
         if "contact.load" in changes or not is_allowed:
-            data["friction"].pop("load", None)
-        elif len(requested := data["friction"].get("load", ())) and len(data["contact"]["load"]) == len(requested) + 2:
-            data["contact"].pop("load")
+            sections["friction"].pop("load", None)
+        elif (
+            len(requested_loads := sections["friction"].get("load", ()))
+            and len(sections["contact"]["load"]) == len(requested_loads) + 2
+        ):
+            sections["contact"].pop("load")
 
     def _to_sections(self) -> dict[str, dict[str, Any]]:
         names = [name for name in type(self).model_fields if name != "figures" or not self.is_measured]

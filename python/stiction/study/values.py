@@ -1,4 +1,4 @@
-"""Types of the values in a study file: quantities with units, increasing lists, and ranges of equal steps."""
+"""Types of the values in a study file: quantities with units, increasing lists, and ranges."""
 
 from __future__ import annotations
 
