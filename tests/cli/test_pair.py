@@ -616,6 +616,8 @@ HONED_STEEL_OPTIONS = [
     "20 mN",
     "--mechanics",
     "half-space",
+    "--offsets",
+    16,
 ]
 RUBBER_ON_GLASS_OPTIONS = [
     "--upper",
