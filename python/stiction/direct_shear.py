@@ -26,13 +26,13 @@ from stiction.evaluate.shear_intervals import (
     draw_shear_samples,
     list_variations,
 )
-from stiction.mechanics.friction import FrictionLaw, warn_if_tau0_is_large
+from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, FrictionLaw, warn_if_tau0_is_large
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
 from stiction.mechanics.onset import parse_direction
 from stiction.mechanics.shear import MIN_STRIPS, ShearBox
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.solve.members_in_progress import compute_steps_key, remove_stored_steps, stored_record
-from stiction.solve.store import CHECKSUM_PREFIX, STUDY_FILE, export
+from stiction.solve.store import CHECKSUM_PREFIX, SHEAR_TEST_FILE_NAME, STUDY_FILE, export
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
 from stiction.study.pair_options import validate_option_values
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
-SHEAR_TEST_FILE_NAME = "shear.nc"
 
 
 def shear_test(
@@ -156,7 +155,8 @@ def shear_test(
         `jrc` (NaN outside its range), `rising_slope` and `falling_slope`. The closure at the start, by Bandis' law:
         `closure_initial_stiffness_GPa_per_um`, `maximum_closure_um` and `closure_misfit`, the largest relative
         deviation; NaN if the faces do not close. `fit_correlation` is the correlation of the slopes of both faces at
-        the start; NaN if a face is flat.
+        the start; NaN if a face is flat. `body_shears_first` is 1 if asperities at the hardness would, by slip lines,
+        shear before they slide; the coefficients do not include this limit.
 
     Raises
     ------
@@ -321,12 +321,18 @@ def _compute_shear_tests(
         direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
-        hardness="" if hardness is None else hardness.text, strips=len(strips),
-        uncertain_inputs=_describe_uncertain_inputs(setup),
+        hardness="" if hardness is None else hardness.text, body_shears_first=_shears_before_sliding(box),
+        strips=len(strips), uncertain_inputs=_describe_uncertain_inputs(setup),
         tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=closure.initial_stiffness,
         maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit,
         fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
+
+
+def _shears_before_sliding(box: ShearBox) -> int:
+    """Return 1 if asperities at the hardness shear before they slide, by slip lines and at the central H/k, else 0."""
+    law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
+    return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 
 
 def _describe_uncertain_inputs(setup: _ShearTestSetup) -> str:

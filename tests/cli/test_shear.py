@@ -388,6 +388,44 @@ def test_shear_peak_with_few_contacts_has_a_caveat():
     assert "depends on chance" not in " ".join(list_caveats(test_with_many_contacts))
 
 
+@pytest.mark.parametrize(
+    ("mu0", "hardness", "has_caveat"),
+    [
+        (0.6, "150 MPa", True),
+        (0.35, "150 MPa", False),
+        (0.6, "1 TPa", False),  # no asperity reaches its strength
+        (0.6, None, False),
+    ],
+)
+def test_shear_peak_has_a_caveat_if_asperities_shear_before_they_slide(mu0, hardness, has_caveat):
+    options = {"path": "0.5 mm", "steps": 4, "mu0": mu0, "hardness": hardness} | LOAD_AND_ELASTICITY
+    caveats = list_caveats(shear_test(*create_faces(), **options))
+    assert any("shear before they slide, at a coefficient of about 0.36" in caveat for caveat in caveats) == has_caveat
+
+
+@pytest.mark.parametrize(("tau0", "expected"), [("0.1 MPa", 0), ("1 MPa", 1)])
+def test_shear_test_states_that_asperities_shear_first_if_tau0_raises_friction_above_the_limit(tau0, expected):
+    # At half the hardness, contacts have a friction of 26.25 MPa plus τ0; the shear strength is 150 MPa/5.6 = 26.8 MPa.
+    options = {"path": "0.1 mm", "steps": 1, "mu0": 0.35, "tau0": tau0, "hardness": "150 MPa"} | LOAD_AND_ELASTICITY
+    assert shear_test(*create_faces(), **options).attrs["body_shears_first"] == expected
+
+
+def test_shear_command_prints_a_stored_test_with_strips_again(directory):
+    options = ("--path", "0.2 mm", "--mu0", 0.6, "--hardness", "150 MPa", "--steps", 2, "--strips", 2)
+    first_output, second_output = (run_shear(directory, *options).stdout for _ in range(2))
+    assert "95 % intervals: scatter between 2 strips of the faces" in first_output
+    assert second_output == first_output
+
+
+def test_export_of_a_shear_test_states_where_its_values_are(directory):
+    run_shear(directory, "--path", "0.5 mm", "--mu0", 0.6, "--steps", 1)
+    assert_rejected(
+        call_stiction("export", "shear", "joint.csv", "--joint", cwd=directory),
+        "shear contains a shear test",
+        "its values are in shear.csv or shear.nc",
+    )
+
+
 def test_shear_peak_above_the_limit_of_rock_joints_has_a_caveat():
     face = create_faces()[1]
     steep_face = Surface(6 * face.heights, spacing=face.spacing)

@@ -102,6 +102,14 @@ def test_results_of_measured_surfaces_have_the_standard_figures_by_default(maps_
     assert not {"compass", "contacts", "cut_off"} & set(list_figure_names(profiles_dataset))
 
 
+def test_closure_figure_names_the_kind_of_interval_that_the_json_record_names(maps_at_two_cutoffs):
+    record = json.loads(summary_json("at", Result.of(maps_at_two_cutoffs).summary()))
+    kinds = {value["kind"] for value in record["values"] if value["name"] in ("closure", "closure_stiffness")}
+    assert kinds == {"combined"}
+    figure = dict(select_figures(maps_at_two_cutoffs))["closure"]()
+    assert figure.get_suptitle().endswith("bands: 95 %, combined intervals")
+
+
 def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(maps_at_two_cutoffs):
     study = parse_study_of_dataset(maps_at_two_cutoffs).with_changes({"surfaces.both_readings": True})
     dataset = maps_at_two_cutoffs.assign_attrs(study=study.to_toml())

@@ -99,7 +99,8 @@ def shear(
     """
     from stiction.cli.execution import check_output_directory
     from stiction.cli.result_output import choose_message_printer
-    from stiction.direct_shear import SHEAR_TEST_FILE_NAME, shear_test
+    from stiction.direct_shear import shear_test
+    from stiction.solve.store import SHEAR_TEST_FILE_NAME
     from stiction.study.pair_options import READING_OPTION_NAMES
     from stiction.views.figures.shear import shear_figure
     from stiction.views.files import REPORT_FILE_SIGNATURE, check_all_replaceable, replace_text_file

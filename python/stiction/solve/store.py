@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     import xarray
 
 STUDY_FILE = "study.toml"
+SHEAR_TEST_FILE_NAME = "shear.nc"  # file of a shear test, which is not the result of a study
 BLOCKS_DIRECTORY = "blocks"
 AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of true areas at other hardnesses, which earlier versions stored
 CONTACT_PICTURE_FILE = "picture.nc"  # file of the contact map of a typical member
@@ -455,6 +456,11 @@ def open_stored_result(path: str | Path) -> StoredResult:
     try:
         study = _read_study_file(path)
     except FileNotFoundError:
+        if (path / SHEAR_TEST_FILE_NAME).exists():
+            raise StoreError(
+                f"{printable_path(path)} contains a shear test, which info, plot, report and export do not read; its "
+                f"values are in shear.csv or {SHEAR_TEST_FILE_NAME}"
+            ) from None
         raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:
         raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None

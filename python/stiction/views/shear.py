@@ -11,6 +11,7 @@ import numpy as np
 from stiction._estimate import Estimate
 from stiction._number_format import choose_prefixed_unit, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import (
+    CENTRAL_SHEAR_RATIO,
     STATUS_DOWNHILL,
     STATUS_NO_CONTACT,
     STATUS_NOT_REACHED,
@@ -19,7 +20,7 @@ from stiction.mechanics.friction import (
     STATUS_SELF_LOCKED,
 )
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
-from stiction.summary.assessment import MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT
+from stiction.summary.assessment import MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT, MIN_LOAD_FRACTION_AT_HARDNESS
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -159,6 +160,12 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 f"At the peak, {format_percent(at_hardness)} of the load is on asperities at their strength. They are "
                 "flattened; breakage, gouge and wear are not included."
             )
+        if test.attrs.get("body_shears_first") and at_hardness > MIN_LOAD_FRACTION_AT_HARDNESS:
+            limit = format_significant(2 / CENTRAL_SHEAR_RATIO, 2)
+            caveats.append(
+                "The peak may be too high: by slip lines, as in pair, asperities at their strength shear before they "
+                f"slide, at a coefficient of about {limit}. Repeat the test with --mu0 {limit} and no --tau0."
+            )
         contact_count = round(float(test["contact_count"][peak]))
         contact_text = "one contact carries" if contact_count == 1 else f"{contact_count} contacts carry"
         if contact_count < MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT:
@@ -238,7 +245,8 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
             f"shear strength: {strength.text()} {strength.unit} at "
             f"{format_with_unit(float(test['displacement'][peak_stress_index]), 'um')}"
         )
-    lines += [_interval_text(test.attrs)] * (test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "")
+    if test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "":
+        lines.append(_interval_text(test.attrs))
     lines.append(_roughness_text(test.attrs))
     if not math.isnan(float(test.attrs["closure_misfit"])):
         lines.append(_closure_text(test.attrs))

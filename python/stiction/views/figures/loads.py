@@ -18,6 +18,7 @@ from stiction._number_format import choose_prefixed_unit
 from stiction.companions.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
 from stiction.companions.resolution import ResolutionLimits
 from stiction.evaluate.point import MEAN_AND_LIMITS, select_sliding_rule
+from stiction.mechanics.quantities import find_interval_kind
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
@@ -80,7 +81,9 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
-    bands_label = INTERVAL_BAND_LEGENDS[False] if np.isfinite(lower_limits).any() else ""
+    kind = find_interval_kind("closure", points["closure"].attrs)
+    intervals_label = "bands: 95 %, combined intervals" if kind == "combined" else INTERVAL_BAND_LEGENDS[False]
+    bands_label = intervals_label if np.isfinite(lower_limits).any() else ""
     figure.suptitle("\n".join(filter(None, (title, bands_label))), fontsize=6)
     return figure
 
