@@ -219,3 +219,18 @@ def test_prediction_contains_the_true_coefficient_in_most_synthetic_cases() -> N
         _, lower, upper = calibrate(tests, common=0.0, sliding="all").predict(press_pair(PREDICTED_RMS), "20 MPa")
         num_covered += lower < truth < upper
     assert num_covered >= 22  # with 95 % coverage, fewer have a probability of 3 %
+
+
+def test_uninformative_test_of_a_pair_does_not_narrow_its_predicted_interval() -> None:
+    """A ball determines mu0 and tau0; a test of the pair with an error of 30 % adds nothing to the area of the pair."""
+    result, random = press_pair(PREDICTED_RMS), np.random.default_rng(5)
+    ball_tests = [
+        FrictionTest(BALL, load, coefficient=y * (1 + 0.01 * random.standard_normal()), uncertainty=0.01 * y)
+        for load, y in ((load, MU0 + TAU0 * BALL.area_per_load(load)) for load in BALL_LOADS)
+    ]
+    uninformative_test = FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.3)
+    widths = []
+    for tests in (ball_tests, [*ball_tests, uninformative_test]):
+        _, lower, upper = calibrate(tests, common=0.0, sliding="all").predict(result, "20 MPa")
+        widths.append(upper - lower)
+    assert widths[1] == pytest.approx(widths[0], rel=0.05)

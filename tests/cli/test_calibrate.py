@@ -126,6 +126,13 @@ def test_calibrate_command_ranks_further_tests_by_the_interval_of_the_wanted_pai
     assert len(rows) == len(plans)
 
 
+def test_calibrate_command_rejects_a_target_that_is_no_measured_pair(tmp_path):
+    check_stiction("run", "quick", "--set", "ensemble.repetitions=2", "-o", "generated", cwd=tmp_path)
+    arguments = ["--load", "20 mN", "--measured", "0.3±0.01", "--target", "generated"]
+    completed = call_stiction("calibrate", *BALL_OPTIONS, *arguments, cwd=tmp_path)
+    assert_rejected(completed, "--target must be the result of a measured pair with a load, got generated")
+
+
 def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)

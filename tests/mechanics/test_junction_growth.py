@@ -220,3 +220,4 @@ def test_table_of_limited_pressures_is_interpolated_as_by_scipy():
     assert _interpolate_table(table, rows, columns).tobytes() == expected.tobytes()
     limits = _interpolate_table(table, np.array([-1.0, last_row + 1.0]), np.array([-2.0, last_column + 5.0]))
     assert limits.tolist() == [table[0, 0], table[-1, -1]]
+    assert np.isnan(_interpolate_table(table, np.array([np.nan, 0.0]), np.array([0.0, np.nan]))).all()

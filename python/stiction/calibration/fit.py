@@ -454,10 +454,13 @@ class CalibrationProblem:
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
+        unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
+        # The scores of a pair's area error state that the tests contain all errors of its scans. This is only certain
+        # if no other contact was tested: another contact could determine mu0 and tau0 alone.
+        if len({equation.surfaces for equation in self._friction}) > 1:
+            unstored_names |= self._area_errors.keys()
         scores_by_name = {
-            name: scores[:, index]
-            for index, name in enumerate(self.nuisances)
-            if name not in (GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME)
+            name: scores[:, index] for index, name in enumerate(self.nuisances) if name not in unstored_names
         }
         return StrengthFit(
             self.sliding, chi_squared, degrees_of_freedom, probability, scale if self.has_errors else 1.0,

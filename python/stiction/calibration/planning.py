@@ -72,7 +72,9 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     'as many tests of this pair'
     """
     check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
-    relative_errors = [uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid]
+    relative_errors = [
+        uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0
+    ]
     relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
     if not math.isfinite(relative_error):
         relative_error = DEFAULT_RELATIVE_ERROR

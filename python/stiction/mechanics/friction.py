@@ -307,23 +307,28 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 
 def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Interpolate a table linearly at fractional indices, which are limited to the rows and columns of the table.
+    """Interpolate a table linearly at fractional indices, which are limited to its size. Values at NaN are NaN.
 
     The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
     """
     num_rows, num_columns = table.shape
-    rows, columns = np.clip(rows, 0.0, num_rows - 1), np.clip(columns, 0.0, num_columns - 1)
+    is_nan = np.isnan(rows) | np.isnan(columns)
+    rows, columns = (
+        np.clip(np.where(is_nan, 0.0, indices), 0.0, size - 1)
+        for indices, size in ((rows, num_rows), (columns, num_columns))
+    )
     first_rows, first_columns = (
         np.minimum(indices, size - 2).astype(np.intp) for indices, size in ((rows, num_rows), (columns, num_columns))
     )
     row_weights, column_weights = rows - first_rows, columns - first_columns
     entries, first_entries = table.ravel(), first_rows * num_columns + first_columns
-    return np.asarray(
+    values = (
         entries[first_entries] * (1 - row_weights) * (1 - column_weights)
         + entries[first_entries + 1] * (1 - row_weights) * column_weights
         + entries[first_entries + num_columns] * row_weights * (1 - column_weights)
         + entries[first_entries + num_columns + 1] * row_weights * column_weights
     )
+    return np.where(is_nan, np.nan, values)
 
 
 @lru_cache(maxsize=1)
