@@ -302,7 +302,7 @@ def cut_middle(body):
         ({"shifts": 5000}, "the maps have .* relative positions"),
         ({"seed": 1.5, "surrogates": 2}, "seed must be a whole number"),
         ({"level": "cubic"}, "level must be"),
-        ({"mechanics": "asperities", "hardness": 1.0}, "hardness is for mechanics half-space"),
+        ({"mechanics": "asperities", "hardness": 1.0}, "hardness needs mechanics half-space"),
     ],
 )
 def test_pair_function_rejects_invalid_input_for_maps(changes, pattern):

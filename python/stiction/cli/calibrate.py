@@ -56,7 +56,7 @@ OutputOption = Annotated[
     "calibrate",
     "stiction calibrate forces.csv --pair ground --pair lapped -o steel_brass",
     "stiction calibrate forces.csv --ball '5 mm' --upper PMMA --lower glass",
-    "stiction calibrate --pair ground --load '10 MPa' --measured '0.25±0.01' --target lapped",
+    "stiction calibrate forces.csv --pair ground --target lapped",
 )
 def calibrate(
     context: typer.Context,
