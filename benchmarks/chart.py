@@ -5,7 +5,13 @@ from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
-from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, NOT_OPPOSING_COLOUR, PAGE_WIDTH, save_figure
+from stiction.views.style import (
+    INCHES_PER_MILLIMETRE,
+    MATPLOTLIB_STYLE,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    PAGE_WIDTH,
+    save_figure,
+)
 
 DOCS_DIRECTORY = Path(__file__).resolve().parents[1] / "docs"
 
@@ -71,7 +77,7 @@ def draw_chart() -> None:
                 position -= 1
                 positions.append(position)
                 names.append(name)
-                colour = NOT_OPPOSING_COLOUR if name == "stiction" else "0.65"
+                colour = NOT_OPPOSING_CONTACT_COLOUR if name == "stiction" else "0.65"
                 axes.barh(position, ratio - 0.7, left=0.7, color=colour, height=0.75)
                 text = f"{ratio:.2g} ×" if ratio < 100 else f"{ratio:.0f} ×"
                 axes.text(1.1 * ratio, position, text, va="center", fontsize=6)

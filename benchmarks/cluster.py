@@ -33,7 +33,7 @@ NUM_RUNS = 3
 _compute_real_block = runner.compute_block
 
 
-class StoredSumsReader:
+class StoredContactSumsReader:
     """Task that computes nothing: each process reads stored sums from a file once, and returns them."""
 
     def __init__(self, path: str, has_shared_directory: bool) -> None:
@@ -74,7 +74,7 @@ def measure_storage_rates(
     with tempfile.TemporaryDirectory() as directory:
         sums_file = Path(directory) / "sums.pickle"
         sums_file.write_bytes(pickle.dumps(sums))
-        runner.compute_block = StoredSumsReader(str(sums_file), has_shared_directory)
+        runner.compute_block = StoredContactSumsReader(str(sums_file), has_shared_directory)
         block_size = runner.choose_block_size(study)
         num_parts = -(-study.ensemble.repetitions // (block_size * NUM_BLOCKS))
         try:

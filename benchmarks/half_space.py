@@ -14,7 +14,7 @@ from stiction.mechanics.half_space import BoundaryCondition
 EFFECTIVE_MODULUS = 10.0
 RMS_SLOPE = 0.1
 STICTION_SOLVER_TOLERANCE = 1e-6
-RELATIVE_MEAN_PRESSURES = (0.005, 0.03, 0.1)
+MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE = (0.005, 0.03, 0.1)
 """Mean pressures in units of E* times the rms slope."""
 
 
@@ -107,7 +107,7 @@ def run_benchmark(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, 
     rows = []
     for n in grid_sizes:
         heights = create_heights((n, n), 4, n // 16)
-        for pressure in RELATIVE_MEAN_PRESSURES:
+        for pressure in MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE:
             load = pressure * EFFECTIVE_MODULUS * RMS_SLOPE
             our_runs = [measure_time_and_error(solve_by_stiction, heights, load)]
             compared_runs = []
@@ -159,7 +159,7 @@ def measure_map_position_time(grid_size: int = 384) -> tuple[str, str]:
     heights = create_heights((grid_size, grid_size), 4, grid_size // 16)
     body = Surface(heights, spacing=1 / grid_size)
     flat = Surface(np.zeros(heights.shape), spacing=1 / grid_size)
-    loads = np.array(RELATIVE_MEAN_PRESSURES) * EFFECTIVE_MODULUS * RMS_SLOPE
+    loads = np.array(MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE) * EFFECTIVE_MODULUS * RMS_SLOPE
 
     def solve_directions(directions: list[float]) -> HalfSpaceCurve:
         return half_space(flat, body, loads, effective_modulus=EFFECTIVE_MODULUS, direction=directions)

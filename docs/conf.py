@@ -324,7 +324,7 @@ def visit_formula(translator: HTML5Translator, node: nodes.math | nodes.math_blo
 _ASCII_NAMES_BY_SYMBOL = {"μ0": "mu0", "τ0": "tau0", "μ_s": "mu_s"}
 
 
-class EnglishSymbolSearch(SearchEnglish):
+class EnglishSearchWithSymbols(SearchEnglish):
     """English search index in which a symbol and its ASCII name count as the same word."""
 
     def split(self, input: str) -> list[str]:  # noqa: A002  (name of the argument in Sphinx)
@@ -337,7 +337,7 @@ class EnglishSymbolSearch(SearchEnglish):
 
 
 def setup(app: Sphinx) -> None:
-    sphinx.search.languages["en"] = EnglishSymbolSearch
+    sphinx.search.languages["en"] = EnglishSearchWithSymbols
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     app.add_post_transform(PublicNameLinkTransform)
     app.add_post_transform(CommandPromptTransform)

@@ -111,13 +111,13 @@ def render_parameter_descriptions() -> str:
             "" if PairOptions.model_fields[name].is_required() or name in BODY_OPTION_NAMES else ", optional"
         )
         default_sentence = f" By default {option.default_text}." if option.default_text else ""
-        text = option.help.format_map(PythonOptionNames()) + default_sentence
+        text = option.help.format_map(PythonNamesOfOptions()) + default_sentence
         lines.append(f"    {format_python_name(name)} : {type_text}{unit}{optional_text}")
         lines += textwrap.wrap(text, LINE_LENGTH, initial_indent=" " * 8, subsequent_indent=" " * 8)
     return "\n".join(lines) + "\n"
 
 
-class PythonOptionNames(dict[str, str]):
+class PythonNamesOfOptions(dict[str, str]):
     """Mapping that replaces the placeholders in a help line by the Python names of options."""
 
     def __missing__(self, name: str) -> str:

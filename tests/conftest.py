@@ -39,7 +39,7 @@ hypothesis.settings.load_profile("without time limits")
 NUM_INPUT_SAMPLES_IN_TESTS = 2**10
 """Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
 
-NUISANCE_POINT_FRACTION_IN_TESTS = 0.25
+NUISANCE_GRID_FRACTION_IN_TESTS = 0.25
 """Number of nuisance points of a calibration in most tests, as a fraction of the number for users."""
 
 
@@ -49,7 +49,7 @@ def few_input_samples(request):
     draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
     with (
         use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
-        use_nuisance_points(1 if draws_all else NUISANCE_POINT_FRACTION_IN_TESTS),
+        use_nuisance_points(1 if draws_all else NUISANCE_GRID_FRACTION_IN_TESTS),
     ):
         yield
 

@@ -38,9 +38,9 @@ def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
 
 def test_effective_modulus_of_scalars_is_a_float():
     assert type(effective_modulus(210, 0.3, 210, 0.3)) is float
-    moduli_of_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
-    assert isinstance(moduli_of_arrays, np.ndarray)
-    assert moduli_of_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
+    moduli_from_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
+    assert isinstance(moduli_from_arrays, np.ndarray)
+    assert moduli_from_arrays[0] == effective_modulus(210, 0.3, 210, 0.3)
 
 
 def test_half_space_accepts_zero_dimensional_arrays():

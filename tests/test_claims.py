@@ -312,7 +312,7 @@ def test_verdict_is_undefined_if_the_range_of_a_claim_has_only_one_fractal_dimen
     assert judge_part("4c", result).verdict == "undefined"
 
 
-def test_verdict_by_confidence_bands_is_undefined_if_few_fractal_dimensions_have_friction():
+def test_verdict_by_confidence_bands_is_undefined_if_friction_is_finite_at_few_fractal_dimensions():
     # Only one fractal dimension above 1.6 has friction; pairs of all others are self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):

@@ -57,7 +57,8 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method is applied to the logarithms of shorter/longer and k, because their relation is almost linear.
+  // Newton's method solves for the axis ratio k of the contact ellipse. The relation between ln k and the
+  // logarithm of the ratio of radii, ln(shorter / longer), is almost linear.
   // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);

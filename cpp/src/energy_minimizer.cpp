@@ -206,8 +206,8 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. A point that closes stops at a gap of 0, and the remainder of its step is stored.
-// Return whether a remainder was stored for any point.
+// Change the gaps by a step. A point that closes stops at a gap of 0, and the rest of its gap change is stored.
+// Return whether a rest is stored for any point.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -526,7 +526,7 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 
-// Change the state by a step along its direction. Points that would pass a gap of 0 stop at this gap.
+// Change the state by a step along the search direction. If the gap of a point would change its sign, it becomes 0.
 void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
   struct Closures {
     bool any = false;

@@ -441,7 +441,7 @@ class LevelSolver {
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
   // Rows of the grid that contain points with a pressure bound above 0, if each point has its own bound.
-  // Potentials in other rows are not computed, because points with a pressure bound of 0 carry no pressure.
+  // Potentials are computed in these rows only, because in all other rows no point can carry pressure.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few

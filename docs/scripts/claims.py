@@ -110,18 +110,18 @@ class ClaimsTableColumn:
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
 
-_AMPLITUDE_STUDY_CHANGES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
-_AREA_STUDY_CHANGES = {
-    **_AMPLITUDE_STUDY_CHANGES,
+_AMPLITUDE_STUDY_OVERRIDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_AREAL_STUDY_OVERRIDES = {
+    **_AMPLITUDE_STUDY_OVERRIDES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15},
 }
-_HALF_PLANE_STUDY_CHANGES = {
+_HALF_PLANE_STUDY_OVERRIDES = {
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
     "surfaces.points": 65_536,
     "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
 }
 _HALF_SPACE_STUDY_CHANGES = {
-    **_AMPLITUDE_STUDY_CHANGES,
+    **_AMPLITUDE_STUDY_OVERRIDES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
     "surfaces.shape": [256, 256],
     "contact.mechanics": "half-space",
@@ -141,13 +141,13 @@ CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
     "profiles, gap-minimum detection, friction at all contacts": ClaimsTableColumn(
         "figure7", _ALL_CONTACTS_STUDY_CHANGES, "all", 20, "gap-minima-all"
     ),
-    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREA_STUDY_CHANGES, "opposing", 80, "areas"),
+    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREAL_STUDY_OVERRIDES, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": ClaimsTableColumn(
-        "figure6-areal", _AREA_STUDY_CHANGES, "all", 80, "areas"
+        "figure6-areal", _AREAL_STUDY_OVERRIDES, "all", 80, "areas"
     ),
-    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_STUDY_CHANGES, "opposing", 100, "half-planes"),
+    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_STUDY_OVERRIDES, "opposing", 100, "half-planes"),
     "half-planes, friction at all contacts": ClaimsTableColumn(
-        "figure6-half-plane", _HALF_PLANE_STUDY_CHANGES, "all", 100, "half-planes"
+        "figure6-half-plane", _HALF_PLANE_STUDY_OVERRIDES, "all", 100, "half-planes"
     ),
     "half-spaces": ClaimsTableColumn("figure6-areal", _HALF_SPACE_STUDY_CHANGES, "opposing", 66, "half-spaces"),
     "half-spaces, friction at all contacts": ClaimsTableColumn(

@@ -274,12 +274,12 @@ def compute_pair_results(case: dict, upper, lower, boundary: str) -> dict:
     pair_results["kappa"] = contact_area * EFFECTIVE_MODULUS * gap_gradient / load
     pair_results["fraction"] = contact_area / nominal_area
     pair_results["contacts"] = int(curves[0].contact_count[0])
-    for rule, (name, tau0) in product(SLIDING_RULES, TAU0_BY_LABEL.items()):
+    for sliding_rule, (name, tau0) in product(SLIDING_RULES, TAU0_BY_LABEL.items()):
         values = [
-            curve_with_rule.friction_coefficient(mu0=MU0, tau0=tau0)
-            for curve_with_rule in (curve.with_sliding(rule) for curve in curves)
+            curve_for_sliding_rule.friction_coefficient(mu0=MU0, tau0=tau0)
+            for curve_for_sliding_rule in (curve.with_sliding(sliding_rule) for curve in curves)
         ]
-        pair_results[f"mu {rule} {name}"] = float(np.mean(values))
+        pair_results[f"mu {sliding_rule} {name}"] = float(np.mean(values))
     # Repeat with the sliding rule applied to each grid point by its slope, instead of to each contact patch.
     motion_vectors = np.array([[np.cos(angle), np.sin(angle)], [-np.cos(angle), -np.sin(angle)]])
     point_labels = np.arange(1, points.size + 1, dtype=np.int32)
@@ -307,18 +307,19 @@ def solve_asperities(
     options = {"effective_modulus": EFFECTIVE_MODULUS, **model_options}
     approach = approach_at_load(upper, lower, [load], mu0=0.0, **options)
     model_results = {}
-    for rule in SLIDING_RULES:
+    for sliding_rule in SLIDING_RULES:
         if not np.isfinite(approach).all():
             continue
         curves = [
-            press(upper, lower, approach, sliding=rule, direction=direction, **options) for direction in directions
+            press(upper, lower, approach, sliding=sliding_rule, direction=direction, **options)
+            for direction in directions
         ]
         model_results[f"{name} kappa"] = float(
             curves[0].contact_area[0] * EFFECTIVE_MODULUS * gap_gradient / curves[0].normal_elastic[0]
         )
         for label, tau0 in TAU0_BY_LABEL.items():
             values = [curve.friction_coefficient(mu0=MU0, tau0=tau0) for curve in curves]
-            model_results[f"{name} {rule} {label}"] = float(np.mean(values))
+            model_results[f"{name} {sliding_rule} {label}"] = float(np.mean(values))
     return model_results
 
 
@@ -365,13 +366,15 @@ RULE_TITLES = {
 }
 
 
-def closed_form_friction(pair: dict, rule: str, tau0: float, *, order: int = 2, kappa: float | None = None) -> float:
+def closed_form_friction(
+    pair: dict, sliding_rule: str, tau0: float, *, order: int = 2, kappa: float | None = None
+) -> float:
     """Return the coefficient in closed form for the slopes and κ of a pair."""
     return float(
         gentle_friction(
             MU0, tau0, rms_gradient=pair["rms_gradient"], rms_slope=min(pair["rms_slope"], pair["rms_gradient"]),
             slope_ratio=pair["slope_ratio"], effective_modulus=EFFECTIVE_MODULUS, kappa=kappa or pair["kappa"],
-            sliding="all" if rule == "all" else "opposing", order=order,
+            sliding="all" if sliding_rule == "all" else "opposing", order=order,
         )
     )  # fmt: skip
 
@@ -383,13 +386,15 @@ def summarise_case(row: dict) -> dict:
     case_means = {name: float(np.mean([pair[name] for pair in pairs])) for name in names}
     case_means |= {"family": row["case"]["family"], "case": row["case"], "pairs": len(pairs)}
     case_means["kappa_error"] = float(np.std([pair["kappa"] for pair in pairs], ddof=1) / np.sqrt(len(pairs)))
-    rule_by_model = {f"mu {rule}": rule for rule in RULE_TITLES} | {
-        f"{name} {rule}": rule for name in ("asperities", "cylinders", "spheres") for rule in SLIDING_RULES
+    rule_by_model = {f"mu {sliding_rule}": sliding_rule for sliding_rule in RULE_TITLES} | {
+        f"{name} {sliding_rule}": sliding_rule
+        for name in ("asperities", "cylinders", "spheres")
+        for sliding_rule in SLIDING_RULES
     }
-    for (model, rule), (label, tau0) in product(rule_by_model.items(), TAU0_BY_LABEL.items()):
+    for (model, sliding_rule), (label, tau0) in product(rule_by_model.items(), TAU0_BY_LABEL.items()):
         values = np.array([pair.get(f"{model} {label}", np.nan) for pair in pairs])
         if np.isfinite(values).all():
-            closed_form_values = np.array([closed_form_friction(pair, rule, tau0) for pair in pairs])
+            closed_form_values = np.array([closed_form_friction(pair, sliding_rule, tau0) for pair in pairs])
             case_means[f"{model} {label}"] = float(values.mean())
             case_means[f"{model} {label} over form"] = (
                 float(values.mean() / closed_form_values.mean()) if closed_form_values.any() else np.nan
@@ -437,8 +442,8 @@ def render_family_rows(points: list[dict]) -> list[str]:
                 family_title, f"{min_gradient:g} to {max_gradient:g}", f"{len(selected_points)}",
                 f"{min(kappas):.2f} to {max(kappas):.2f}", f"{min(counts):.0f} to {max(counts):.0f}",
                 *(
-                    format_residuals_in_percent(selected_points, f"mu {rule} {key}")
-                    for rule, key in product(RULE_TITLES, TAU0_BY_LABEL)
+                    format_residuals_in_percent(selected_points, f"mu {sliding_rule} {key}")
+                    for sliding_rule, key in product(RULE_TITLES, TAU0_BY_LABEL)
                 ),
                 *(format_residuals_in_percent(selected_points, f"{model} opposing {key}") for key in TAU0_BY_LABEL),
                 f"{100 * np.mean([point['mu points 0 error'] for point in selected_points]):.1f}",
@@ -466,7 +471,10 @@ def render_limit_rows(points: list[dict]) -> list[str]:
         cells = [
             case_text, f"{point['rms_gradient']:.2g}", f"{case.get('load', LOW_RELATIVE_PRESSURE):g}",
             f"{point['fraction']:.2g}", f"{point['kappa']:.2f}",
-            *(format_residuals_in_percent([point], f"mu {rule} 0").split(" ")[0] for rule in RULE_TITLES),
+            *(
+                format_residuals_in_percent([point], f"mu {sliding_rule} 0").split(" ")[0]
+                for sliding_rule in RULE_TITLES
+            ),
         ]  # fmt: skip
         rows.append(f"| {' | '.join(cells)} |")
     return rows
@@ -554,7 +562,7 @@ def draw_friction_and_deviations(points: list[dict]) -> None:
 
 def draw_limits_of_closed_form(points: list[dict]) -> None:
     figure = Figure(figsize=(6.9, 2.7), dpi=200, layout="constrained")
-    load_axes, kappa_axes, spectra_axes = figure.subplots(1, 3)
+    load_plot_axes, kappa_plot_axes, spectra_plot_axes = figure.subplots(1, 3)
     style = {(0.5, 0.1): ("#0072B2", "o"), (0.5, 0.4): ("#0072B2", "s"), (0.8, 0.1): ("#D55E00", "o"),
              (0.8, 0.4): ("#D55E00", "s")}  # fmt: skip
     for (hurst, gradient), (colour, marker) in style.items():
@@ -571,36 +579,38 @@ def draw_limits_of_closed_form(points: list[dict]) -> None:
             "lw": 0.8,
             "label": f"H = {hurst:g}, h' = {gradient:g}",
         }
-        load_axes.plot(load, [100 * (item["mu points 0 over form"] - 1) for item in selected_points], **marker_style)
-        load_axes.plot(
+        load_plot_axes.plot(
+            load, [100 * (item["mu points 0 over form"] - 1) for item in selected_points], **marker_style
+        )
+        load_plot_axes.plot(
             load,
             [100 * (item["mu opposing 0 over form"] - 1) for item in selected_points],
             **marker_style | {"mfc": "white", "label": ""},
         )
         if gradient == 0.1:
-            kappa_axes.errorbar(
+            kappa_plot_axes.errorbar(
                 load, [item["kappa"] for item in selected_points], [item["kappa_error"] for item in selected_points],
                 **marker_style | {"label": f"H = {hurst:g}"},
             )  # fmt: skip
     fine_pressures = np.geomspace(RELATIVE_PRESSURES[0], RELATIVE_PRESSURES[-1], 200)
-    kappa_axes.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
-    kappa_axes.plot(
+    kappa_plot_axes.axhline(np.sqrt(2 * np.pi), color="0.5", lw=0.8, ls="-.", label="Bush-Gibson-Thomas")
+    kappa_plot_axes.plot(
         fine_pressures, erf(np.sqrt(2) * fine_pressures) / fine_pressures, color="0.3", lw=0.9, ls="--", label="Persson"
     )
-    kappa_axes.plot(fine_pressures, np.minimum(1 / fine_pressures, 3), color="0.8", lw=0.7, zorder=0)
+    kappa_plot_axes.plot(fine_pressures, np.minimum(1 / fine_pressures, 3), color="0.8", lw=0.7, zorder=0)
     for family, colour in list(zip(SURFACE_FAMILY_TITLES, COLOURS, strict=True))[:5]:
         selected_points = [point for point in points if point["family"] == family]
-        spectra_axes.plot(
+        spectra_plot_axes.plot(
             [item["nayak"] for item in selected_points], [item["kappa"] for item in selected_points], ls="",
             color=colour, ms=2.4, marker="s" if family.endswith("line") else "o", label=SURFACE_FAMILY_TITLES[family],
         )  # fmt: skip
     for value, line_style in ((np.sqrt(2 * np.pi), "-."), (np.sqrt(8 / np.pi), "--")):
-        spectra_axes.axhline(value, color="0.5", lw=0.8, ls=line_style)
-    load_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$: deviation from the closed form (%)")
-    load_axes.axhline(0, color="0.1", lw=0.8, zorder=0)
-    kappa_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\kappa = A E^* h' / F$", ylim=(0, 3))
-    spectra_axes.set(xscale="log", xlabel="Nayak's parameter", ylabel="$\\kappa$", ylim=(0, 4))
-    for ax in (load_axes, kappa_axes, spectra_axes):
+        spectra_plot_axes.axhline(value, color="0.5", lw=0.8, ls=line_style)
+    load_plot_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\mu_s$: deviation from the closed form (%)")
+    load_plot_axes.axhline(0, color="0.1", lw=0.8, zorder=0)
+    kappa_plot_axes.set(xscale="log", xlabel="$\\bar p / E^* h'$", ylabel="$\\kappa = A E^* h' / F$", ylim=(0, 3))
+    spectra_plot_axes.set(xscale="log", xlabel="Nayak's parameter", ylabel="$\\kappa$", ylim=(0, 4))
+    for ax in (load_plot_axes, kappa_plot_axes, spectra_plot_axes):
         ax.tick_params(labelsize=7)
         ax.xaxis.label.set_fontsize(8)
         ax.yaxis.label.set_fontsize(8)

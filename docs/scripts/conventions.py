@@ -24,7 +24,7 @@ ENLARGED_CONTACT_INDEX = 1
 """Index of the contact that is drawn enlarged."""
 
 LOWER_BODY_COLOUR, UPPER_BODY_COLOUR, OVERLAP_COLOUR, INK_COLOUR = "#e3d5bb", "#c6d9e7", "#8a7f95", "0.15"
-OPPOSING_COLOUR, ASSISTING_COLOUR = "#B84C00", "#0072B2"
+OPPOSING_CONTACT_COLOUR, ASSISTING_CONTACT_COLOUR = "#B84C00", "#0072B2"
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,9 @@ def draw_pair(ax: Axes, profiles: ContactingProfiles) -> None:
     vectors = (project_to_plane(item) for item in (result.centre, result.normal, result.tangent))
     for number, (centre, normal, tangent) in enumerate(zip(*vectors, strict=True)):
         colour, contact_kind = (
-            (OPPOSING_COLOUR, "opposes") if result.opposing[number] else (ASSISTING_COLOUR, "does not oppose")
+            (OPPOSING_CONTACT_COLOUR, "opposes")
+            if result.opposing[number]
+            else (ASSISTING_CONTACT_COLOUR, "does not oppose")
         )
         draw_arrow(ax, centre, centre + 0.6 * normal, colour, width=1.2)
         draw_label(ax, centre + 0.6 * normal, "n", 0.06, color=colour, weight="bold", ha="left", va="bottom")
@@ -159,12 +161,12 @@ def draw_contact(ax: Axes, profiles: ContactingProfiles) -> None:
         draw_arrow(ax, sphere_centre, sphere_centre + radius * along, width=0.6)
         draw_label(ax, sphere_centre + 0.6 * radius * along, f"$R_{side[0]}$", 0.04, 0.09)
     ax.plot(centre[0] + np.zeros(2), centre[1] + np.array([0.0, 0.5]), color=INK_COLOUR, linewidth=0.5, linestyle=":")
-    draw_arrow(ax, centre, centre + 0.5 * normal, OPPOSING_COLOUR, width=1.2)
-    draw_arrow(ax, centre, centre + 0.4 * tangent, OPPOSING_COLOUR, width=1.2)
-    ax.plot(*centre, "o", color=OPPOSING_COLOUR, markersize=3)
-    draw_label(ax, centre + 0.5 * normal, "n", -0.08, color=OPPOSING_COLOUR, weight="bold")
-    draw_label(ax, centre + 0.47 * tangent, "t", color=OPPOSING_COLOUR, weight="bold")
-    draw_label(ax, centre, "$c$", 0.05, -0.08, color=OPPOSING_COLOUR)
+    draw_arrow(ax, centre, centre + 0.5 * normal, OPPOSING_CONTACT_COLOUR, width=1.2)
+    draw_arrow(ax, centre, centre + 0.4 * tangent, OPPOSING_CONTACT_COLOUR, width=1.2)
+    ax.plot(*centre, "o", color=OPPOSING_CONTACT_COLOUR, markersize=3)
+    draw_label(ax, centre + 0.5 * normal, "n", -0.08, color=OPPOSING_CONTACT_COLOUR, weight="bold")
+    draw_label(ax, centre + 0.47 * tangent, "t", color=OPPOSING_CONTACT_COLOUR, weight="bold")
+    draw_label(ax, centre, "$c$", 0.05, -0.08, color=OPPOSING_CONTACT_COLOUR)
     draw_angle(ax, centre, 0.42, normal, np.array([0.0, 1.0]), r"$\theta$")
 
 
@@ -195,8 +197,8 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     # Arrow lengths are divided by the normal force.
     start, normal_tip, end = np.zeros(2), normal, normal + MU0 * tangent
     arrow_foot = np.array([end[0], 0.0])
-    draw_arrow(ax, start, normal_tip, OPPOSING_COLOUR, width=1.2)
-    draw_arrow(ax, normal_tip, end, OPPOSING_COLOUR, width=1.2)
+    draw_arrow(ax, start, normal_tip, OPPOSING_CONTACT_COLOUR, width=1.2)
+    draw_arrow(ax, normal_tip, end, OPPOSING_CONTACT_COLOUR, width=1.2)
     draw_arrow(ax, end, arrow_foot, width=1.2)
     draw_arrow(ax, arrow_foot, start, width=1.2)
     ax.plot(*zip(start, end, strict=True), color=INK_COLOUR, linewidth=0.5, linestyle=":")
@@ -204,8 +206,10 @@ def draw_forces(ax: Axes, profiles: ContactingProfiles) -> None:
     draw_angle(ax, start, 0.7, normal, np.array([0.0, 1.0]), r"$\theta$")
     draw_angle(ax, start, 0.5, end, normal, "")
     draw_label(ax, 0.42 * end, r"$\arctan\,\mu_0$", -0.04, ha="right")
-    draw_label(ax, 0.55 * normal_tip, r"$F\,\mathbf{n}$", 0.04, color=OPPOSING_COLOUR, ha="left")
-    draw_label(ax, (normal_tip + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_COLOUR, va="bottom")
+    draw_label(ax, 0.55 * normal_tip, r"$F\,\mathbf{n}$", 0.04, color=OPPOSING_CONTACT_COLOUR, ha="left")
+    draw_label(
+        ax, (normal_tip + end) / 2, r"$\mu_0 F\,\mathbf{t}$", 0.0, 0.04, color=OPPOSING_CONTACT_COLOUR, va="bottom"
+    )
     draw_label(ax, (end + arrow_foot) / 2, "load $F_N$", -0.03, ha="right")
     draw_label(ax, (arrow_foot + start) / 2, "load $F_T$", 0.0, -0.03, va="top")
     ax.set_xlim(end[0] - 0.4, 0.2)

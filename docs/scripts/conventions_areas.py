@@ -15,7 +15,7 @@ IMAGES_DIRECTORY = Path(__file__).parents[1] / "images"
 
 DIRECTION = 30.0  # direction in degrees from +x towards +y
 APPROACH = 0.9  # µm
-OPPOSING_COLOUR, ASSISTING_COLOUR, INK_COLOUR, BODY_COLOUR = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
+OPPOSING_CONTACT_COLOUR, ASSISTING_CONTACT_COLOUR, INK_COLOUR, BODY_COLOUR = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
 
 
 def create_pair():
@@ -56,11 +56,16 @@ def draw_overview(axes, lower, contact_list):
         axes.quiver(
             *centre,
             *(0.9 * normal),
-            color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR,
+            color=OPPOSING_CONTACT_COLOUR if is_opposing else ASSISTING_CONTACT_COLOUR,
             linewidth=1.1,
             arrow_length_ratio=0.2,
         )
-        axes.plot(*centre[:, None], "o", color=OPPOSING_COLOUR if is_opposing else ASSISTING_COLOUR, markersize=3)
+        axes.plot(
+            *centre[:, None],
+            "o",
+            color=OPPOSING_CONTACT_COLOUR if is_opposing else ASSISTING_CONTACT_COLOUR,
+            markersize=3,
+        )
     corner = np.array([0.0, 0.0, lower.heights.min()])
     for vector, name in (((1, 0, 0), "x"), ((0, 1, 0), "y"), ((0, 0, 1), "z")):
         draw_arrow(
@@ -96,12 +101,12 @@ def draw_contact(axes, normal, tangent):
     level_corners = 0.9 * (u[..., None] * s + v[..., None] * np.cross([0, 0, 1.0], s))
     axes.plot_wireframe(*np.moveaxis(level_corners, -1, 0), color="0.6", linewidth=0.5, linestyle=":")
     origin = np.zeros(3)
-    draw_arrow(axes, origin, normal, OPPOSING_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
+    draw_arrow(axes, origin, normal, OPPOSING_CONTACT_COLOUR, r"$\mathbf{n}$, along $F$", length=1.3)
     draw_arrow(
         axes,
         origin,
         tangent,
-        OPPOSING_COLOUR,
+        OPPOSING_CONTACT_COLOUR,
         r"$\mathbf{t}$, along $\mu_0 F + \tau_0 A$",
         length=1.0,
         label_distance_ratio=1.55,

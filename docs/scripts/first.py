@@ -14,8 +14,8 @@ from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
     LOWER_BODY_COLOUR,
     MATPLOTLIB_STYLE,
-    NOT_OPPOSING_COLOUR,
-    OPPOSING_COLOUR,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     SLIDING_RULE_COLOURS,
     UPPER_BODY_COLOUR,
     axis_label,
@@ -93,7 +93,10 @@ def draw_figure(curves, dark):
     contact_axes.fill_between(
         x, 1000 * (lower_heights + contact.gap.clip(0)), 1e4, color=UPPER_BODY_COLOUR, linewidth=0
     )
-    for is_of_kind, colour in ((contact.opposing, OPPOSING_COLOUR), (~contact.opposing, NOT_OPPOSING_COLOUR)):
+    for is_of_kind, colour in (
+        (contact.opposing, OPPOSING_CONTACT_COLOUR),
+        (~contact.opposing, NOT_OPPOSING_CONTACT_COLOUR),
+    ):
         selected_points = is_contact & is_of_kind
         contact_axes.plot(x[selected_points], 1000 * lower_heights[selected_points], "o", markersize=2.5, color=colour)
     is_shown = np.abs(x - middle_x) < DRAWN_PROFILE_HALF_WIDTH

@@ -8,10 +8,10 @@ from stiction import Surface, half_space, self_affine_surface
 
 NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
 # Mean pressures for which contact areas are computed, divided by E* h'.
-RELATIVE_MEAN_PRESSURES = (0.01, 0.05, 0.1, 0.2, 0.4)
+MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE = (0.01, 0.05, 0.1, 0.2, 0.4)
 
 
-def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=RELATIVE_MEAN_PRESSURES):
+def compute_contact_statistics(hurst, seed, *, wavelength_ratio=16, pressures=MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE):
     """Return contact fraction, gap / rms height, stiffness x rms height / pressure, and Nayak's parameter."""
     rough_surface = self_affine_surface(
         seed,

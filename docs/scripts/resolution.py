@@ -283,7 +283,7 @@ def median_bracket_widths(rows, name, limit_index, upper_key):
     return ", ".join(f"{100 * (width_ratio - 1):.1f}" for width_ratio in np.median(relative_bounds, axis=0)[1:])
 
 
-def render_bracket_rows(groups):
+def render_rows_of_bounds(groups):
     """Return the rows of the table of bounds: fractions of pairs inside them, and their widths."""
     lines = [
         "| bracket: from the plastic limit to | A/A0: pairs inside | A/A0: upper bound above the plastic limit (%) "
@@ -428,7 +428,7 @@ def write_page():
         "",
         *render_yield_deviation_rows(rows_by_exponent),
         "",
-        *render_bracket_rows(
+        *render_rows_of_bounds(
             {
                 f"{LARGE_MAP_SIDE_POINTS}², 4 to 64 points": coarser_cutoffs,
                 f"{LARGE_MAP_SIDE_POINTS // 4}², 4 to 16 points": brackets,

@@ -10,8 +10,8 @@ from stiction.views.style import (
     INCHES_PER_MILLIMETRE,
     LOWER_BODY_COLOUR,
     MATPLOTLIB_STYLE,
-    NOT_OPPOSING_COLOUR,
-    OPPOSING_COLOUR,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     UPPER_BODY_COLOUR,
 )
 
@@ -52,7 +52,7 @@ def draw_pair(ax: Axes, rule: str, text_colour: str) -> None:
         lower_centres, UPPER_OFFSETS, centre_heights, max_centre_height - centre_heights, strict=True
     ):
         is_opposing = offset < 0  # the upper asperity is to the left: it must climb to move to the right
-        colour = OPPOSING_COLOUR if is_opposing else NOT_OPPOSING_COLOUR
+        colour = OPPOSING_CONTACT_COLOUR if is_opposing else NOT_OPPOSING_CONTACT_COLOUR
         point = np.array([centre + offset / 2, height_difference + height / 2])
         ax.plot(*point, "o", markersize=5, color=colour, zorder=4)
         if is_opposing or rule == "all":
@@ -84,8 +84,8 @@ def draw_figure(dark: bool) -> Figure:
         for i, rule in enumerate(RULE_TITLES):
             draw_pair(figure.add_axes((0.01 + 0.5 * i, 0.1, 0.48, 0.84)), rule, "0.92" if dark else "0.1")
         for x, colour, label in (
-            (0.2, OPPOSING_COLOUR, "slope opposes the motion"),
-            (0.58, NOT_OPPOSING_COLOUR, "slope assists the motion"),
+            (0.2, OPPOSING_CONTACT_COLOUR, "slope opposes the motion"),
+            (0.58, NOT_OPPOSING_CONTACT_COLOUR, "slope assists the motion"),
         ):
             figure.text(x, 0.07, "●", color=colour, va="center")
             figure.text(x + 0.02, 0.07, label, color="0.92" if dark else "0.1", va="center")

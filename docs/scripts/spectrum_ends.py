@@ -9,7 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from stiction import Profile, power_spectrum, self_affine
-from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, OPPOSING_COLOUR
+from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE, OPPOSING_CONTACT_COLOUR
 
 IMAGES_DIRECTORY = Path(__file__).parents[1] / "images"
 
@@ -44,7 +44,7 @@ def draw_figure():
         bins = spectrum.in_bins(MAX_BINS_PER_DECADE if "harmonics" in title else BINS_PER_DECADE)
         is_end = bins.wave_number >= end_wave_number
         axes.loglog(bins.wave_number, bins.density, color="0.3", linewidth=1)
-        axes.loglog(bins.wave_number[is_end], bins.density[is_end], color=OPPOSING_COLOUR, linewidth=1.2)
+        axes.loglog(bins.wave_number[is_end], bins.density[is_end], color=OPPOSING_CONTACT_COLOUR, linewidth=1.2)
         axes.set_title(title)
         axes.set(xticks=[], yticks=[])
         axes.minorticks_off()

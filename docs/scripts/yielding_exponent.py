@@ -259,11 +259,14 @@ def format_loads(areas: dict[str, CaseAreas]) -> list[str]:
     titles += [f"m = {m:g}" for m in EXPONENTS_FROM_ONSET]
     rows = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
     for name, case_areas in areas.items():
-        forms = [np.exp(case_areas.deviations(combine_by_power, n)) for n in (2, 2.25)]
-        forms += [np.exp(case_areas.deviations(combine_from_onset, m)) for m in EXPONENTS_FROM_ONSET]
+        area_ratios = [np.exp(case_areas.deviations(combine_by_power, n)) for n in (2, 2.25)]
+        area_ratios += [np.exp(case_areas.deviations(combine_from_onset, m)) for m in EXPONENTS_FROM_ONSET]
         for k, true in enumerate(case_areas.true):
             capped = case_areas.capped[k] / true
-            ratios = ["" if math.isnan(capped) else f"{capped:.2f}", *(f"{form[k]:.2f}" for form in forms)]
+            ratios = [
+                "" if math.isnan(capped) else f"{capped:.2f}",
+                *(f"{area_ratio[k]:.2f}" for area_ratio in area_ratios),
+            ]
             rows.append(
                 f"| {name} | {case_areas.pressure_ratio[k]:.2f} | {true:.3f} | {case_areas.num_patches[k]} "
                 f"| {true / case_areas.elastic[k]:.2f} | {' | '.join(ratios)} |"

@@ -18,9 +18,11 @@ MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
 # Ratio of upper limit to value above which the limit is printed with one digit.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-NO_INTERVAL_CODE = -128  # code that is stored as the number of decimals of the upper limit if no interval is printed
+DECIMALS_CODE_OF_NO_INTERVAL = (
+    -128
+)  # code that is stored as the number of decimals of the upper limit if no interval is printed
 # Code that is stored as the number of decimals of an upper limit printed with one digit and an exponent ("5e+09").
-EXPONENT_CODE = -127
+DECIMALS_CODE_OF_EXPONENT = -127
 # Largest number of decimals, and largest number of digits before the decimal point that rounding may replace by 0.
 MAX_DECIMALS = 100
 
@@ -162,16 +164,16 @@ class Estimate:
         if math.isnan(self.value):
             return "none"
         numbers = (np.asarray(number, float) for number in (self.value, self.lower, self.upper))
-        decimals, upper_decimals = map(int, count_estimate_decimals(*numbers, digits=digits))
+        decimals, upper_limit_decimals = map(int, count_estimate_decimals(*numbers, digits=digits))
         value_text = _format_decimals(self.value, decimals)
-        if upper_decimals == NO_INTERVAL_CODE:
+        if upper_limit_decimals == DECIMALS_CODE_OF_NO_INTERVAL:
             return value_text
         if math.isinf(self.upper):
             upper_text = f"{INFINITE_LIMIT_TEXT})"
-        elif upper_decimals == EXPONENT_CODE:
+        elif upper_limit_decimals == DECIMALS_CODE_OF_EXPONENT:
             upper_text = f"{self.upper:.0e}]"
         else:
-            upper_text = f"{_format_decimals(self.upper, upper_decimals)}]"
+            upper_text = f"{_format_decimals(self.upper, upper_limit_decimals)}]"
         return f"{value_text} [{_format_decimals(self.lower, decimals)}, {upper_text}"
 
 
@@ -213,8 +215,8 @@ def count_estimate_decimals(
     """Return how many decimals of each estimate are printed: for value and lower limit, and for the upper limit.
 
     The number of decimals is negative for numbers that are rounded to tens or more. The second array contains
-    `NO_INTERVAL_CODE` if the text contains no interval, and `EXPONENT_CODE` for a very large limit. `digits` is
-    explained at `Estimate.text`.
+    `DECIMALS_CODE_OF_NO_INTERVAL` if the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large
+    limit. `digits` is explained at `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -223,16 +225,16 @@ def count_estimate_decimals(
         are_ends_equal = np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
         is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_LIMIT_RATIO * np.abs(value)) & (value != 0)
     has_exponent = is_huge & ~((upper >= MIN_WITHOUT_EXPONENT) & (upper < MAX_WITHOUT_EXPONENT))
-    upper_decimals = np.where(is_huge, _count_significant_decimals(upper, 1), decimals)
+    upper_limit_decimals = np.where(is_huge, _count_significant_decimals(upper, 1), decimals)
     value_decimals = -_find_decimal_exponents(value) + 1 if digits == 1 else _count_significant_decimals(value, 3)
     decimals = np.where(are_ends_equal, _count_significant_decimals(value, MAX_SIGNIFICANT_DIGITS), decimals)
     decimals = np.where(has_interval, decimals, value_decimals)
-    decimals, upper_decimals = (
-        np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_decimals)
+    decimals, upper_limit_decimals = (
+        np.nan_to_num(np.clip(array, -MAX_DECIMALS, MAX_DECIMALS)) for array in (decimals, upper_limit_decimals)
     )
-    upper_decimals = np.where(has_exponent, EXPONENT_CODE, upper_decimals)
-    upper_decimals = np.where(has_interval & ~are_ends_equal, upper_decimals, NO_INTERVAL_CODE)
-    return decimals.astype(np.int8), upper_decimals.astype(np.int8)
+    upper_limit_decimals = np.where(has_exponent, DECIMALS_CODE_OF_EXPONENT, upper_limit_decimals)
+    upper_limit_decimals = np.where(has_interval & ~are_ends_equal, upper_limit_decimals, DECIMALS_CODE_OF_NO_INTERVAL)
+    return decimals.astype(np.int8), upper_limit_decimals.astype(np.int8)
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:

@@ -19,30 +19,30 @@ class LazyPattern:
         self.pattern, self.flags = pattern, flags
 
     @cached_property
-    def compiled(self) -> re.Pattern[str]:
+    def compiled_pattern(self) -> re.Pattern[str]:
         """Compiled pattern, which is compiled when this property is first used."""
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:
         """Return the match at the start of a text, or None if there is no match."""
-        return self.compiled.match(text)
+        return self.compiled_pattern.match(text)
 
     def fullmatch(self, text: str) -> re.Match[str] | None:
         """Return the match of the whole text, or None if the text does not match."""
-        return self.compiled.fullmatch(text)
+        return self.compiled_pattern.fullmatch(text)
 
     def search(self, text: str) -> re.Match[str] | None:
         """Return the first match in a text, or None if there is no match."""
-        return self.compiled.search(text)
+        return self.compiled_pattern.search(text)
 
     def findall(self, text: str) -> list[str]:
         """Return all matches in a text or, if the pattern has a group, the text of the group in each match."""
-        return self.compiled.findall(text)
+        return self.compiled_pattern.findall(text)
 
     def split(self, text: str) -> list[str]:
         """Split a text at all matches of the pattern."""
-        return self.compiled.split(text)
+        return self.compiled_pattern.split(text)
 
     def sub(self, replacement: str | Callable[[re.Match[str]], str], text: str) -> str:
         """Replace all matches of the pattern in a text."""
-        return self.compiled.sub(replacement, text)
+        return self.compiled_pattern.sub(replacement, text)

@@ -81,7 +81,7 @@ def quantity(text: object, kind: str) -> Quantity:
         and (number_match := _NUMBER_WITH_UNIT_PATTERN.fullmatch(text)) is not None
         and number_match[1] in units
     ):
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {_core_unit(kind)}, got {short_repr(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {_find_unit_in_core(kind)}, got {short_repr(text)}")
     if match is None:
         raise ValueError(f"must be a number with a unit of {kind} ({allowed}), got {short_repr(text)}")
     digits, unit = match.groups()
@@ -101,11 +101,12 @@ def core_quantity(value: float, kind: str) -> Quantity:
 
     Raises a `ValueError` if the number is implausibly small or large.
     """
-    text = exact_quantity_text(value, _core_unit(kind))
+    text = exact_quantity_text(value, _find_unit_in_core(kind))
     return _check_magnitude(Quantity(value, text), kind, text)
 
 
-def _core_unit(kind: str) -> str:
+def _find_unit_in_core(kind: str) -> str:
+    """Return the unit in which the C++ core computes a kind of quantity."""
     return next(name for name, factor in _UNIT_FACTORS[kind].items() if factor == "1")
 
 
@@ -113,7 +114,7 @@ def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
     lowest, highest = VALID_QUANTITY_RANGES[kind]
     magnitude = abs(float(value))
     if magnitude != 0 and not lowest <= magnitude <= highest:
-        raise ValueError(f"must be from {lowest:g} to {highest:g} {_core_unit(kind)}, got {short_repr(text)}")
+        raise ValueError(f"must be from {lowest:g} to {highest:g} {_find_unit_in_core(kind)}, got {short_repr(text)}")
     return value
 
 

@@ -41,7 +41,7 @@ pytestmark = browser.BROWSER_MARKS
 
 DISPATCH_INPUT_EVENT_SCRIPT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
 MAX_ROUNDING_ERROR = 1e-6  # relative tolerance, because the report contains numbers in single precision
-METAL_FORM_VALUES = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
+METAL_WEB_FORM_VALUES = {"upper": "mild steel", "lower": "brass", "load": "5 MPa", "tau0": "20", "shifts": "4"}
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +189,7 @@ def wait_for_report(driver):
 def test_form_accepts_an_interface_file_and_keeps_it_after_a_reload(app, empty_page, map_files, tmp_path):
     for side, scan in zip(("upper", "lower"), map_files, strict=True):
         choose_scan(empty_page, side, scan)
-    fill_fields(empty_page, {name: METAL_FORM_VALUES[name] for name in ("upper", "lower", "load", "shifts")})
+    fill_fields(empty_page, {name: METAL_WEB_FORM_VALUES[name] for name in ("upper", "lower", "load", "shifts")})
     write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "film.csv")
     empty_page.find_element("id", "interface-file").send_keys(str(tmp_path / "film.csv"))
     selected_text = "const [option] = form.interface.selectedOptions; return option.value && option.textContent"
@@ -212,7 +212,7 @@ def test_form_accepts_an_interface_file_and_keeps_it_after_a_reload(app, empty_p
 def test_form_accepts_uncertain_values_and_vickers_hardness(app, empty_page, map_files):
     for side, scan in zip(("upper", "lower"), map_files, strict=True):
         choose_scan(empty_page, side, scan)
-    fill_fields(empty_page, METAL_FORM_VALUES | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
+    fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"mu0": "0.2±0.02", "tau0": "20..80", "hardness": "150 HV"})
     press_start_button(empty_page)
     wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
@@ -391,7 +391,7 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
     height = format_with_unit(next(item["value"] for item in roughness if item["name"] == "Sq"), "um")
     assert f"Sq {height}," in drop_scan_file(empty_page, "upper", map_files[0])["hint"]
     assert "Sq" in choose_scan(empty_page, "lower", map_files[1])["hint"]
-    fill_fields(empty_page, METAL_FORM_VALUES | {"junction-growth": "0"})
+    fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"junction-growth": "0"})
     press_start_button(empty_page)
     wait_until(lambda: read_displayed_result(empty_page)[0] or read_job_state(empty_page) == "failed", bool)
     assert wait_until_finished(empty_page) == "done"
@@ -519,7 +519,7 @@ def test_app_shows_why_a_shear_test_cannot_be_computed(empty_page, tmp_path):
     for side, path in zip(("upper", "lower"), write_fitting_faces(tmp_path), strict=True):
         choose_scan(empty_page, side, path)
     wait_until(lambda: is_shear_test_offered(empty_page), bool)
-    fill_fields(empty_page, METAL_FORM_VALUES | {"#shear [name=path]": "30 mm"})
+    fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"#shear [name=path]": "30 mm"})
     press_start_button(empty_page, "shear")
     assert "must leave an overlap of at least 16 points" in wait_until_finished(empty_page)
 
@@ -527,7 +527,7 @@ def test_app_shows_why_a_shear_test_cannot_be_computed(empty_page, tmp_path):
 def test_stopped_job_stores_its_partial_result_and_can_be_resumed(empty_page, tmp_path, app):
     for side, path in zip(("upper", "lower"), write_maps(tmp_path, 128), strict=True):
         choose_scan(empty_page, side, path)
-    fill_fields(empty_page, METAL_FORM_VALUES | {"shifts": "280"})
+    fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"shifts": "280"})
     with app.block_commands(40) as unblock:
         press_start_button(empty_page)
         # Wait until the page has drawn an intermediate result and further members are finished.
@@ -609,7 +609,7 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     csv_file = tmp_path / "coarse.csv"
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
-    fill_fields(empty_page, METAL_FORM_VALUES | {"load": "5 apples"})
+    fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"load": "5 apples"})
     num_jobs = empty_page.execute_script("return jobs.length")
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     message = wait_until(lambda: empty_page.find_elements("id", "field-wrong"), bool)[0]
@@ -755,7 +755,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
             check_accessibility()
         for side, path in zip(("upper", "lower"), map_files, strict=True):
             choose_scan(empty_page, side, path)
-        fill_fields(empty_page, METAL_FORM_VALUES)
+        fill_fields(empty_page, METAL_WEB_FORM_VALUES)
         press_start_button(empty_page)
         assert wait_until_finished(empty_page) == "done"
         wait_for_report(empty_page)

@@ -12,7 +12,7 @@ from stiction import self_affine_surface
 from stiction._drawing import HEIGHT_COLOUR_MAP
 from stiction.app.preview import MAX_PREVIEW_SIDE_POINTS, compare_scans, render_height_map_png
 
-MAX_LEVEL_DIFFERENCE = 1
+MAX_GREY_LEVEL_DIFFERENCE = 1
 """Maximum difference of grey levels: Matplotlib rounds some of its 256 levels down to the next level."""
 
 
@@ -35,7 +35,9 @@ def test_preview_image_has_the_grey_levels_that_matplotlib_draws(heights):
     expected_file = io.BytesIO()
     imsave(expected_file, heights, cmap=HEIGHT_COLOUR_MAP, origin="lower")
     levels = read_grey_levels(render_height_map_png(heights, heights.shape))
-    np.testing.assert_allclose(levels, read_grey_levels(expected_file.getvalue()), rtol=0, atol=MAX_LEVEL_DIFFERENCE)
+    np.testing.assert_allclose(
+        levels, read_grey_levels(expected_file.getvalue()), rtol=0, atol=MAX_GREY_LEVEL_DIFFERENCE
+    )
 
 
 def test_preview_image_of_a_large_map_has_a_limited_size_and_square_pixels():

@@ -43,7 +43,7 @@ def app(tmp_path_factory):
 def map_scans(app, tmp_path_factory):
     """Identifiers of two uploaded maps, in the form in which a request for a job contains them."""
     paths = write_maps(tmp_path_factory.mktemp("maps"))
-    return {side: app.upload(path) for side, path in zip(("upper", "lower"), paths, strict=True)}
+    return {body_name: app.upload(path) for body_name, path in zip(("upper", "lower"), paths, strict=True)}
 
 
 def test_access_token_is_valid_only_once_and_cookie_is_inaccessible_to_scripts(app):
@@ -207,9 +207,9 @@ def test_job_uses_an_uploaded_interface_file_and_shows_its_name_only(finished_pa
 def test_shear_job_shows_an_interval_without_an_upper_limit(app, tmp_path):
     lower = self_affine_surface(1, hurst_exponent=0.8, rms=105.0, shape=(32, 32), spacing=50.0)
     request = {"command": "shear"}
-    for side, face in (("upper", flipped(lower)), ("lower", lower)):
-        write_surface(Surface(face.heights, spacing=face.spacing), tmp_path / f"{side}.csv")
-        request[side] = app.upload(tmp_path / f"{side}.csv")
+    for body_name, face in (("upper", flipped(lower)), ("lower", lower)):
+        write_surface(Surface(face.heights, spacing=face.spacing), tmp_path / f"{body_name}.csv")
+        request[body_name] = app.upload(tmp_path / f"{body_name}.csv")
     options = {"young": "30 GPa", "poisson": "0.25", "load": "1 MPa", "mu0": "0.5..2", "path": "150 um"}
     app.post_json("/jobs", request | {"options": list(options.items())})
     finished_job = wait_until(app.list_jobs, lambda jobs: jobs[-1]["state"] in ("done", "failed"))[-1]

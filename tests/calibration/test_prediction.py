@@ -35,15 +35,15 @@ INTERVAL_TOLERANCE = 0.05
 
 
 @cache
-def press_pair(rms: float, hardness: Any = UNCERTAIN_INPUTS["hardness"], exponent: Any = None) -> Any:
+def press_pair(rms_roughness: float, hardness: Any = UNCERTAIN_INPUTS["hardness"], exponent: Any = None) -> Any:
     """Return the result of a rough pair at 20 MPa."""
     exponent = UNCERTAIN_INPUTS["yield_exponent"] if exponent is None else exponent
-    maps = rough_maps(1, rms=rms, shortest_wavelength=0.5)
+    maps = rough_maps(1, rms=rms_roughness, shortest_wavelength=0.5)
     return pair(*maps, hardness=hardness, yield_exponent=exponent, mu0=MU0, tau0=f"{TAU0} GPa", **PAIR_OPTIONS)
 
 
 @cache
-def fit_log_area_per_load(rms: float) -> np.ndarray:
+def fit_log_area_per_load(rms_roughness: float) -> np.ndarray:
     """Return the coefficients of ln(A/F) as a quadratic polynomial of ln(hardness) and the yield exponent.
 
     The pair is solved at nine combinations of hardness and exponent.
@@ -55,7 +55,7 @@ def fit_log_area_per_load(rms: float) -> np.ndarray:
     ]
     areas = []
     for hardness, exponent in nodes:
-        table = press_pair(rms, f"{hardness} GPa", exponent).at("20 MPa")
+        table = press_pair(rms_roughness, f"{hardness} GPa", exponent).at("20 MPa")
         areas.append((table["contact_area"].sel(statistic="mean") / table["load"]).item())
     return np.linalg.lstsq(build_polynomial(*np.transpose(nodes)), np.log(areas), rcond=None)[0]
 
@@ -65,8 +65,8 @@ def build_polynomial(hardness: Any, exponent: Any) -> np.ndarray:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, x * x * y, x * y * y, x * x * y * y], axis=-1)
 
 
-def area_per_load(rms: float, hardness: Any, exponent: Any) -> Any:
-    return np.exp(build_polynomial(hardness, exponent) @ fit_log_area_per_load(rms))
+def area_per_load(rms_roughness: float, hardness: Any, exponent: Any) -> Any:
+    return np.exp(build_polynomial(hardness, exponent) @ fit_log_area_per_load(rms_roughness))
 
 
 def draw_inputs(random: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:

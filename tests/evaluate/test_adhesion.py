@@ -215,7 +215,7 @@ def test_zero_load_of_an_adhesive_pair_is_not_reported_as_outside_the_computed_l
     assert text.splitlines()[-1] != "."
 
 
-def test_verbose_text_lists_coefficients_along_the_x_and_y_axes_only_at_loads_above_zero():
+def test_verbose_text_of_loads_of_zero_and_above_contains_only_finite_coefficients_along_the_axes():
     two_load_result = run_pair(load=["0", "20 MPa"], **ADHESION_OPTIONS)
     text = result_text(two_load_result.summary(), verbose=True)
     axis_lines = [line for line in text.splitlines() if line.startswith("along ")]
@@ -397,7 +397,7 @@ def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path
     )
 
 
-def test_stiffness_interval_between_adhesive_loads_contains_the_direct_solution():
+def test_interval_of_stiffness_with_adhesion_between_solved_loads_contains_the_stiffness_solved_at_that_load():
     """Check the interpolation of the stiffness of adhesive contacts, which is not proportional to the load."""
     loads = ["2 MPa", "6 MPa"]
     result = run_pair(load=loads, **ADHESION_OPTIONS)

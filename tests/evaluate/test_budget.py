@@ -29,7 +29,7 @@ SIDES = ("upper", "lower")
 # Largest error of an interval limit due to random samples, as a fraction of the interval width.
 MAX_SAMPLING_ERROR = 0.02
 # Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
-MAX_INTERPOLATION_ERROR, MAX_WIDE_INTERPOLATION_ERROR = 0.005, 0.008
+MAX_INTERPOLATION_ERROR, MAX_INTERPOLATION_ERROR_OF_WIDE_INPUTS = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
 # Three positions suffice, because solutions are compared at equal positions.
 THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}
@@ -145,7 +145,7 @@ def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solution
         )
         assert friction_samples[0] == pytest.approx(
             direct_result.value,
-            rel=MAX_WIDE_INTERPOLATION_ERROR if modulus.startswith("48") else MAX_INTERPOLATION_ERROR,
+            rel=MAX_INTERPOLATION_ERROR_OF_WIDE_INPUTS if modulus.startswith("48") else MAX_INTERPOLATION_ERROR,
         )
 
 

@@ -142,10 +142,10 @@ def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
     assert result.assessment == "Do not quote"
 
 
-def with_sums(result, **ratios):
+def with_sums(result, **sum_ratios):
     """Return a result whose sums are given multiples of the elastic load in all directions."""
     dataset = result.dataset.copy(deep=True)
-    for name, ratio in ratios.items():
+    for name, ratio in sum_ratios.items():
         dataset[name][...] = (
             (ratio * dataset["normal_elastic"]).broadcast_like(dataset[name]).transpose(*dataset[name].dims)
         )
@@ -260,7 +260,7 @@ def test_slip_line_theory_gives_the_closed_form_friction_of_fully_plastic_contac
 
 
 @pytest.mark.parametrize(("hardness", "mu0", "tau0"), [(2.0, 0.2, 0.1), (5.0, 0.1, 0.5)])
-def test_slip_line_theory_agrees_with_solutions_of_sheared_contacts_at_the_hardness(hardness, mu0, tau0):
+def test_slip_line_theory_agrees_with_solutions_for_the_hardness_under_shear(hardness, mu0, tau0):
     options = {**PLASTIC_OPTIONS, "mu0": mu0, "tau0": tau0, "load": "50 MPa", "onset": 0}
     del options["hardness"]
     pressure = float(hardness_under_shear(hardness, mu0, tau0, "slip-line"))
@@ -322,10 +322,10 @@ def test_coefficient_is_a_lower_limit_if_the_interface_is_stronger_than_the_soft
     assert np.isfinite(result.at()["friction_coefficient"].sel(statistic="mean")).all()
 
 
-def test_shear_of_the_softer_body_limits_the_frictional_part_of_the_normal_load():
+def test_shear_of_the_softer_body_limits_the_contribution_of_mu0_to_the_normal_load():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.6)
-    ratios = {"normal_frictional": -0.5, "tangential_frictional": 1.0, "tangential_elastic": 0.0}
-    values = with_sums(result, **ratios).at(per_member=True)
+    sum_ratios = {"normal_frictional": -0.5, "tangential_frictional": 1.0, "tangential_elastic": 0.0}
+    values = with_sums(result, **sum_ratios).at(per_member=True)
     load = float(values["load"].squeeze())
     limited_mu0 = values["tangential_load"] / load
     assert (values["status"] == "bulk-shear").all()
@@ -333,12 +333,12 @@ def test_shear_of_the_softer_body_limits_the_frictional_part_of_the_normal_load(
     np.testing.assert_allclose(values["normal_load"], load * (1 - 0.5 * limited_mu0), rtol=1e-9)
 
 
-def test_shear_of_the_softer_body_limits_the_adhesive_part_of_the_normal_load():
+def test_shear_of_the_softer_body_limits_the_contribution_of_tau0_to_the_normal_load():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.2, tau0=0.11)
     area_ratio, growth = find_area_ratios(result)
-    ratios = {"normal_adhesive": -0.1 / (area_ratio * 0.11), "normal_frictional": 0.0, "tangential_adhesive": 0.0}
-    ratios |= {"tangential_frictional": 1.0, "tangential_elastic": 0.0}
-    values = with_sums(result, **ratios).at(per_member=True)
+    sum_ratios = {"normal_adhesive": -0.1 / (area_ratio * 0.11), "normal_frictional": 0.0, "tangential_adhesive": 0.0}
+    sum_ratios |= {"tangential_frictional": 1.0, "tangential_elastic": 0.0}
+    values = with_sums(result, **sum_ratios).at(per_member=True)
     load = float(values["load"].squeeze())
     friction_fraction = values["tangential_load"] / (0.2 * load)
     assert (friction_fraction < 0.99).all()

@@ -334,7 +334,7 @@ def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pu
     assert not adhesion_solver.find_equilibrium_at_pressure(start, -1.03 * pull_off, max_factor=1.0)[1]
 
 
-class InterruptedRecord(SolutionRecord):
+class InterruptingSolutionRecord(SolutionRecord):
     """Record that interrupts the computation when it is offered a state, or that continues from a stored state."""
 
     def __init__(self, interrupted_offer=None, state=None):
@@ -361,11 +361,11 @@ def test_resumed_energy_minimization_gives_bit_identical_results(boundary):
         solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None, record=record)
         return EnergyMinimizer(solver).minimize(start, -0.95 * curve.pull_off / solver.mean_pressure_to_force(1.0))
 
-    complete_record, interrupted_record = InterruptedRecord(), InterruptedRecord(interrupted_offer=5)
+    complete_record, interrupted_record = InterruptingSolutionRecord(), InterruptingSolutionRecord(interrupted_offer=5)
     expected_state = minimize(complete_record)
     with pytest.raises(InterruptedError):
         minimize(interrupted_record)
-    continued_record = InterruptedRecord(state=interrupted_record.state)
+    continued_record = InterruptingSolutionRecord(state=interrupted_record.state)
     state = minimize(continued_record)
     assert (state.pressure == expected_state.pressure).all()
     assert (state.attraction == expected_state.attraction).all()

@@ -356,8 +356,10 @@ class TestProfileScalingAndSymmetry:
             assert validity.share_beyond_hertz[1] == pytest.approx(
                 load[relative_overlap > 0.1].sum() / load.sum(), rel=ROUND_OFF
             )
-            is_below_grid = table.radius < pair[0].spacing
-            assert validity.share_below_grid[1] == pytest.approx(load[is_below_grid].sum() / load.sum(), rel=ROUND_OFF)
+            is_smaller_than_spacing = table.radius < pair[0].spacing
+            assert validity.share_below_grid[1] == pytest.approx(
+                load[is_smaller_than_spacing].sum() / load.sum(), rel=ROUND_OFF
+            )
             assert 0 <= validity.share_crossed[1] <= 1
 
 

@@ -737,7 +737,9 @@ def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
 
 
 @pytest.mark.parametrize(("num_dims", "directions"), [(1, ["+x", "-x"]), (2, [0.0, 30.0, 180.0]), (2, [90.0])])
-def test_directed_sums_equal_sums_of_load_curves_for_each_sliding_rule_and_direction(num_dims, directions):
+def test_contact_sums_for_several_directions_equal_those_of_a_curve_for_each_direction_and_sliding_rule(
+    num_dims, directions
+):
     rng = np.random.default_rng(5)
     body_class = Profile if num_dims == 1 else Surface
     upper, lower = (body_class(rng.normal(0, 0.01, (48,) * num_dims), spacing=0.1) for _ in range(2))

@@ -190,7 +190,7 @@ def excess_of_mean_pressure(log_scale, unlimited_pressures, mean):
     return limit_pressures(log_scale, unlimited_pressures).mean() - mean
 
 
-def test_friction_in_bulk_shear_agrees_with_quantiles_of_the_pressure_distribution():
+def test_friction_in_bulk_shear_agrees_with_a_mean_over_quantiles_of_the_pressure_distribution():
     """The pressures, as fractions of the largest, follow a Weibull distribution that is limited at 1."""
     random = np.random.default_rng(5)
     probabilities = (np.arange(200_000) + 0.5) / 200_000

@@ -91,7 +91,7 @@ def test_sawtooth_faces_with_steep_teeth_lock():
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_profiles(boundary):
+def test_work_to_shear_profiles_without_friction_is_dilation_work_plus_elastic_energy(boundary):
     result = run_shear_test(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
     work, dilation_work, energy = integrate_work(result)
     assert work > 0
@@ -99,7 +99,7 @@ def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_
 
 
 @pytest.mark.parametrize("angle", [0, 90, 225])
-def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_on_maps(angle):
+def test_work_to_shear_maps_without_friction_is_dilation_work_plus_elastic_energy(angle):
     result = run_shear_test(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
     work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(
@@ -260,7 +260,7 @@ def test_shear_interval_has_no_upper_limit_if_more_than_2_5_percent_of_the_sampl
     assert result.attrs["peak_upper"] == np.inf
 
 
-def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_limits_of_the_hardness():
+def test_shear_peak_interval_extends_from_the_peak_for_the_lowest_to_that_for_the_highest_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     result = run_shear_test(create_rough_map(), hardness="50..400 MPa", **options)
     soft_result, hard_result = (

@@ -121,7 +121,9 @@ def test_interval_of_an_elastic_pair_includes_the_result_for_tip_corrected_scans
     assert blunt_result.assessment == result_without_estimate.assessment == "Do not quote"
 
 
-def test_interval_of_a_pair_with_spikes_includes_the_result_for_masked_outliers(spiked_result, spiked_scans, tmp_path):
+def test_interval_of_a_pair_with_spikes_contains_the_interval_computed_with_masked_spikes(
+    spiked_result, spiked_scans, tmp_path
+):
     files = [tmp_path / f"{name}.npy" for name in ("upper", "lower")]
     for path, scan in zip(files, spiked_scans, strict=True):
         np.save(path, scan.heights)
@@ -399,7 +401,7 @@ def test_interval_at_each_dwell_time_includes_the_alternative_preparation(spiked
     assert (rows.loc[shared, "upper"] >= own_rows["upper"]).all()
 
 
-def test_intervals_in_a_report_include_the_alternative_preparation(blunt_result):
+def test_intervals_in_a_report_are_widened_by_results_of_the_alternative_preparation(blunt_result):
     values = evaluate_measured_report(ReportGrid(blunt_result))
     load = float(blunt_result.study.friction.load[0])
     load_index = values.loads.tolist().index(load)

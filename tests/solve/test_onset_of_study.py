@@ -73,7 +73,7 @@ def test_onset_of_sliding_of_generated_maps_is_computed_in_the_first_direction()
         assert (float(dataset["tangential_stiffness"][0, 0, 1, 1]) == pytest.approx(stiffness, rel=1e-9)) == is_equal
 
 
-def test_onset_of_sliding_of_generated_surfaces_at_a_load_is_a_load_weighted_mean_over_pairs(result):
+def test_onset_displacement_of_generated_surfaces_is_averaged_over_pairs_weighted_by_normal_load(result):
     """Compare with means at a solved approach, weighted by the normal load of each member."""
     result_at_step = result.isel(approach=3)
     normal_loads = (

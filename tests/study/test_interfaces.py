@@ -327,7 +327,7 @@ def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> Non
             function()
 
 
-def test_pair_with_another_interface_does_not_replace_the_stored_interface_file(film_file, tmp_path) -> None:
+def test_pair_command_for_a_different_study_and_interface_keeps_the_stored_interface_file(film_file, tmp_path) -> None:
     film = interface(film_file)
     first_result = pair(*rough_surfaces(), interface=film, directory=tmp_path / "r", **PAIR_OPTIONS)
     content = (tmp_path / "r" / "interface.csv").read_bytes()
@@ -339,7 +339,7 @@ def test_pair_with_another_interface_does_not_replace_the_stored_interface_file(
     assert first_result.interval == open_result(tmp_path / "r").interval
 
 
-def test_pair_rejects_more_positions_than_the_maps_have_without_creating_the_directory(tmp_path) -> None:
+def test_pair_creates_no_directory_if_more_positions_are_requested_than_the_maps_have(tmp_path) -> None:
     with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
         pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
     assert not (tmp_path / "r").exists()

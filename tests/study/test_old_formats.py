@@ -47,7 +47,7 @@ def test_inputs_in_a_study_file_of_the_old_format_have_their_original_central_va
     assert parse_study(study.to_toml(), "new") == study
 
 
-def test_study_file_of_the_old_format_with_material_names_has_their_ranges():
+def test_study_file_of_the_old_format_takes_input_ranges_from_material_names():
     study = parse_study(OLD_STUDY_OF_MATERIALS, "old")
     inputs = Inputs.from_study(study)
     brass = material("brass")

@@ -54,26 +54,26 @@ def cast(dtype):
     return lambda values: values.astype(dtype)
 
 
-def replace_by_text(values):
+def replace_values_by_text(values):
     return np.full(values.shape, "x", dtype=object)
 
 
 IMPOSSIBLE_VALUES = [
     ("maps", "contact_area", fill(1e308)), ("maps", "contact_area", fill(-1.0)), ("maps", "contact_area", fill(0.0)),
     ("maps", "contact_area", fill(1e-320)), ("maps", "contact_area", fill(np.nan)),
-    ("maps", "contact_area", replace_by_text), ("maps", "contact_count", fill(-3)),
+    ("maps", "contact_area", replace_values_by_text), ("maps", "contact_count", fill(-3)),
     ("maps", "contact_count", cast(float)), ("maps", "tangential_elastic", fill(-np.inf)),
     ("maps", "tangential_elastic", fill(np.nan)), ("maps", "status", fill(99)), ("maps", "status", fill(1)),
     ("maps", "share_on_largest", fill(2.0)), ("maps", "rms_gradient", fill(np.nan)), ("maps", "rms_slope", fill(-1.0)),
     ("maps", "pressure", cast(complex)), ("maps", "nominal_area", fill(0.0)), ("maps", "nominal_area", fill(np.nan)),
-    ("maps", "x", replace_by_text), ("maps", "line", fill(-1)), ("maps", "repetition", fill(-1)),
+    ("maps", "x", replace_values_by_text), ("maps", "line", fill(-1)), ("maps", "repetition", fill(-1)),
     ("maps", "repetition", cast(float)), ("maps", "@spacing_um", np.zeros(2)), ("maps", "@spacing_um", "text"),
     ("maps", "@spacing_um", h5py.Empty("f8")), ("maps", "@spacing_um", np.ones(5)), ("maps", "@shape", np.ones(2)),
     ("maps", "@upper", 1.0), ("maps", "@upper_spacing_um", np.array([np.nan, 1.0])),
     ("maps", "@lower_extent_um", np.array([1e308, 1.0])), ("maps", "@lower_filled", np.ones(1)),
     ("profiles", "normal_stiffness", fill(1e308)), ("profiles", "patch_area", fill(-1e-9)),
     ("generated", "contact_area", fill(np.nan)), ("generated", "load_below_grid", fill(-1.0)),
-    ("generated", "crossed_count", replace_by_text),
+    ("generated", "crossed_count", replace_values_by_text),
 ]  # fmt: skip
 
 

@@ -72,7 +72,7 @@ def test_fitted_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load
         assert result[name].isel(hurst_exponent=0).equals(table[name].isel(hurst_exponent=0))
 
 
-def test_area_in_a_friction_table_decreases_with_slope_and_friction_increases_with_tau0(table):
+def test_friction_table_has_smaller_areas_for_larger_slopes_and_more_friction_for_larger_tau0(table):
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name

@@ -179,7 +179,7 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
         assert default_point.assessment == explicit_point.assessment
         assert default_point.caveats == explicit_point.caveats
         default_interval, explicit_interval = (
-            summary_point.quantities["friction_combined"] for summary_point in (default_point, explicit_point)
+            result_point.quantities["friction_combined"] for result_point in (default_point, explicit_point)
         )
         limits = [explicit_interval.value, *explicit_interval.interval]
         np.testing.assert_allclose([default_interval.value, *default_interval.interval], limits, rtol=1e-12)

@@ -5,16 +5,18 @@ import numpy as np
 GRID_SHAPES = {1: (2048,), 2: (128, 128)}
 
 
-def filtered_noise(rng, shape, hurst, *, longest=None, shortest=None, stretch=1.0):
-    """Return self-affine noise with wavelengths from `shortest` to `longest`, stretched along the first axis."""
+def filtered_noise(rng, shape, hurst, *, longest_wavelength=None, shortest_wavelength=None, stretch=1.0):
+    """Return self-affine noise with wavelengths between two limits, stretched along the first axis."""
     frequencies = list(np.meshgrid(*(np.fft.fftfreq(2 * size) for size in shape), indexing="ij"))
     frequencies[0] = frequencies[0] * stretch
     radius = np.sqrt(sum(np.square(frequency) for frequency in frequencies))
     radius.flat[0] = np.inf
-    amplitude = np.maximum(radius, 0 if longest is None else 1 / longest) ** (-hurst - len(shape) / 2)
+    amplitude = np.maximum(radius, 0 if longest_wavelength is None else 1 / longest_wavelength) ** (
+        -hurst - len(shape) / 2
+    )
     amplitude.flat[0] = 0
-    if shortest is not None:
-        amplitude[radius > 1 / shortest] = 0
+    if shortest_wavelength is not None:
+        amplitude[radius > 1 / shortest_wavelength] = 0
     field = np.fft.ifftn(amplitude * np.fft.fftn(rng.normal(size=radius.shape))).real
     return scale_to_unit_rms(field[tuple(slice(size) for size in shape)])
 
@@ -52,16 +54,18 @@ def ground_surface(rng, dimensions, *, stretch=30.0):
     """Return a ground surface, whose grooves are `stretch` times as long as wide. Infinity gives straight grooves."""
     hurst, longest = rng.uniform(0.5, 0.9), rng.uniform(30, 120)
     if dimensions == 1:
-        return filtered_noise(rng, GRID_SHAPES[1], hurst, longest=longest)
+        return filtered_noise(rng, GRID_SHAPES[1], hurst, longest_wavelength=longest)
     if np.isfinite(stretch):
-        return filtered_noise(rng, GRID_SHAPES[2], hurst, longest=longest, stretch=stretch)
-    return filtered_noise(rng, GRID_SHAPES[2][:1], hurst, longest=longest)[np.newaxis, :] + np.zeros(GRID_SHAPES[2])
+        return filtered_noise(rng, GRID_SHAPES[2], hurst, longest_wavelength=longest, stretch=stretch)
+    return filtered_noise(rng, GRID_SHAPES[2][:1], hurst, longest_wavelength=longest)[np.newaxis, :] + np.zeros(
+        GRID_SHAPES[2]
+    )
 
 
 def honed_surface(rng, dimensions):
     """Return a honed surface, which has plateaus with fine roughness between deep valleys."""
     shape = GRID_SHAPES[dimensions]
-    coarse_heights = filtered_noise(rng, shape, rng.uniform(0.6, 0.95), longest=rng.uniform(40, 100))
+    coarse_heights = filtered_noise(rng, shape, rng.uniform(0.6, 0.95), longest_wavelength=rng.uniform(40, 100))
     return np.minimum(coarse_heights, np.quantile(coarse_heights, 0.6)) + 0.03 * filtered_noise(rng, shape, 0.8)
 
 

@@ -190,7 +190,9 @@ def test_many_exact_zeros_among_other_heights_are_reported(tmp_path, deviation, 
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("round_heights", [np.round, np.trunc, np.floor])
 @pytest.mark.parametrize("deviation", [6.0, 25.0, 120.0])
-def test_zeros_that_result_from_rounding_are_not_reported(tmp_path, deviation, round_heights, seed):
+def test_zeros_that_result_from_rounding_are_not_reported_as_a_repeated_height(
+    tmp_path, deviation, round_heights, seed
+):
     heights = round_heights(deviation * np.random.default_rng(seed).normal(size=(60, 50)))
     assert "repeated-height" not in read_caveats(write_map(tmp_path / "a.csv", heights), unit="nm", spacing="1 um")
 

@@ -60,7 +60,9 @@ def test_header_line_that_can_only_mean_the_spacing_is_used_without_a_caveat(rea
         "Sample spacing 3 mm",
     ],
 )
-def test_header_length_that_may_describe_the_specimen_has_a_caveat_unless_the_spacing_is_given(read_text, line):
+def test_length_in_the_header_that_may_be_that_of_the_specimen_adds_a_caveat_unless_the_spacing_is_given(
+    read_text, line
+):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert read_caveat_names(reading) == ["spacing"]
     assert repr(line) in reading.caveats[0].text
@@ -251,7 +253,7 @@ def test_unit_option_does_not_replace_an_unsupported_unit_at_the_end_of_a_column
      ("x-mm;surface height-km", "km"), ("x mm;Height u m", "u m"), ("X;Z\nmm;0.1 um", "0.1 um"),
      ("Distance;Height\nmm;foo", "foo"), ("x_mm;z_foo", "foo")],
 )  # fmt: skip
-def test_unit_option_does_not_replace_an_unsupported_column_unit_without_brackets(read_text, names, unit):
+def test_unit_option_does_not_replace_an_unsupported_unbracketed_unit_of_a_column(read_text, names, unit):
     message = get_error_message(read_text, f"{names}\n{ROWS}", unit=("mm", "um"))
     assert f"has heights in {unit!r}, which is not a supported unit of length" in message
 

@@ -22,7 +22,7 @@ def round_to_levels(heights, num_levels):
 def test_rounding_step_of_heights_is_found_after_levelling(num_levels, shape):
     body_class, forms = (Profile, ("line", "quadratic")) if len(shape) == 1 else (Surface, ("plane", "quadratic"))
     for seed, shortest in ((1, None), (2, 16)):
-        smooth_heights = 0.1 * filtered_noise(np.random.default_rng(seed), shape, 0.8, shortest=shortest)
+        smooth_heights = 0.1 * filtered_noise(np.random.default_rng(seed), shape, 0.8, shortest_wavelength=shortest)
         heights, step = round_to_levels(smooth_heights, num_levels)
         levelled_heights = [levelled(body_class(heights, spacing=0.5), form).heights for form in forms]
         missing_points = np.where(np.arange(heights.size).reshape(shape) % 50 == 7, np.nan, heights)

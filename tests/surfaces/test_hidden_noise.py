@@ -20,7 +20,7 @@ def mean_square_slope(body):
 
 def rough_heights(seed, hurst, shape=(128, 128)):
     rng = np.random.default_rng([seed, int(100 * hurst)])
-    return filtered_noise(rng, shape, hurst, longest=60), rng
+    return filtered_noise(rng, shape, hurst, longest_wavelength=60), rng
 
 
 class TestNoiseFloorFit:
@@ -107,7 +107,7 @@ def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
 
 
 def test_undersampled_surface_is_reported_as_possibly_noisy():
-    fine_heights = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest=240)
+    fine_heights = filtered_noise(np.random.default_rng(1), (512, 512), 0.5, longest_wavelength=240)
     assert find_hidden_noise(Surface(fine_heights[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
 
 
@@ -132,5 +132,5 @@ def test_hidden_noise_is_not_estimated_for_small_surfaces(shape):
 
 
 def test_hidden_noise_is_not_reported_for_clean_straight_grooves():
-    line_heights = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest=60)
+    line_heights = filtered_noise(np.random.default_rng(3), (256,), 0.8, longest_wavelength=60)
     assert find_hidden_noise(Surface(np.tile(line_heights, (64, 1)), spacing=SPACING)) is None

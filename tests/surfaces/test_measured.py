@@ -61,7 +61,7 @@ def get_error_message(path, read=read_profile, **options):
 
 
 @functools.cache
-def create_long_map():
+def create_map_of_many_characters():
     """Return the cells and the heights of a map so long that it is converted in several parts."""
     random = np.random.default_rng(4)
     values = (random.normal(size=(200, 300)) * 10.0 ** random.integers(-3, 3, size=(200, 300))).tolist()
@@ -71,7 +71,7 @@ def create_long_map():
     return cells, np.array(cells, dtype=float)
 
 
-def write_long_map(write_file, cells, separator="\t", line_end="\n"):
+def write_map_of_many_characters(write_file, cells, separator="\t", line_end="\n"):
     lines = ["# width 300 um", "# height 200 um", *(separator.join(row) for row in cells)]
     path = write_file(line_end.join(lines) + line_end)
     assert path.stat().st_size > 600_000
@@ -82,10 +82,10 @@ def write_long_map(write_file, cells, separator="\t", line_end="\n"):
 @pytest.mark.parametrize(("separator", "line_end"), [("\t", "\n"), (";", "\r\n"), (" ", "\n")])
 def test_long_map_has_the_same_heights_for_any_number_of_threads(write_file, monkeypatch, threads, separator, line_end):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
-    cells, heights = create_long_map()
+    cells, heights = create_map_of_many_characters()
     if separator != " ":
         cells = [[cell.replace("NaN", "") for cell in row] for row in cells]
-    path = write_long_map(write_file, cells, separator, line_end)
+    path = write_map_of_many_characters(write_file, cells, separator, line_end)
     surface = read_surface(path, unit="um", spacing="1 um", missing="mask", accept="tall")
     np.testing.assert_array_equal(surface.missing, np.isnan(heights))
     np.testing.assert_array_equal(surface.heights[~surface.missing], heights[~np.isnan(heights)])
@@ -97,17 +97,21 @@ def test_error_in_a_long_map_states_the_line_and_the_cell_for_any_number_of_thre
     write_file, monkeypatch, threads, row
 ):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
-    cells = [list(row_cells) for row_cells in create_long_map()[0]]
+    cells = [list(row_cells) for row_cells in create_map_of_many_characters()[0]]
     cells[row][7] = "1.2.3"
-    message = get_error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    message = get_error_message(
+        write_map_of_many_characters(write_file, cells), read_surface, unit="um", spacing="1 um"
+    )
     assert f"line {row + 3} (" in message
     assert "has '1.2.3' in cell 8, which is not a number" in message
 
 
 def test_row_with_too_many_cells_in_a_long_map_is_rejected(write_file):
-    cells = [list(row_cells) for row_cells in create_long_map()[0]]
+    cells = [list(row_cells) for row_cells in create_map_of_many_characters()[0]]
     cells[150].append("5")
-    message = get_error_message(write_long_map(write_file, cells), read_surface, unit="um", spacing="1 um")
+    message = get_error_message(
+        write_map_of_many_characters(write_file, cells), read_surface, unit="um", spacing="1 um"
+    )
     assert "line 153 (" in message
     assert "has 301 cells, but most lines have 300" in message
 

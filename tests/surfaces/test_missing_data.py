@@ -238,7 +238,7 @@ def test_outlier_detection_distinguishes_spikes_from_rounding(num_levels, shape)
     body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
     num_outliers = num_found = num_spikes = 0
     for seed, hurst, shortest in ((1, 0.8, None), (2, 1.0, None), (3, 0.8, 16), (4, 0.5, None)):
-        heights = filtered_noise(np.random.default_rng(seed), shape, hurst, shortest=shortest)
+        heights = filtered_noise(np.random.default_rng(seed), shape, hurst, shortest_wavelength=shortest)
         spiky_heights, is_spike = add_spikes(heights, seed)
         step = np.ptp(heights) / (num_levels - 1)
         for scan_heights in (heights, spiky_heights):
@@ -262,7 +262,7 @@ def test_outlier_detection_finds_spikes_of_partly_flat_scans(num_levels, flat_fr
     body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
     num_found = num_spikes = num_outliers = num_points = 0
     for seed in range(3):
-        heights = filtered_noise(np.random.default_rng(seed), shape, 0.7, longest=60)
+        heights = filtered_noise(np.random.default_rng(seed), shape, 0.7, longest_wavelength=60)
         heights = np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
         if num_levels is not None:
             heights = np.round(heights * num_levels / np.ptp(heights)) * np.ptp(heights) / num_levels

@@ -292,7 +292,7 @@ class TestMachinedTexture:
 
     def test_single_spectral_line_has_unknown_origin_unless_the_texture_is_declared(self):
         rng = np.random.default_rng(1)
-        smooth_heights = filtered_noise(rng, (4096,), 0.8, longest=300, shortest=20)
+        smooth_heights = filtered_noise(rng, (4096,), 0.8, longest_wavelength=300, shortest_wavelength=20)
         body_with_line = make_body(smooth_heights + 0.05 * np.sin(2 * np.pi * np.arange(4096) / 8))
         result = instrument_limit(body_with_line)
         assert (result.reason, result.origin, result.matters) == ("line", "unknown", True)
@@ -300,7 +300,7 @@ class TestMachinedTexture:
 
     def test_white_noise_of_a_map_with_declared_texture_is_attributed_to_the_instrument(self):
         rng = np.random.default_rng(2)
-        smooth_heights = filtered_noise(rng, (128, 128), 0.8, longest=60, shortest=6)
+        smooth_heights = filtered_noise(rng, (128, 128), 0.8, longest_wavelength=60, shortest_wavelength=6)
         noisy_body = make_body(smooth_heights + 0.05 * rng.normal(size=smooth_heights.shape))
         for texture in (False, True):
             result = instrument_limit(noisy_body, texture=texture)
@@ -337,7 +337,7 @@ class TestNoiseOfAnisotropicMap:
     @pytest.fixture(params=[1, 2, 3])
     def grooved_heights_and_rng(self, request):
         rng = np.random.default_rng(request.param)
-        return filtered_noise(rng, (192, 192), 0.8, longest=60, shortest=5, stretch=6.0), rng
+        return filtered_noise(rng, (192, 192), 0.8, longest_wavelength=60, shortest_wavelength=5, stretch=6.0), rng
 
     @pytest.mark.parametrize("noise_rms", [0.002, 0.05])
     def test_filtering_at_the_instrument_limit_removes_white_noise_from_grooves(
@@ -359,7 +359,7 @@ class TestNoiseOfAnisotropicMap:
 
     def test_noise_fraction_of_the_slope_includes_noise_across_grooves_that_roughness_hides(self):
         rng = np.random.default_rng(4)
-        heights = filtered_noise(rng, (192, 192), 0.8, longest=60, stretch=30.0)
+        heights = filtered_noise(rng, (192, 192), 0.8, longest_wavelength=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)
         result = instrument_limit(Surface(heights + noise, spacing=0.1))
         assert (result.reason, result.axis) == ("noise floor", "y")
@@ -368,7 +368,9 @@ class TestNoiseOfAnisotropicMap:
 
     def test_narrow_map_whose_axes_share_no_wavenumbers_has_an_instrument_limit(self):
         rng = np.random.default_rng(5)
-        heights = filtered_noise(rng, (512,), 0.8, longest=100, shortest=20) + 0.05 * rng.normal(size=(4, 512))
+        heights = filtered_noise(rng, (512,), 0.8, longest_wavelength=100, shortest_wavelength=20) + 0.05 * rng.normal(
+            size=(4, 512)
+        )
         result = instrument_limit(Surface(heights, spacing=(0.001, 0.1)))
         assert result.reason in ("noise floor", "pixels")
 

@@ -166,7 +166,7 @@ def test_spectrum_of_flat_scan_with_spikes_includes_the_spikes(slope):
 @pytest.mark.parametrize("flat_fraction", [0.6, 1.0])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_spikes_are_found_in_a_partly_flat_scan_before_and_after_levelling(flat_fraction, shape):
-    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, longest=60)
+    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, longest_wavelength=60)
     body_class, form = (Profile, "line") if len(shape) == 1 else (Surface, "plane")
     heights = 0.1 * np.minimum(heights, np.quantile(heights, 1 - flat_fraction))
     spiky_heights = heights.copy()
@@ -179,7 +179,7 @@ def test_spikes_are_found_in_a_partly_flat_scan_before_and_after_levelling(flat_
 @pytest.mark.parametrize("num_levels", [8, 64])
 @pytest.mark.parametrize("shape", [(2000,), (96, 96)])
 def test_spikes_are_found_in_a_scan_with_rounded_heights(num_levels, shape):
-    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, shortest=16)
+    heights = filtered_noise(np.random.default_rng(3), shape, 0.8, shortest_wavelength=16)
     step, body_class = np.ptp(heights) / (num_levels - 1), Profile if len(shape) == 1 else Surface
     spiky_heights = add_spikes(heights, 5)
     for form in ("none", "line" if len(shape) == 1 else "plane"):
@@ -202,7 +202,7 @@ def build_scratched_profile(rng, num_points=2000):
 def build_honed_profile(rng, num_points=2000):
     """Return heights that are cut off at their median, with a smooth plateau."""
     heights, plateau = (
-        scale_to_unit_rms(filtered_noise(rng, (num_points,), 0.8, longest=longest)) for longest in (60, 500)
+        scale_to_unit_rms(filtered_noise(rng, (num_points,), 0.8, longest_wavelength=longest)) for longest in (60, 500)
     )
     return 0.05 * scale_to_unit_rms(np.minimum(heights, np.median(heights)) + 0.03 * plateau)
 

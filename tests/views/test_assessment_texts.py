@@ -382,7 +382,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     summary_points = summarize(dataset, study, input_caveats=[caveat]).points
     assert [point.covered for point in summary_points] == [False, False, True, True]
     assert [point.at["cut_off"] for point in summary_points] == [cut_offs[0]] * 2 + [cut_offs[1]] * 2
-    for point in [summary_point for summary_point in summary_points if not summary_point.covered]:
+    for point in [result_point for result_point in summary_points if not result_point.covered]:
         assert point.assessment == ("Quote with care" if is_floor else "Do not quote")
         assert (point.value, point.lower, point.upper) == pytest.approx((0.25, 0.21 * 0.98, 0.25 * 1.02))
         word = "with" if is_floor else "without"
@@ -425,7 +425,7 @@ def study_with_materials(hardness, names=("mild steel", "brass")):
     return study.with_changes({"contact.materials": list(names)})
 
 
-def test_friction_range_for_finer_scans_extends_from_the_plastic_limit_beyond_the_coefficient():
+def test_friction_range_for_finer_scans_starts_at_the_plastic_limit_and_ends_above_the_coefficient():
     point = summarize(measured_result(all_contacts=0.24, half_width_ratio=0.01), measured_study(hardness=2.0)).points[0]
     limit = 0.2 + 0.05 / 2
     # The excess over the plastic limit is multiplied by exp(0.2), because load moves between the contacts.

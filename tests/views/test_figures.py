@@ -129,7 +129,7 @@ def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(
     assert len(points) == 8
     assert any(point.upper > point.rules[0].interval_of_mean[1] for point in points)
     for point, rule_result in [
-        (summary_point, rule_result) for summary_point in points for rule_result in summary_point.rules
+        (result_point, rule_result) for result_point in points for rule_result in result_point.rules
     ]:
         interval = pytest.approx([rule_result.lower, rule_result.upper], rel=1e-12)
         conditions = point.at["load"], point.at["mu0"], 1000 * point.at["tau0"], rule_result.rule
@@ -257,8 +257,8 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
     assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # at least 3 of the 4 fractal dimensions
     dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
-    for line_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
-        np.testing.assert_array_equal(line_values, friction["friction_coefficient"].isel(tau0=tau0).values)
+    for plotted_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
+        np.testing.assert_array_equal(plotted_values, friction["friction_coefficient"].isel(tau0=tau0).values)
 
 
 @pytest.mark.parametrize(
@@ -352,9 +352,9 @@ def test_figure_lines_are_drawn_only_in_grey_and_in_the_colours_of_the_sliding_r
     for name in ("friction", "cut_off", "compass", "positions"):
         used_colours = {line.get_color() for line in draw_figure(maps_at_two_cutoffs, name).axes[0].lines}
         assert (
-            {style.ALL_CONTACTS_COLOUR, style.OPPOSING_COLOUR}
+            {style.ALL_CONTACTS_COLOUR, style.OPPOSING_CONTACT_COLOUR}
             <= used_colours
-            <= {style.ALL_CONTACTS_COLOUR, style.OPPOSING_COLOUR, "0.2", "0.5"}
+            <= {style.ALL_CONTACTS_COLOUR, style.OPPOSING_CONTACT_COLOUR, "0.2", "0.5"}
         )
 
 

@@ -84,7 +84,7 @@ def test_nominal_area_is_printed_in_a_unit_that_suits_its_size(area, text):
     assert nominal_area_text(area) == text
 
 
-def test_verbose_tables_of_axes_and_directions_state_that_intervals_are_of_the_mean():
+def test_verbose_tables_by_axis_and_direction_label_their_intervals_as_intervals_of_the_mean():
     dataset = measured_result()
     text = result_text(summarize(dataset, measured_study()), verbose=True)
     tables = text.split("\n\n")
@@ -153,7 +153,7 @@ def test_assessment_lists_a_remedy_only_if_it_would_change_the_printed_interval(
         assert ("the interval would be" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
-def test_verbose_text_contains_number_of_contacts_and_load_on_the_largest_and_solution_error():
+def test_verbose_text_contains_contact_count_and_load_on_the_largest_contact_and_solution_error():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}

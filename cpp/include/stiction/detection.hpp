@@ -95,7 +95,8 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // At a minimum of the gap, the slope increases through zero. Both forms of the quadratic formula avoid cancellation.
+  // At a minimum of the gap, the slope increases through zero, which selects one root of the quadratic equation.
+  // The sign of the curvature selects the form of the quadratic formula that subtracts no numbers of similar size.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
     // The signs of the slope at both ends of an interval guarantee a minimum in the interval.

@@ -312,9 +312,9 @@ class JobQueue:
         load, mu0, tau0 = numbers
         options = [f"--load={load!r} mN", f"--mu0={mu0!r}", f"--tau0={tau0!r} GPa"]
         options += [] if dimension is None else [f"--d={dimension!r}"]
-        return await self.run_short_module(["stiction", "at", str(job.directory), *options, "--json"])
+        return await self.run_module_in_reader_slot(["stiction", "at", str(job.directory), *options, "--json"])
 
-    async def run_short_module(self, arguments: list[str]) -> str:
+    async def run_module_in_reader_slot(self, arguments: list[str]) -> str:
         """Run a Python module that takes little time, and return its output. Two modules may run in parallel."""
         async with self._reader_slots:
             return hide_private_paths(await run_module(arguments, memory=READER_MEMORY_FRACTION), self.root)

@@ -304,7 +304,7 @@ class Server:
         """Return the preview of a scan: a summary with a small image, or the reason why the file cannot be read."""
         scan, query = request.path_params["scan"], request.query_params
         reading_options = parse_reading_options({flag: query.get(flag, "")[:80] for flag in FILE_READING_FLAGS})
-        output = await self.jobs.run_short_module(
+        output = await self.jobs.run_module_in_reader_slot(
             ["stiction.app.preview", str(self._find_scan_path(scan)), json.dumps(reading_options)]
         )
         preview = replace_option_names_in_preview(json.loads(output))
@@ -321,7 +321,7 @@ class Server:
             option_texts = {flag: query.get(f"{side}.{flag}", "")[:80] for flag in FILE_READING_FLAGS}
             path = self._find_scan_path(query.get(side))
             arguments += [str(path), json.dumps(parse_reading_options(option_texts))]
-        output = await self.jobs.run_short_module(["stiction.app.preview", *arguments])
+        output = await self.jobs.run_module_in_reader_slot(["stiction.app.preview", *arguments])
         return Response(output, media_type="application/json")
 
     # ---- Jobs ------------------------------------------------------------------------------------------------------

@@ -117,10 +117,12 @@ def calibrate(
         # a ball has one contact, for which both sliding rules give the same friction
         available_rules = available_rules[:1]
     rules = available_rules if sliding == "both" else [sliding]
-    if not rules or not set(rules) <= set(available_rules):
+    if not available_rules:
+        raise ValueError("the results of the tests must have coefficients under a common sliding rule")
+    if not set(rules) <= set(available_rules):
         raise ValueError(
-            f"sliding must be a rule for which every result has coefficients "
-            f"({', '.join(available_rules) or 'none exists'}), got {short_repr(sliding)}"
+            f"sliding must be a rule for which every result has coefficients ({', '.join(available_rules)}), "
+            f"got {short_repr(sliding)}"
         )
     problems = [CalibrationProblem(tests, rule, common, known_strengths, outliers=outliers) for rule in rules]
     fits = [problem.fit() for problem in problems]

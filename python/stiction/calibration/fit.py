@@ -49,7 +49,9 @@ MAX_GRID_DEVIANCE = 34.0
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
 # degrees of freedom of Student's t distribution of the errors if tests may be outliers
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
-MEDIAN_RUN_SPREAD = 0.10  # median of the relative standard deviation between runs, under its half-Cauchy prior
+MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = (
+    0.10  # median of the relative standard deviation between runs, under its half-Cauchy prior
+)
 
 # maximum number of nuisance points that are evaluated together if contacts grow under shear
 MAX_GROWTH_BATCH_POINTS = 256
@@ -191,7 +193,7 @@ class CalibrationProblem:
                     law = (
                         FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
                     )
-                    area, fraction = equation.area_factor.onset_factors(
+                    area, fraction = equation.area_factor.onset_area_and_friction_factors(
                         equation.area_factor.input_values(probability), law
                     )
                     # Exclude strengths at which the softer body would shear, because no test measures them.
@@ -268,7 +270,7 @@ class CalibrationProblem:
         if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
             return np.zeros(len(scores))
         probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
-        return np.asarray(MEDIAN_RUN_SPREAD * np.tan(0.5 * math.pi * probability))
+        return np.asarray(MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS * np.tan(0.5 * math.pi * probability))
 
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats

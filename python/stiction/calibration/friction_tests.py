@@ -147,7 +147,7 @@ class AreaFactor:
         """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
         return None
 
-    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+    def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
@@ -177,7 +177,7 @@ class _BallAreaFactor(AreaFactor):
             else None
         )
 
-    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+    def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the area at the onset of sliding, divided by that for the central E*, and a friction fraction of 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
@@ -214,7 +214,7 @@ class _AreaFactorFromResult(AreaFactor):
         """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
         return self.inputs.estimate("junction_growth")
 
-    def onset_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
+    def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
@@ -381,7 +381,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate contact sums in a load curve at a load (mN), and divide the sums by the elastic load."""
+    """Interpolate the sums over all contacts of a load curve at a load (mN), divided by the load without friction."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"

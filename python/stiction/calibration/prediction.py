@@ -105,7 +105,7 @@ class Interface(InterfaceStrength):
             """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
             law, friction_fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
             if area_factor is not None:
-                area, friction_fraction = area_factor.onset_factors(samples, law)
+                area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
                 total_area = area_samples * area
             values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), friction_fraction)
             values = np.where(np.isfinite(values), values, np.inf)

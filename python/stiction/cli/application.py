@@ -95,12 +95,12 @@ _BOLD_TEXT_PATTERN = re.compile("^(μ_s [=≥] [^ ]+( \\[.*?\\])?|Quote it|Quote
 
 def print_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Print a warning on standard error, unless a warning with the same text has been printed before."""
-    if str(message) not in _PRINTED_WARNINGS:
-        _PRINTED_WARNINGS.add(str(message))
+    if str(message) not in _ALREADY_PRINTED_WARNINGS:
+        _ALREADY_PRINTED_WARNINGS.add(str(message))
         print_message(str(message), "warning: ")
 
 
-_PRINTED_WARNINGS: set[str] = set()
+_ALREADY_PRINTED_WARNINGS: set[str] = set()
 
 
 COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
@@ -277,7 +277,7 @@ def run_command_line() -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # print "?" for characters that the encoding lacks
     warnings.showwarning = print_warning
-    _PRINTED_WARNINGS.clear()
+    _ALREADY_PRINTED_WARNINGS.clear()
     # Suppress NumPy's warnings about NaN, because the output explains missing results.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable

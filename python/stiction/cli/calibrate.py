@@ -97,7 +97,7 @@ def calibrate(
         calibration_figure,
         calibration_json,
         calibration_text,
-        predict_target,
+        predict_wanted_pair,
         tested_pair_notes,
     )
     from stiction.views.style import save_figure
@@ -139,7 +139,7 @@ def calibrate(
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
     pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
-    prediction = None if target_result is None else predict_target(interface, target_result)
+    prediction = None if target_result is None else predict_wanted_pair(interface, target_result)
     print_output(
         calibration_json(interface, pair_caveats, lays, prediction)
         if as_json

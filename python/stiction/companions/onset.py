@@ -405,8 +405,8 @@ def format_backbone_csv(onset: xarray.Dataset) -> str:
     for name, quantity_title in _CURVE_TITLES.items():
         unit = QUANTITIES[name].unit
         title = quantity_title + ("" if unit == "1" else f" ({unit})")
-        for statistic, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
-            columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic).values]
+        for statistic_name, suffix in (("mean", ""), ("lower", ": lower"), ("upper", ": upper")):
+            columns[title + suffix] = [0.0, *onset[name].sel(statistic=statistic_name).values]
     text: str = pandas.DataFrame(columns).to_csv(index=False, float_format="%.9g")
     return text
 

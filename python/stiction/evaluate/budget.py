@@ -241,7 +241,7 @@ def _evaluate_uncertainty(
     )
     percentiles = np.full((*shape, FRICTION_PERCENTILES.size), np.nan)
     dwell_intervals, unlimited_fractions = np.full((*shape, len(study.friction.wait), 3), np.nan), np.zeros(shape)
-    quantities = _CombinedQuantities(at, dims)
+    quantities = _QuantitiesWithCombinedIntervals(at, dims)
     reported_rule = list_rules_with_reported_first(study)[0]
     for position, samples in _iterate_intervals(result, at, dims, inputs_by_strength, scan_means, drifts):
         quantities.add_intervals(position, samples)
@@ -367,7 +367,7 @@ def _average_pairs_of_scans(
     return {position: average_scan_pairs(table.values[position], *scans) for position in np.ndindex(*shape)}
 
 
-class _CombinedQuantities:
+class _QuantitiesWithCombinedIntervals:
     """Combined intervals of all quantities except friction. Each friction coefficient widens them in turn."""
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:

@@ -263,7 +263,9 @@ class CombinedIntervals:
             bracket_inputs = self.mu0, float(self._central.plastic_friction) - self.mu0, self.contacts
             self.finest = friction_range_for_finer_scans(value, *bracket_inputs)
             self.bracket = friction_range_for_finer_scans(value, *bracket_inputs, upper)
-        self.standard_errors = {} if self.is_tested else self._split_relative_error(*self.sampling, self.value)
+        self.standard_errors = (
+            {} if self.is_tested else self._split_relative_error_by_source(*self.sampling, self.value)
+        )
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
         # An interface that was calibrated on this pair contains the errors of its true area.
@@ -274,7 +276,7 @@ class CombinedIntervals:
             *dict.fromkeys(() if self.is_tested else sources),
         )
 
-    def _split_relative_error(self, lower: float, upper: float, value: float) -> dict[str, float]:
+    def _split_relative_error_by_source(self, lower: float, upper: float, value: float) -> dict[str, float]:
         """Return the relative standard error of a mean by source: upper scans, lower scans and positions.
 
         Zeros are omitted.
@@ -448,7 +450,7 @@ class CombinedIntervals:
                 if not self.study.is_gap:
                     continue
                 lower = upper = value
-            relative_errors = self._split_relative_error(lower, upper, value)
+            relative_errors = self._split_relative_error_by_source(lower, upper, value)
             score = samples.scores[POSITIONS_INPUT_NAME] * math.hypot(*relative_errors.values())
             quantity_samples = np.broadcast_to(value * ratio * np.exp(score), (NUM_INPUT_SAMPLES,))
             if np.isnan(quantity_samples).any():

@@ -230,7 +230,9 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
     return functions
 
 
-def compute_onset_factors(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+def compute_onset_area_and_friction_factors(
+    result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
+) -> tuple[Floats, Floats]:
     """Return two factors at the onset of sliding: growth of the true area under shear, and friction fraction.
 
     The growth is the true area divided by the area before shear. The friction fraction is

@@ -163,7 +163,7 @@ def _average_quantities(
         if (is_load and not is_requested(name, names)) or values.dtype.kind != "f" or "repetition" not in values.dims:
             continue
         dims = [str(dim) for dim in values.dims if dim != "repetition"]
-        get_values = partial(_get_values, name=name, dims=("repetition", *dims))
+        get_values = partial(_get_member_values, name=name, dims=("repetition", *dims))
         means = average(dims, get_values)
         if name in STIFFNESS_QUANTITIES:
             means = _average_compliances(partial(average, dims), get_values, means)
@@ -189,7 +189,7 @@ def _average_compliances(
     return np.where(is_positive[..., np.newaxis], np.stack(limits, axis=-1), mean_stiffnesses)
 
 
-def _get_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:
+def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:
     return np.asarray(members.variables[name].transpose(*dims).values)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_choice, float_array
 from stiction._units import short_repr
-from stiction.evaluate.contact_area import compute_onset_factors, iterate_pieces_with_true_areas
+from stiction.evaluate.contact_area import compute_onset_area_and_friction_factors, iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF, LoadCrossings
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
@@ -141,7 +141,11 @@ def _evaluate_members_uncached(
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
     contact = result.study.contact
-    onset = compute_onset_factors(result, loads, mu0, tau0) if contact.junction_growth or contact.area_loss else None
+    onset = (
+        compute_onset_area_and_friction_factors(result, loads, mu0, tau0)
+        if contact.junction_growth or contact.area_loss
+        else None
+    )
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         return _evaluate_piece(piece, result.study, loads, mu0, tau0, load_definition, names, onset)
@@ -214,8 +218,8 @@ def _evaluate_piece(
 ) -> xarray.Dataset:  # fmt: skip
     """Evaluate friction and contact quantities of a group of members at given loads.
 
-    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `compute_onset_factors`
-    returned `onset`, which is None if shear does not change the area.
+    `names` lists quantities to evaluate besides `_FRICTION_VARIABLES`; None stands for all. `onset` is the result of
+    `compute_onset_area_and_friction_factors`, or None if shear does not change the area.
     """
     import xarray
 
@@ -335,7 +339,7 @@ def _grow_contacts(
     """Return loads and statuses of members after contacts have grown, or have lost area, under shear.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
-    and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_factors`.
+    and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_area_and_friction_factors`.
     """
     area_growth, fraction = (factors[:, np.newaxis, np.newaxis, np.newaxis] for factors in (area_growth, fraction))
     added_area = np.where(law.tau0 > 0, area_growth * fraction - 1, 0.0)

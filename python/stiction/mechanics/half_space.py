@@ -231,7 +231,7 @@ class HalfSpaceCurve(FrictionCurve):
         Raises a `ValueError` if the surfaces do not adhere.
         """
         if self.work_of_adhesion == 0:
-            raise ValueError("the method parting requires adhesion; call half_space with a work_of_adhesion above 0")
+            raise ValueError("the curve `parting` requires adhesion; call half_space with a work_of_adhesion above 0")
         return _make_curve(self._problem, self._model, self._separation_solutions[0], self._tolerance, self._record)
 
     @cached_property
@@ -322,7 +322,9 @@ class HalfSpaceCurve(FrictionCurve):
         opposing = np.array(opposing_grids).reshape(*self._model.angles().shape, *pressure.shape)
         gap = gap if problem.missing is None else np.where(problem.missing, np.nan, gap)
         field_arrays = (pressure, gap, solution.on_grid(solution.patch), opposing, solution.on_grid(solution.share))
-        pressure, gap, patches, opposing, share, heights = map(make_read_only, (*field_arrays, problem.lower.copy()))
+        pressure, gap, patches, opposing, share, heights = map(
+            make_read_only, (*field_arrays, problem.lower_heights.copy())
+        )
         return HalfSpaceContact(pressure, gap, patches, opposing, share, heights, problem.spacing)
 
     @property
@@ -342,7 +344,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
         """Return the curve for another sliding rule without computing the contacts again."""
-        return self._with_sums(replace(self._model, sliding=sliding), self._sums)
+        return self._with_contact_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
         """Return the curve for other directions of motion without computing the contacts again.
@@ -355,7 +357,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._with_sums(model, sum_patches(self._contact_solutions, model.directions()))
+        return self._with_contact_sums(model, sum_patches(self._contact_solutions, model.directions()))
 
     def onset(
         self,
@@ -414,7 +416,7 @@ class HalfSpaceCurve(FrictionCurve):
         totals = zip(*(sums.directed_totals(sliding) for sliding in sliding_rules), strict=True)
         return {name: np.array(values) for name, values in zip(DIRECTED_TOTALS, totals, strict=True)}
 
-    def _with_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
+    def _with_contact_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
         totals = _total_patches(model, self._contact_solutions, sums)
         changed_fields: dict[str, Any] = {name: make_read_only(values) for name, values in totals.items()}
         return replace(self, **changed_fields, _model=model, _sums=sums)
@@ -618,14 +620,14 @@ def _add_adhesion(
 
     If the grid cannot resolve the range, increase the range.
     """
-    min_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
-    if min_range > adhesion_range:
+    min_adhesion_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
+    if min_adhesion_range > adhesion_range:
         warnings.warn(
-            f"adhesion_range = {adhesion_range * 1e3:.3g} nm is increased to {min_range * 1e3:.3g} nm: the grid needs "
-            f"{MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w",
+            f"adhesion_range = {adhesion_range * 1e3:.3g} nm is increased to {min_adhesion_range * 1e3:.3g} nm: "
+            f"the grid needs {MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w",
             stacklevel=3,
         )
-    adhesion_range = max(min_range, adhesion_range)
+    adhesion_range = max(min_adhesion_range, adhesion_range)
     if problem.hardness is not None and not work / adhesion_range < problem.hardness:
         raise ValueError(
             f"hardness must be above {work / adhesion_range:.3g} GPa, the attraction in contact "

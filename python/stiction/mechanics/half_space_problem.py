@@ -94,8 +94,8 @@ def has_finite_approach(num_dimensions: int, *, periodic: bool) -> bool:
 class HalfSpaceProblem:
     """Contact problem of two surfaces: heights, gap (µm, at least 0), material and boundary conditions."""
 
-    upper: Floats
-    lower: Floats
+    upper_heights: Floats
+    lower_heights: Floats
     gap: Floats
     spacing: tuple[float, ...]
     compliance_share: float
@@ -152,7 +152,7 @@ class HalfSpaceProblem:
     def interface_slopes(self) -> list[Floats]:
         """Slopes of the deformed interface at every point: along y and x for maps, along x for profiles."""
         fraction = self.compliance_share
-        interface_heights = (1 - fraction) * self.lower + fraction * self.upper
+        interface_heights = (1 - fraction) * self.lower_heights + fraction * self.upper_heights
         return [slope.ravel() for slope in grid_slopes(interface_heights, self.spacing, periodic=self.periodic)]
 
 
@@ -287,8 +287,8 @@ class ContactSolution:
             return self._compute_stiffness(free_mask) / problem.area
         # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
         # By reciprocity, uniform-pressure displacements, weighted by contact pressures, give the mean displacement.
-        approach_of_unit_sum, mean_displacement = self._get_compliances(free_mask)
-        closure = approach_of_unit_sum * problem.area / problem.cell_area - mean_displacement
+        approach_at_unit_pressure_sum, mean_displacement = self._get_compliances(free_mask)
+        closure = approach_at_unit_pressure_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
 
 
@@ -418,14 +418,22 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
     """Return the problem on every second grid point. An attraction range that this grid cannot resolve is increased."""
     spacing = tuple(2 * step for step in problem.spacing)
-    upper, lower, gap = (take_every_second_point(values) for values in (problem.upper, problem.lower, problem.gap))
+    upper_heights, lower_heights, gap = (
+        take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
+    )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
     # Do not cache the coarse grids: the cached grids of the problem are needed again for the next problem.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
-    min_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
-    adhesion_range = max(problem.adhesion_range, min_range)
+    min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
+    adhesion_range = max(problem.adhesion_range, min_adhesion_range)
     return replace(
-        problem, upper=upper, lower=lower, gap=gap, spacing=spacing, grids=grids, adhesion_range=adhesion_range
+        problem,
+        upper_heights=upper_heights,
+        lower_heights=lower_heights,
+        gap=gap,
+        spacing=spacing,
+        grids=grids,
+        adhesion_range=adhesion_range,
     )
 
 
@@ -563,8 +571,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Give missing points a gap that never closes. The large gaps raise the standard deviation of the gap.
-            # The solver tolerance refers to this standard deviation, and is therefore rescaled.
+            # Give missing points a gap that never closes. The core multiplies its tolerance by the standard deviation
+            # of the gap, which these large gaps increase. `scale` compensates the increase.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(
@@ -676,7 +684,7 @@ def to_step_result(contact_solution: ContactSolution) -> StepResult:
     result |= {name: np.array([getattr(contact_solution, name)]) for name in _SCALAR_STEP_NAMES}
     problem = contact_solution.problem
     return result | (
-        {"upper": problem.upper, "gap": problem.gap, "tilt": problem.tilt} if problem.has_free_tilt else {}
+        {"upper": problem.upper_heights, "gap": problem.gap, "tilt": problem.tilt} if problem.has_free_tilt else {}
     )
 
 
@@ -687,7 +695,7 @@ def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[Cont
     """Restore the contact solutions from arrays in which the results of `to_step_result` are concatenated."""
     if problem.has_free_tilt:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
-        problem = replace(problem, upper=result["upper"], gap=result["gap"], tilt=tilt)
+        problem = replace(problem, upper_heights=result["upper"], gap=result["gap"], tilt=tilt)
     points, values, share, patch = (make_read_only(result[name]) for name in ("points", "values", "share", "patch"))
     scalar_rows = zip(*(result[name].tolist() for name in _SCALAR_STEP_NAMES), strict=True)
     solutions, start = [], 0

@@ -102,8 +102,8 @@ class ResultQuantity:
         return "sliding" in self.along
 
 
-CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
-AREAL_CORE_SUMS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
+CONTACT_SUM_TEXTS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
+AREAL_CONTACT_SUM_TEXTS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
 """Units and descriptions of the contact sums that only height maps have. The core declares the sums and their order."""
 
 _STEP_DIMENSION: tuple[QuantityAxis, ...] = ("step",)
@@ -129,10 +129,10 @@ _CSV_VIEW: frozenset[OutputView] = frozenset({"csv"})
 _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
-def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
+def _make_sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
     """Return the description of a contact sum, with the unit and the words that the C++ core declares."""
-    unit, words = CORE_SUMS[name] if name in CORE_SUMS else AREAL_CORE_SUMS[name]
-    source: QuantitySource = "asperities" if name in CORE_SUMS else "areal"
+    unit, words = CONTACT_SUM_TEXTS[name] if name in CONTACT_SUM_TEXTS else AREAL_CONTACT_SUM_TEXTS[name]
+    source: QuantitySource = "asperities" if name in CONTACT_SUM_TEXTS else "areal"
     defaults: dict[str, Any] = {
         "kind": "sum", "along": _STEP_DIMENSION, "stored": frozenset({source, *more_sources}),
         "stored_bounds": _NONNEGATIVE_STORED_RANGE,
@@ -143,19 +143,19 @@ def _sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -
 def _directed_sum_quantities() -> dict[str, ResultQuantity]:
     directed: dict[str, Any] = {"along": (*_MOTION_DIMENSIONS, "step"), "stored_bounds": _UNRESTRICTED_STORED_RANGE}
     normal_sums: dict[str, ResultQuantity] = {
-        f"normal_{contribution}": _sum_quantity(f"normal_{contribution}", "half-space", **directed)
+        f"normal_{contribution}": _make_sum_quantity(f"normal_{contribution}", "half-space", **directed)
         for contribution in ("frictional", "adhesive")
     }
     contributions = ("elastic", "frictional", "adhesive")
     tangential_sums = {
-        f"tangential_{contribution}": _sum_quantity(f"tangential_{contribution}", "half-space", **directed)
+        f"tangential_{contribution}": _make_sum_quantity(f"tangential_{contribution}", "half-space", **directed)
         for contribution in contributions
     }
     return (
         normal_sums
         | tangential_sums
         | {
-            f"lateral_{contribution}": _sum_quantity(f"lateral_{contribution}", **directed)
+            f"lateral_{contribution}": _make_sum_quantity(f"lateral_{contribution}", **directed)
             for contribution in contributions
         }
     )
@@ -169,29 +169,33 @@ def _zero_load_quantity(contribution: str, unit: str) -> ResultQuantity:
     )  # fmt: skip
 
 
-def _validity_quantity(numerator: str, *denominator: str, percent: bool = True, **properties: Any) -> ResultQuantity:
+def _make_validity_quantity(
+    numerator: str, *denominator: str, percent: bool = True, **properties: Any
+) -> ResultQuantity:
     fields: dict[str, Any] = {"kind": "validity", "along": _STEP_DIMENSION, "shown": _DETAIL_TABLE_VIEWS} | properties
     unit_fields = _FRACTION_QUANTITY_FIELDS if percent else {"unit": "1"}
     return ResultQuantity(numerator=numerator, denominator=denominator, **unit_fields | fields)
 
 
-def _statistic_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
+def _make_statistic_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
     fields: dict[str, Any] = {"kind": "statistic", "along": _STEP_DIMENSION} | properties
     return ResultQuantity(unit=unit, words=words, short_words=short_words, **fields)
 
 
-def _uncertainty_quantity(words: str, interval_kind: EstimateKind, *along: QuantityAxis) -> ResultQuantity:
+def _make_uncertainty_quantity(words: str, interval_kind: EstimateKind, *along: QuantityAxis) -> ResultQuantity:
     along = (*_MEAN_FRICTION_DIMENSIONS, *along)
     return ResultQuantity(unit="1", words=words, kind="uncertainty", along=along, interval_kind=interval_kind)
 
 
-def _coordinate_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
+def _make_coordinate_quantity(unit: str, words: str, short_words: str = "", **properties: Any) -> ResultQuantity:
     return ResultQuantity(unit=unit, words=words, short_words=short_words, kind="coordinate", **properties)
 
 
 QUANTITIES: dict[str, ResultQuantity] = {
     # ---- Friction --------------------------------------------------------------------------------------------------
-    "friction_combined": _uncertainty_quantity("coefficient of static friction, 95 % combined uncertainty", "combined"),
+    "friction_combined": _make_uncertainty_quantity(
+        "coefficient of static friction, 95 % combined uncertainty", "combined"
+    ),
     "friction_coefficient": ResultQuantity(
         unit="1", words="coefficient of static friction", symbol=r"\mu_s", kind="ratio", along=_FRICTION_DIMENSIONS,
     ),
@@ -221,18 +225,20 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="", words="ok, or the reason why there is no value", kind="statistic", along=_STEP_DIMENSION, dtype=int,
         stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
-    "friction_at_cutoff": _uncertainty_quantity(
+    "friction_at_cutoff": _make_uncertainty_quantity(
         "coefficient of static friction, combined 95 % interval at one cutoff", "combined"
     ),
-    "friction_prediction": _uncertainty_quantity(
+    "friction_prediction": _make_uncertainty_quantity(
         "coefficient of static friction of a single test in one direction at one position", "prediction",
     ),
-    "friction_percentiles": _uncertainty_quantity(
+    "friction_percentiles": _make_uncertainty_quantity(
         "coefficient of static friction of a single test, percentiles", "prediction", "percentile"
     ),
-    "remaining_interval": _uncertainty_quantity("interval if one input were exact", "conditional", "input"),
-    "remaining_width": _uncertainty_quantity("width of the interval if one input were exact", "conditional", "input"),
-    "friction_after_dwell": _uncertainty_quantity(
+    "remaining_interval": _make_uncertainty_quantity("interval if one input were exact", "conditional", "input"),
+    "remaining_width": _make_uncertainty_quantity(
+        "width of the interval if one input were exact", "conditional", "input"
+    ),
+    "friction_after_dwell": _make_uncertainty_quantity(
         "coefficient of static friction after a dwell time under load", "combined", "dwell_time"
     ),
     "fraction_unlimited": ResultQuantity(
@@ -258,7 +264,9 @@ QUANTITIES: dict[str, ResultQuantity] = {
     "contact_status": ResultQuantity(
         unit="", words="status of the true contact area", kind="statistic", along=_STEP_DIMENSION, dtype=str,
     ),
-    "contact_area": _sum_quantity("contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS),
+    "contact_area": _make_sum_quantity(
+        "contact_area", "half-space", symbol="A", proportional=True, shown=_DEFAULT_VIEWS
+    ),
     "contact_area_at_onset": ResultQuantity(
         unit="um^2", words="true contact area at the onset of sliding",
         short_words="true area at the onset", kind="statistic", along=("step", "mu0", "tau0"),
@@ -268,26 +276,28 @@ QUANTITIES: dict[str, ResultQuantity] = {
         unit="GPa", words="hardness of the contacts, with the indentation size effect",
         short_words="hardness of the contacts", kind="statistic", along=_STEP_DIMENSION, shown=_DETAIL_TABLE_VIEWS,
     ),
-    "contact_count": _sum_quantity("contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS),
+    "contact_count": _make_sum_quantity(
+        "contact_count", "half-space", dtype=int, proportional=True, shown=_DEFAULT_VIEWS
+    ),
     "mean_pressure": ResultQuantity(
         unit="GPa", words="mean pressure in contact", kind="ratio", along=_STEP_DIMENSION, shown=_DEFAULT_VIEWS,
     ),
-    "normal_stiffness": _statistic_quantity(
+    "normal_stiffness": _make_statistic_quantity(
         "mN/um", "normal stiffness", proportional=True,
         proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=_DEFAULT_VIEWS,
     ),
-    "closure": _statistic_quantity(
+    "closure": _make_statistic_quantity(
         "um", "closure, the decrease of the mean gap since first contact", "closure", stored=_MEASURED_SOURCE,
         shown=_DEFAULT_VIEWS,
     ),
-    "closure_stiffness": _statistic_quantity(
+    "closure_stiffness": _make_statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
         "stiffness of closure", proportional=True,
         proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=_DEFAULT_VIEWS,
     ),
-    "unloading_closure_stiffness": _statistic_quantity(
+    "unloading_closure_stiffness": _make_statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure while unloading",
         "stiffness of closure while unloading", proportional=True,
         proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
@@ -313,22 +323,22 @@ QUANTITIES: dict[str, ResultQuantity] = {
         short_words="friction at no load",
         kind="sum", along=("sliding", "mu0", "tau0"), shown=frozenset({"table", "csv"}),
     ),
-    "tangential_stiffness": _statistic_quantity(
+    "tangential_stiffness": _make_statistic_quantity(
         "mN/um", "initial tangential stiffness", proportional=True,
         proportional_with_adhesion=False, stored=frozenset({"onset"}),
         stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=frozenset({"table", "csv"}),
     ),
-    "displacement_at_sliding": _statistic_quantity(
+    "displacement_at_sliding": _make_statistic_quantity(
         "um", "displacement of the upper body before it slides", "pre-sliding displacement", weighted=True,
         stored=frozenset({"onset"}), stored_bounds=_NONNEGATIVE_STORED_RANGE, shown=frozenset({"table", "csv"}),
     ),
-    "fraction_slipped": _statistic_quantity(
+    "fraction_slipped": _make_statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the normal load that slips at half of the sliding load",
         short_words="load that slips at half of sliding", weighted=True, stored=frozenset({"onset"}),
         shown=frozenset({"table", "csv"}),
     ),
-    "approach": _coordinate_quantity(
+    "approach": _make_coordinate_quantity(
         "um", "approach since first contact", along=_STEP_DIMENSION, stored=frozenset({"half-space"}),
         shown=_DETAIL_VIEWS,
     ),
@@ -349,67 +359,67 @@ QUANTITIES: dict[str, ResultQuantity] = {
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts that oppose the motion",
         short_words="load that opposes", kind="ratio", along=("direction", "step"), shown=_DETAIL_TABLE_VIEWS,
     ),
-    "share_on_largest": _statistic_quantity(
+    "share_on_largest": _make_statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on the contact with the largest load",
         short_words="load on the largest contact", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
-    "share_at_edge": _validity_quantity(
+    "share_at_edge": _make_validity_quantity(
         "load_at_edge", "normal_elastic", words="fraction of the load on contacts that reach the edge of the overlap",
         short_words="load on contacts at the edge", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
-    "fraction_on_small": _statistic_quantity(
+    "fraction_on_small": _make_statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load on contacts of at most four grid cells",
         short_words="load on contacts of 4 points or fewer", stored=_MEASURED_SOURCE, shown=_DETAIL_VIEWS,
     ),
     **{
-        f"share_on_steepest_{side}": _statistic_quantity(
+        f"share_on_steepest_{side}": _make_statistic_quantity(
             **_FRACTION_QUANTITY_FIELDS, words=f"fraction of the load on the steepest tenth of the {side} body",
             short_words=f"load on the {side}'s steepest tenth", stored=_MEASURED_SOURCE, shown=_DETAIL_TABLE_VIEWS,
         )
         for side in ("upper", "lower")
     },
-    "load_share_at_hardness": _statistic_quantity(
+    "load_share_at_hardness": _make_statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the load at points at the hardness",
         stored=frozenset({"half-space"}), shown=_DETAIL_VIEWS, is_omitted_if_zero=True,
     ),
-    "area_share_at_hardness": _statistic_quantity(
+    "area_share_at_hardness": _make_statistic_quantity(
         **_FRACTION_QUANTITY_FIELDS, words="fraction of the points under pressure that are at the hardness",
         stored=frozenset({"half-space"}), shown=_DETAIL_TABLE_VIEWS,
     ),
-    "relative_overlap": _validity_quantity(
+    "relative_overlap": _make_validity_quantity(
         "overlap_load", "normal_elastic", percent=False, words="load-weighted mean of overlap / radius",
         shown=_DETAIL_VIEWS,
     ),
-    "share_beyond_hertz": _validity_quantity(
+    "share_beyond_hertz": _make_validity_quantity(
         "load_beyond_hertz", "normal_elastic",
         words="fraction of the load on contacts with an overlap above a tenth of their radius",
         shown=_DETAIL_VIEWS | {"hatch"},
     ),
-    "share_below_grid": _validity_quantity(
+    "share_below_grid": _make_validity_quantity(
         "load_below_grid", "normal_elastic",
         words="fraction of the load on contacts with a radius below the grid spacing", shown=_DETAIL_VIEWS | {"hatch"},
     ),
-    "share_crossed": _validity_quantity(
+    "share_crossed": _make_validity_quantity(
         "crossed_count", "crossed_count", "contact_count",
         words="fraction of possible contacts rejected because their sphere centres had crossed", shown=_DETAIL_VIEWS,
     ),
-    "share_overlapping": _validity_quantity(
+    "share_overlapping": _make_validity_quantity(
         "load_overlapping", "normal_elastic", shown=_DETAIL_VIEWS,
         words="fraction of the load on contacts whose ellipse overlaps another ellipse",
     ),
-    "share_unanswered": _validity_quantity(
+    "share_unanswered": _make_validity_quantity(
         "unanswered_count", "grid_minimum_count",
         words="fraction of the grid minima that have no minimum of the spline nearby", shown=frozenset(),
     ),
-    "error": _statistic_quantity(
+    "error": _make_statistic_quantity(
         "1", "error of the half-space solution, in standard deviations of the gap", "error of the solution",
         stored=_MEASURED_SOURCE, stored_bounds=_NONNEGATIVE_STORED_RANGE, shown=_DETAIL_TABLE_VIEWS,
     ),
-    "elastic_area": _statistic_quantity(
+    "elastic_area": _make_statistic_quantity(
         "um^2", "true contact area of elastic bodies at the same load, for the first members",
         stored=frozenset({"yielding"}), stored_bounds=_NONNEGATIVE_STORED_RANGE,
     ),
-    "unloading_stiffness": _statistic_quantity(
+    "unloading_stiffness": _make_statistic_quantity(
         "mN/um", "normal stiffness during unloading, as measured by ultrasound", proportional=True,
         proportional_with_adhesion=False,
         stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE, shown=_CSV_VIEW,
@@ -455,75 +465,77 @@ QUANTITIES: dict[str, ResultQuantity] = {
         along=_STEP_DIMENSION,
     ),
     # ---- Sums over contacts ----------------------------------------------------------------------------------------
-    "normal_elastic": _sum_quantity("normal_elastic", "half-space", proportional=True),
+    "normal_elastic": _make_sum_quantity("normal_elastic", "half-space", proportional=True),
     **_directed_sum_quantities(),
-    "overlap_load": _sum_quantity("overlap_load", proportional=True),
-    "load_beyond_hertz": _sum_quantity("load_beyond_hertz", proportional=True),
-    "load_below_grid": _sum_quantity("load_below_grid", proportional=True),
-    "crossed_count": _sum_quantity("crossed_count", dtype=int, proportional=True),
-    "load_overlapping": _sum_quantity("load_overlapping", proportional=True),
-    "load_at_edge": _sum_quantity("load_at_edge", proportional=True),
-    "grid_minimum_count": _sum_quantity("grid_minimum_count", dtype=int, proportional=True),
-    "unanswered_count": _sum_quantity("unanswered_count", dtype=int, proportional=True),
+    "overlap_load": _make_sum_quantity("overlap_load", proportional=True),
+    "load_beyond_hertz": _make_sum_quantity("load_beyond_hertz", proportional=True),
+    "load_below_grid": _make_sum_quantity("load_below_grid", proportional=True),
+    "crossed_count": _make_sum_quantity("crossed_count", dtype=int, proportional=True),
+    "load_overlapping": _make_sum_quantity("load_overlapping", proportional=True),
+    "load_at_edge": _make_sum_quantity("load_at_edge", proportional=True),
+    "grid_minimum_count": _make_sum_quantity("grid_minimum_count", dtype=int, proportional=True),
+    "unanswered_count": _make_sum_quantity("unanswered_count", dtype=int, proportional=True),
     **{
         f"unloaded_{part}": _zero_load_quantity(part, unit)
         for part, unit in (("elastic", "mN"), ("frictional", "mN"), ("adhesive", "mN/GPa"))
     },
     # ---- Onset of sliding ------------------------------------------------------------------------------------------
-    "sliding_load": _statistic_quantity("mN", "tangential load at which all contacts slip", along=()),
-    "displacement": _statistic_quantity(
+    "sliding_load": _make_statistic_quantity("mN", "tangential load at which all contacts slip", along=()),
+    "displacement": _make_statistic_quantity(
         "um", "displacement of the upper body since the tangential load was 0", along=("fraction",),
     ),
-    "stiffness": _statistic_quantity("mN/um", "initial tangential stiffness", along=()),
-    "slipped_area": _statistic_quantity(
+    "stiffness": _make_statistic_quantity("mN/um", "initial tangential stiffness", along=()),
+    "slipped_area": _make_statistic_quantity(
         "1", "fraction of the true contact area that slips", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
-    "slipped_load": _statistic_quantity(
+    "slipped_load": _make_statistic_quantity(
         "1", "fraction of the normal load on slipping points", along=("fraction",), bounds=(0.0, 1.0), percent=True,
     ),
-    "energy_lost": _statistic_quantity(
+    "energy_lost": _make_statistic_quantity(
         "mN um", "energy loss in a cycle between plus and minus this load", along=("fraction",),
     ),
     # ---- Laws fitted to friction tables ----------------------------------------------------------------------------
-    "area_factor": _statistic_quantity("1/GPa", "a of A/A0 = a p", along=()),
-    "stiffness_factor": _statistic_quantity(f"{STIFFNESS_PER_AREA_UNIT}/GPa^c", "b of k/A0 = b p^c", along=()),
-    "stiffness_exponent": _statistic_quantity("1", "c of k/A0 = b p^c", along=()),
-    "area_deviation": _statistic_quantity(
+    "area_factor": _make_statistic_quantity("1/GPa", "a of A/A0 = a p", along=()),
+    "stiffness_factor": _make_statistic_quantity(f"{STIFFNESS_PER_AREA_UNIT}/GPa^c", "b of k/A0 = b p^c", along=()),
+    "stiffness_exponent": _make_statistic_quantity("1", "c of k/A0 = b p^c", along=()),
+    "area_deviation": _make_statistic_quantity(
         "1", "largest relative difference from A/A0 = a p", "largest deviation of A/A0", along=(),
     ),
-    "stiffness_deviation": _statistic_quantity(
+    "stiffness_deviation": _make_statistic_quantity(
         "1", "largest relative difference from k/A0 = b p^c", "largest deviation of k/A0", along=(),
     ),
     # ---- Coordinates -----------------------------------------------------------------------------------------------
-    "cut_off": _coordinate_quantity(
+    "cut_off": _make_coordinate_quantity(
         "um", "cutoff wavelength of the low-pass filter; 0 for unfiltered scans", "cutoff"
     ),
-    "height_scale": _coordinate_quantity("1", "factor by which the heights are multiplied"),
-    "fraction_below": _coordinate_quantity("1", "fraction of values that are smaller"),
-    "percentile": _coordinate_quantity("%", "percentage of tests with a smaller value"),
-    "axis": _coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
-    "x": _coordinate_quantity("um", "shift of the upper body along +x"),
-    "y": _coordinate_quantity("um", "shift of the upper body along +y"),
-    "line": _coordinate_quantity("1", "pair of lines", dtype=int, stored_bounds=_NONNEGATIVE_STORED_RANGE),
-    "surrogate": _coordinate_quantity(
+    "height_scale": _make_coordinate_quantity("1", "factor by which the heights are multiplied"),
+    "fraction_below": _make_coordinate_quantity("1", "fraction of values that are smaller"),
+    "percentile": _make_coordinate_quantity("%", "percentage of tests with a smaller value"),
+    "axis": _make_coordinate_quantity("degree", "axis of the motion in either direction, from +x towards +y"),
+    "x": _make_coordinate_quantity("um", "shift of the upper body along +x"),
+    "y": _make_coordinate_quantity("um", "shift of the upper body along +y"),
+    "line": _make_coordinate_quantity("1", "pair of lines", dtype=int, stored_bounds=_NONNEGATIVE_STORED_RANGE),
+    "surrogate": _make_coordinate_quantity(
         "", "True if the member is a pair of surrogates", dtype=bool, stored_bounds=(0.0, 1.0),
     ),
-    "nominal_area": _coordinate_quantity("um^2", "nominal area of a member"),
-    "direction": _coordinate_quantity(
+    "nominal_area": _make_coordinate_quantity("um^2", "nominal area of a member"),
+    "direction": _make_coordinate_quantity(
         "degree", "direction in which the upper body is about to move, from +x towards +y"
     ),
-    "sliding": _coordinate_quantity(
+    "sliding": _make_coordinate_quantity(
         "", "contacts with friction: only those that oppose the motion, or all", "contacts with friction", dtype=str,
     ),
-    "fractal_dimension": _coordinate_quantity("1", "fractal dimension", symbol="D"),
-    "amplitude": _coordinate_quantity("um", "amplitude"),
-    "repetition": _coordinate_quantity("1", "repetition", dtype=int),
-    "load": _coordinate_quantity("mN", "normal load", symbol="F_N"),
-    "mu0": _coordinate_quantity("1", "molecular friction coefficient", "mu0"),
-    "tau0": _coordinate_quantity("GPa", "adhesive shear strength", "tau0", column_unit="MPa", column_factor=1000.0),
-    "hurst_exponent": _coordinate_quantity("1", "Hurst exponent", "H"),
-    "rms": _coordinate_quantity("um", "Sq of each surface", "Sq"),
-    "effective_modulus": _coordinate_quantity("GPa", "effective modulus"),
+    "fractal_dimension": _make_coordinate_quantity("1", "fractal dimension", symbol="D"),
+    "amplitude": _make_coordinate_quantity("um", "amplitude"),
+    "repetition": _make_coordinate_quantity("1", "repetition", dtype=int),
+    "load": _make_coordinate_quantity("mN", "normal load", symbol="F_N"),
+    "mu0": _make_coordinate_quantity("1", "molecular friction coefficient", "mu0"),
+    "tau0": _make_coordinate_quantity(
+        "GPa", "adhesive shear strength", "tau0", column_unit="MPa", column_factor=1000.0
+    ),
+    "hurst_exponent": _make_coordinate_quantity("1", "Hurst exponent", "H"),
+    "rms": _make_coordinate_quantity("um", "Sq of each surface", "Sq"),
+    "effective_modulus": _make_coordinate_quantity("GPa", "effective modulus"),
 }  # fmt: skip
 """Descriptions of all quantities and coordinates of results, by name, in the order in which outputs show them."""
 
@@ -555,10 +567,10 @@ def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -
 
 # ---- Selections of quantities ----------------------------------------------------------------------------------------
 
-SUM_QUANTITIES = tuple(CORE_SUMS)
+SUM_QUANTITIES = tuple(CONTACT_SUM_TEXTS)
 """Names of the contact sums of a `LoadCurve` at each approach: fields of `ContactSums`, in the order of the core."""
 
-AREAL_SUM_QUANTITIES = tuple(AREAL_CORE_SUMS)
+AREAL_SUM_QUANTITIES = tuple(AREAL_CONTACT_SUM_TEXTS)
 """Names of the additional contact sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(

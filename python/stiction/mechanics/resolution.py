@@ -265,7 +265,7 @@ class _BodyPair:
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
-    def shortest_cut_off(self) -> float:
+    def shortest_cutoff_wavelength(self) -> float:
         """Shortest possible cutoff (µm): twice the largest grid spacing."""
         return 2 * max(self.upper.spacings)
 
@@ -275,15 +275,16 @@ class _BodyPair:
     def choose_cut_offs(self, cut_offs: float | Sequence[float] | None) -> list[float]:
         side_length = min(size * step for size, step in zip(self.upper.heights.shape, self.upper.spacings, strict=True))
         if cut_offs is None:
-            default_cut_offs = 2 * self.shortest_cut_off * 2.0 ** np.arange(40)
+            default_cut_offs = 2 * self.shortest_cutoff_wavelength * 2.0 ** np.arange(40)
             return [0.0, *default_cut_offs[default_cut_offs <= _MAX_CUTOFF_RATIO * side_length * (1 + 1e-9)].tolist()]
         lengths = float_array("cut_offs", np.atleast_1d(cut_offs), ndim=1).tolist()
         if any(
-            length != 0 and not self.shortest_cut_off * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side_length
+            length != 0
+            and not self.shortest_cutoff_wavelength * (1 - 1e-9) <= length <= MAX_CUTOFF_FRACTION * side_length
             for length in lengths
         ):
             raise ValueError(
-                f"cut_offs must be 0, or between {self.shortest_cut_off:g} µm (two grid spacings) and "
+                f"cut_offs must be 0, or between {self.shortest_cutoff_wavelength:g} µm (two grid spacings) and "
                 f"{MAX_CUTOFF_FRACTION * side_length:g} µm (a third of the shortest side), got {short_repr(cut_offs)}"
             )
         return sorted({0.0, *lengths})
@@ -343,7 +344,7 @@ def _make_cutoff_dataset(
     dimensions = ("cut_off", "normal_load")
     variables: dict[str, Any] = {
         "shortest_wavelength": (
-            "cut_off", [max(length, body_pair.shortest_cut_off) for length in lengths],
+            "cut_off", [max(length, body_pair.shortest_cutoff_wavelength) for length in lengths],
             _variable_attributes("µm", "shortest resolved wavelength"),
         ),
         "rms_gradient": ("cut_off", gradient, quantity_attributes("rms_gradient")),
@@ -400,7 +401,9 @@ def _add_plastic_limits(
         for item in gradients_at_hardness
     ])  # fmt: skip
     gradient = float(result.rms_gradient[0])
-    gradients = brackets.extrapolated_gradients(roughness, hurst_estimate, body_pair.shortest_cut_off, gradient)
+    gradients = brackets.extrapolated_gradients(
+        roughness, hurst_estimate, body_pair.shortest_cutoff_wavelength, gradient
+    )
     area_of_slope = (
         kappa * loads / (modulus * body_pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     )
@@ -427,7 +430,7 @@ def _add_plastic_limits(
         friction = friction * brackets.transverse_slope_factor(central_gradients, roughness.dimensions)
         description = "elastic mu_s with friction at all contacts, extrapolated"
         quantities["continued_elastic_friction_coefficient"] = dimensions, friction, "1", description
-    finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * body_pair.shortest_cut_off
+    finer_wavelengths = np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * body_pair.shortest_cutoff_wavelength
     variables = {
         name: (dims, values, _variable_attributes(unit, description))
         for name, (dims, values, unit, description) in quantities.items()

@@ -326,7 +326,10 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the excess of the normal load over its target, and the target (mN), at a contact force (mN)."""
+            """Return the excess of the normal load over its target, and the target (both mN).
+
+            `elastic_load` (mN) is the load without friction. The normal load includes vertical forces due to friction.
+            """
             curve = self.solve_contact(offset, elastic_load)
             rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
             if first_row is None:
@@ -472,18 +475,20 @@ def _find_root(
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
-    lower_load, upper_load = 0.0, max_load  # elastic loads between which the solution lies
+    lower_load_limit, upper_load_limit = 0.0, max_load  # elastic loads between which the solution lies
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
         load_excess, target = compare_load(trial_load)
         if abs(load_excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK
-        lower_load, upper_load = (trial_load, upper_load) if load_excess < 0 else (lower_load, trial_load)
+        lower_load_limit, upper_load_limit = (
+            (trial_load, upper_load_limit) if load_excess < 0 else (lower_load_limit, trial_load)
+        )
         if load_excess < 0 and trial_load > MAX_ELASTIC_LOAD_RATIO * max(target, load):
             return STATUS_SELF_LOCKED
         if load_excess > 0 and trial_load < MIN_ELASTIC_LOAD_RATIO * load:
             return STATUS_NO_CONTACT
-        if lower_load > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
+        if lower_load_limit > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
         # In the first step, assume that the normal load is proportional to the elastic load.
         slope = (
@@ -494,8 +499,8 @@ def _find_root(
         last_trial = trial_load, load_excess
         step = trial_load - load_excess / slope if slope > 0 else (0.0 if load_excess > 0 else math.inf)
         step = min(max(step, trial_load / MAX_LOAD_STEP_RATIO), trial_load * MAX_LOAD_STEP_RATIO)
-        if not lower_load < step < upper_load:
-            step = (trial_load + (upper_load if load_excess < 0 else lower_load)) / 2
+        if not lower_load_limit < step < upper_load_limit:
+            step = (trial_load + (upper_load_limit if load_excess < 0 else lower_load_limit)) / 2
         trial_load = step
     return STATUS_NOT_SOLVED
 

@@ -28,7 +28,11 @@ class SolutionRecord:
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Run the next step and return its result. A stored error of the given type is raised again."""
+        """Return the result of the next step, which is computed unless the result is stored.
+
+        If `compute` raises an error of the type `error_type`, the error is stored, and is raised again whenever the
+        step is repeated. This class stores nothing.
+        """
         return compute()
 
     def read_state(self) -> StepResult | None:

@@ -307,7 +307,7 @@ def connect_to_cluster(address: str) -> Iterator[Executor]:
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
             raise ClusterError(
-                f"a block was not computed because its worker processes died repeatedly: {error}"
+                f"a block of members was not computed, because the worker processes that computed it died: {error}"
             ) from None
         except CancelledError:
             message = "the connection to the scheduler was lost; finished blocks are kept, and the same command resumes"

@@ -348,7 +348,7 @@ def _describe_remaining_work(
 
 
 MIN_REPORTED_TIME = 60.0  # a new estimate of the run time is printed if at least this time (s) remains
-MIN_REVISED_TIME_RATIO = (
+MIN_TIME_RATIO_FOR_NEW_ESTIMATE = (
     1.5  # smallest ratio of the measured to the first estimated time of a member for a new estimate
 )
 
@@ -361,7 +361,7 @@ def _format_revised_time_estimate(
     The line is empty if little time remains, or if the first estimate was not too low.
     """
     remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
-    if remaining_time < MIN_REPORTED_TIME or seconds < MIN_REVISED_TIME_RATIO * members * cost:
+    if remaining_time < MIN_REPORTED_TIME or seconds < MIN_TIME_RATIO_FOR_NEW_ESTIMATE * members * cost:
         return ""
     count_text = study.member_names.with_count(unfinished_members.count)
     progress_text = f"{members} of {count_text} took {format_duration(seconds)}"

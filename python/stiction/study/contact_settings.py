@@ -276,7 +276,7 @@ class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
         return to_value_array(self.load)
 
 
-class MeasuredSurfaceContactSettings(CommonContactSettings):
+class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
     """Keys of the section `[contact]` for measured surfaces at given loads, with results for both sliding rules."""
 
     place: ClassVar[str] = "measured surfaces"
@@ -338,7 +338,7 @@ class MeasuredSurfaceContactSettings(CommonContactSettings):
         return "all", "opposing"
 
 
-class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
+class ContactSettingsForMeasuredLines(ContactSettingsForMeasuredSurfaces):
     """Keys of the section `[contact]` for measured profiles and scan lines, which slide in both directions."""
 
     place: ClassVar[str] = "measured lines"
@@ -348,7 +348,7 @@ class MeasuredLineContactSettings(MeasuredSurfaceContactSettings):
         return "+x", "-x"
 
 
-class MeasuredMapContactSettings(MeasuredSurfaceContactSettings):
+class ContactSettingsForMeasuredMaps(ContactSettingsForMeasuredSurfaces):
     """Keys of the section `[contact]` for measured height maps, which can slide in one or several directions."""
 
     place: ClassVar[str] = "measured areas"
@@ -410,10 +410,13 @@ class HalfSpaceSettings(CommonContactSettings):
     def _require_consistent_growth(self) -> HalfSpaceSettings:
         if self.junction_growth and self.hardness is None:
             raise make_key_error(
-                "junction_growth", "must not be given without a hardness, because elastic contacts do not grow"
+                "junction_growth",
+                "must not be given without a hardness, because shear enlarges only contacts that yield",
             )
         if self.area_loss and self.hardness is not None:
-            raise make_key_error("area_loss", "must not be given with a hardness, because contacts that yield grow")
+            raise make_key_error(
+                "area_loss", "must not be given with a hardness, because shear enlarges contacts that yield"
+            )
         if self.yield_exponent is not None and (self.hardness is None or self.adheres):
             raise make_key_error(
                 "yield_exponent",
@@ -429,7 +432,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",
-                "must be 0 if work_of_adhesion is above 0, because the model neglects the growth of adhesive contacts",
+                "must be 0 if work_of_adhesion is above 0, because the model enlarges no adhesive contacts under shear",
             )
         return self
 
@@ -562,14 +565,14 @@ class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
     curvature: CurvatureSetting = "signed"
 
 
-class AsperitySettingsForMeasuredLines(AsperityModelSettings, MeasuredLineContactSettings):
+class AsperitySettingsForMeasuredLines(AsperityModelSettings, ContactSettingsForMeasuredLines):
     """Section `[contact]` of the asperity model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
-class AsperitySettingsForMeasuredMaps(AsperityModelSettings, MeasuredMapContactSettings):
+class AsperitySettingsForMeasuredMaps(AsperityModelSettings, ContactSettingsForMeasuredMaps):
     """Section `[contact]` of the asperity model for measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
@@ -590,13 +593,13 @@ class HalfSpaceSettingsForGeneratedMaps(HalfSpaceSettings, GeneratedSurfaceLoadS
     place: ClassVar[str] = "the half-space of generated areas"
 
 
-class HalfSpaceSettingsForMeasuredLines(HalfSpaceSettings, MeasuredLineContactSettings):
+class HalfSpaceSettingsForMeasuredLines(HalfSpaceSettings, ContactSettingsForMeasuredLines):
     """Section `[contact]` of the half-plane model for measured profiles and scan lines of maps."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
-class HalfSpaceSettingsForMeasuredMaps(HalfSpaceSettings, MeasuredMapContactSettings):
+class HalfSpaceSettingsForMeasuredMaps(HalfSpaceSettings, ContactSettingsForMeasuredMaps):
     """Section `[contact]` of the half-space model for measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
@@ -631,8 +634,8 @@ is the default.
 """
 
 SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
-    AsperityModelSettings, AsperitySettingsForGeneratedSurfaces, MeasuredSurfaceContactSettings,
-    GeneratedSurfaceContactSettings, MeasuredMapContactSettings, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
+    AsperityModelSettings, AsperitySettingsForGeneratedSurfaces, ContactSettingsForMeasuredSurfaces,
+    GeneratedSurfaceContactSettings, ContactSettingsForMeasuredMaps, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
 """Base classes of `[contact]`. A message names such a class if a key belongs to other bodies or another model."""
 
@@ -652,7 +655,7 @@ def parse_contact_settings(
     settings_class = select_contact_settings_class(type(surfaces), value)
     check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = settings_class.model_validate(value)
-    if isinstance(contact, MeasuredMapContactSettings):
+    if isinstance(contact, ContactSettingsForMeasuredMaps):
         direction = contact.direction
         if direction is None or len(contact.directions_of_motion()) > MAX_DIRECTIONS:
             raise make_key_error(

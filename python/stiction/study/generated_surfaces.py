@@ -13,7 +13,7 @@ from stiction._units import exact_quantity_text, quantity, short_repr
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.member_names import REPETITION_NAMES, MemberNames
 from stiction.study.values import (
-    MAX_PARAMETER_VALUES,
+    MAX_NUM_PARAMETER_VALUES,
     FractalDimensionRange,
     FractalDimensionsOrRange,
     Length,
@@ -33,10 +33,10 @@ from stiction.surfaces.surface import SurfaceAmplitudeMeasure
 LengthScale = Annotated[Length, Field(description="L of Eq. 1, which sets the longest wavelength.")]
 FrequencyRatio = Annotated[float, Field(gt=1, description="Ratio γ of successive frequencies in Eq. 1.")]
 NumWaveDirections = Annotated[
-    int, Field(ge=1, le=MAX_PARAMETER_VALUES, description="M of Eq. 1: number of directions.")
+    int, Field(ge=1, le=MAX_NUM_PARAMETER_VALUES, description="M of Eq. 1: number of directions.")
 ]
 NumFrequencies = Annotated[
-    int, Field(ge=1, le=MAX_PARAMETER_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
+    int, Field(ge=1, le=MAX_NUM_PARAMETER_VALUES, description="n_max of Eq. 1: number of frequencies per direction.")
 ]
 BandLimit = Annotated[
     Literal["none", "nyquist"],
@@ -282,8 +282,7 @@ class SelfAffineSettings(GeneratedMapSettings):
         if shortest_wavelength * ROUND_OFF_FACTOR < nyquist_wavelength:
             raise make_key_error(
                 "shortest_wavelength",
-                f"must be at least twice the larger spacing ({nyquist_wavelength:g} um), "
-                f"got {shortest_wavelength:g} um",
+                f"must be at least {nyquist_wavelength:g} um, twice the larger spacing, got {shortest_wavelength:g} um",
             )
         if not shortest_wavelength < longest_wavelength:
             raise make_key_error(

@@ -299,7 +299,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 """Primitive polynomial and initial direction numbers of each dimension (Joe and Kuo, SIAM J. Sci. Comput. 30, 2008)."""
 
 
-def _compute_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
+def _compute_sobol_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
     """Compute the direction numbers of one dimension of a Sobol sequence, as bits (most significant first)."""
     direction_numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(direction_numbers) < SOBOL_BITS:
@@ -338,7 +338,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         integers = np.empty((count, dimensions), dtype=np.uint32)
         integers[0] = shift_bits @ place_values
         for dimension, matrix in enumerate(matrices):
-            bits = matrix @ _compute_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
+            bits = matrix @ _compute_sobol_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
                 # In Gray-code order, the second half of the points is the first half reversed, with one bit flipped.
                 first_half = integers[: 2**index, dimension]

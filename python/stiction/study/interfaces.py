@@ -197,7 +197,7 @@ class InterfaceStrength:
             for title, column in zip(titles[num_columns:], sample_table.T[num_columns:], strict=True)
         }
         fit = _build_strength_fit(sliding, *sample_table.T[:num_columns])
-        fit = replace(fit, scores=scores or _compute_scores_of_old_file(fit, header))
+        fit = replace(fit, scores=scores or _compute_normal_scores_of_old_interface_file(fit, header))
         return cls((fit,), area_per_load, variation, separated, about=header)
 
     @classmethod
@@ -335,7 +335,10 @@ class InterfaceStrength:
         return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether a junction growth and its uncertainty equal those of the tests. None stands for α = 0."""
+        """Return whether a junction growth α and its uncertainty equal those of the friction tests.
+
+        The value None of `growth` stands for α = 0.
+        """
         test_growth = self.junction_growth
         if test_growth is None or growth is None:
             return test_growth is not None and test_growth.high == 0
@@ -464,7 +467,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) 
     return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *other_samples)
 
 
-def _compute_scores_of_old_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
+def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
     """Return the normal scores of hardness and junction growth in an interface file without columns of scores."""
     from scipy.special import ndtr
 

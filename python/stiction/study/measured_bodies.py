@@ -374,7 +374,7 @@ class MeasuredBodySettings(SettingsSection):
         """Interpretation of the scan file: columns, units and caveats. None for bodies without such a file."""
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
-        return _load_reading(self._identify_content(self.checksum()))
+        return _read_scan_file(self._identify_content(self.checksum()))
 
     @property
     def caveats(self) -> tuple[FileCaveat, ...]:
@@ -465,7 +465,7 @@ def _read_body(file: _ScanFile) -> MeasuredBody:
                     f"{printable_path(file.path)} is a spectrum, which has no {name}; remove the key {name}"
                 )
         return read_spectrum(file.path)
-    return _correct_for_tip(settings, _load_reading(file).body)
+    return _correct_for_tip(settings, _read_scan_file(file).body)
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
@@ -476,7 +476,7 @@ def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> Measured
 
 
 @functools.lru_cache(maxsize=16)
-def _load_reading(file: _ScanFile) -> FileReading[Profile | Surface]:
+def _read_scan_file(file: _ScanFile) -> FileReading[Profile | Surface]:
     settings = file.settings
     return read_with_interpretation(
         file.path, unit=settings.unit, spacing=format_quantities(settings.spacing), missing=settings.missing,

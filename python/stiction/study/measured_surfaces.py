@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, model_validator
 from stiction._checks import Floats
 from stiction._units import quantity
 from stiction.study.measured_bodies import CutoffPair, MeasuredBody, MeasuredBodySettings, ScanCutoffs
-from stiction.study.member_names import GENERAL_MEMBER_NAMES, POSITION_NAMES, SURROGATE_PAIR_NAMES, MemberNames
+from stiction.study.member_names import MIXED_MEMBER_NAMES, POSITION_NAMES, SURROGATE_PAIR_NAMES, MemberNames
 from stiction.study.member_sources import (
     GapMemberSource,
     LineMemberSource,
@@ -245,7 +245,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     @property
     def member_names(self) -> MemberNames:
         """Words for the members in output: positions, pairs of surrogates, or both."""
-        return GENERAL_MEMBER_NAMES if self.surrogates else POSITION_NAMES
+        return MIXED_MEMBER_NAMES if self.surrogates else POSITION_NAMES
 
     @property
     def first_scan_member_index(self) -> int:

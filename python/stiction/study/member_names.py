@@ -16,7 +16,7 @@ class MemberNames(NamedTuple):
         return f"{count:.0f} {self.singular if count == 1 else self.plural}"
 
 
-GENERAL_MEMBER_NAMES = MemberNames("member", "members")
+MIXED_MEMBER_NAMES = MemberNames("member", "members")
 """Word for members of mixed kinds: positions together with pairs of surrogates."""
 
 REPETITION_NAMES = MemberNames("repetition", "repetitions")

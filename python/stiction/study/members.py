@@ -54,7 +54,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the length scale, γ, the convention and the band limit of Eq. 1 that a study specifies."""
+    """Return the length scale, γ, the definition of D and the band limit of the profiles (Eq. 1) of a study."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -218,10 +218,10 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return a source of the members that two scans form after a low-pass filter at a cutoff (µm, 0 for no filter).
+        """Return a source of the members (surface pairs) from two scans that are low-pass filtered at a cutoff (µm).
 
-        If several threads need the same members, one thread filters the scans, and the others wait. Raises a
-        `ValueError` if the scans form no members.
+        A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
+        the others wait. Raises a `ValueError` if the scans form no members.
         """
         cache_key = wavelength, upper, lower
         with self._locks.setdefault(cache_key, threading.Lock()):

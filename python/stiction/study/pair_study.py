@@ -66,7 +66,7 @@ from stiction.study.pair_options import (
 )
 from stiction.study.study import DEFAULT_SEED, Study
 from stiction.study.values import StudyError, validate_section
-from stiction.surfaces.hidden_noise import HiddenNoise
+from stiction.surfaces.hidden_noise import NoiseHiddenInSpectrum
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.pairing import DEFAULT_NUM_LINE_PAIRS, SIDES, SurrogateBodies
 from stiction.surfaces.profile import Profile
@@ -442,11 +442,14 @@ class MeasuredPair:
         work_of_adhesion, study_range = (
             float(self._adhesion_entries.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
         )
-        min_range = min_resolved_adhesion_range(
+        min_adhesion_range = min_resolved_adhesion_range(
             work_of_adhesion, float(spacings.max()), self.elasticity.effective_modulus
         )
         return (
-            work_of_adhesion / max(study_range or DEFAULT_ADHESION_RANGE, min_range) * self._nominal_area / num_points
+            work_of_adhesion
+            / max(study_range or DEFAULT_ADHESION_RANGE, min_adhesion_range)
+            * self._nominal_area
+            / num_points
         )
 
     @property
@@ -650,8 +653,8 @@ class MeasuredPair:
             num_offsets = len(self._listed_positions)
         elif (num_offsets or 1) > 1 and self.options.travel is None:
             raise ArgumentError(
-                f"{{offsets}} {num_offsets} needs {{travel}} LENGTH, by which the slider is shorter than the "
-                "counterface"
+                f"{{offsets}} {num_offsets} needs {{travel}} LENGTH, the difference in length between "
+                "counterface and slider"
             )
         return num_lines, num_offsets or 1
 
@@ -748,7 +751,7 @@ class MeasuredPair:
                 return _build_growth_entry(interface_growth) or None
             given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
-            raise ArgumentError("{junction_growth} needs {hardness}, because elastic contacts do not grow")
+            raise ArgumentError("{junction_growth} needs {hardness}, because shear enlarges only contacts that yield")
         growth = self._parse_input("junction_growth", given_value)
         if growth and self._adhesion_entries.get("work_of_adhesion"):
             raise ArgumentError(
@@ -802,7 +805,7 @@ class MeasuredPair:
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:
-                reason = "because contacts that yield grow under shear"
+                reason = "because shear enlarges contacts that yield"
                 raise ArgumentError(f"{{area_loss}} must not be given for bodies with a hardness, {reason}")
             return None
         value = find_default_area_loss(self.elasticity.effective_modulus) if value is None else value
@@ -953,7 +956,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
     return scans
 
 
-def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | HiddenNoise | None:
+def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
     """Return the wavelengths at which the spectrum of a scan is instrument noise or may hide noise.
 
     Returns None if noise affects the slope only slightly.

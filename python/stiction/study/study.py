@@ -37,8 +37,8 @@ from stiction.study.contact_settings import (
     DERIVED_ELASTICITY_KEYS,
     MAX_AREAL_LOAD_RATIO,
     ContactSettings,
+    ContactSettingsForMeasuredMaps,
     HalfSpaceSettings,
-    MeasuredMapContactSettings,
     choose_load_steps,
     parse_contact_settings,
     select_contact_settings_class,
@@ -280,15 +280,15 @@ def _add_bracketing_loads(
         return {}
     try:
         loads = [float(quantity(load, "force")) for load in requested_loads]
-        upper_load = max(loads) * MAX_AREAL_LOAD_RATIO
+        highest_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
             # The validation of the section rejects an upper load that is still too large.
-            upper_load = min(upper_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
+            highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):  # invalid values, which the validation of the section reports
         return {}
     bracketing_loads = [
-        exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, upper_load)
+        exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, highest_load)
     ]
     return {
         "contact": {**contact, "load": [bracketing_loads[0], *requested_loads, bracketing_loads[1]]},
@@ -672,7 +672,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     """Return the keys and values of a section in the order of study files, without keys whose value is None."""
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
-    if isinstance(section, MeasuredMapContactSettings):
+    if isinstance(section, ContactSettingsForMeasuredMaps):
         key_order["direction"] = 1  # write the key `direction` last
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
 

@@ -33,7 +33,7 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_PARAMETER_VALUES = 10_000  # maximum number of values that a study can list for one parameter
+MAX_NUM_PARAMETER_VALUES = 10_000  # maximum number of values that a study can list for one parameter
 MAX_SHORT_LIST_LENGTH = 100  # maximum number of values of mu0, tau0, cutoff, load or time that a study can list
 MAX_KEY_DOTS = 100  # maximum number of dots in a key of a study file
 MAX_DIRECTION_DEGREES = 360  # largest absolute value of a direction of motion, in degrees
@@ -99,7 +99,7 @@ def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
 
 # Convert TOML lists to tuples, which cannot change.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_long_list = (as_tuple, Field(min_length=1, max_length=MAX_PARAMETER_VALUES), AfterValidator(_require_increasing))
+_long_list = (as_tuple, Field(min_length=1, max_length=MAX_NUM_PARAMETER_VALUES), AfterValidator(_require_increasing))
 _short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
 FractalDimensions = Annotated[tuple[FractalDimension, ...], *_long_list]
 Lengths = Annotated[tuple[Length, ...], *_long_list]
@@ -126,8 +126,8 @@ def _build_one_or_tuple_validator(
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
             return read(value)
-        if not 1 <= len(value) <= MAX_PARAMETER_VALUES:
-            raise ValueError(f"must have from 1 to {MAX_PARAMETER_VALUES} {name}s, got {len(value)}")
+        if not 1 <= len(value) <= MAX_NUM_PARAMETER_VALUES:
+            raise ValueError(f"must have from 1 to {MAX_NUM_PARAMETER_VALUES} {name}s, got {len(value)}")
         values = tuple(map(read, value))
         if len(set(map(identity, values))) < len(values):
             raise ValueError(f"must contain each {name} only once, got {short_repr(list(values))}")
@@ -224,7 +224,7 @@ class _ValueRange(SettingsSection):
 
     start: Any
     stop: Any
-    count: int = Field(ge=1, le=MAX_PARAMETER_VALUES)
+    count: int = Field(ge=1, le=MAX_NUM_PARAMETER_VALUES)
 
     @model_validator(mode="after")
     def _require_valid_range(self) -> Self:

@@ -239,7 +239,7 @@ FEW_CONTACTS_CHECK_NAMES = ("contacts_missing", "share_on_separate")
 """Names of the checks that fail if members have too few contacts on average."""
 _FINER_SCAN_REMEDY = "scan more finely, or filter the scan"
 
-EQUALS_MU0_CHECK = LimitCheck(
+COEFFICIENT_EQUALS_MU0_CHECK = LimitCheck(
     "share_of_mu0", 1 - MAX_DEVIATION_FROM_MU0, "τ0 is 0, so the coefficient is the given μ0; the surfaces add {}",
     "give --tau0, or determine both with stiction calibrate", "caution", "digit", "beyond_mu0",
 )  # fmt: skip
@@ -357,7 +357,7 @@ def find_point_caveats(
     yield from _find_growth_caveats(point, study, status)
     yield from _find_size_effect_caveats(point, study, value)
     yield from _find_area_loss_caveats(point, study, value)
-    yield from find_caveats_of_failed_checks(([EQUALS_MU0_CHECK],), numbers)
+    yield from find_caveats_of_failed_checks(([COEFFICIENT_EQUALS_MU0_CHECK],), numbers)
     yield from _find_adhesion_caveats(point, study)
     yield from _find_grid_caveats(point, study)
     yield from _find_drift_caveats(point, study, value)
@@ -521,7 +521,7 @@ def assess_ensemble_points(
     for name in np.unique(np.where(has_no_value, status, friction.STATUS_OK)).tolist():
         add_caveat(_build_status_caveat(name, study), has_no_value & (status == name))
     pressure_checks = build_pressure_checks(study, float(study.contact.effective_modulus))
-    value_checks = (_build_value_checks(study), *pressure_checks, [EQUALS_MU0_CHECK])
+    value_checks = (_build_value_checks(study), *pressure_checks, [COEFFICIENT_EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
     # Encode each combination of caveats as one number, because sorting rows of numbers takes much longer.
@@ -750,7 +750,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
-    # A gap has a single map, which stands for both bodies.
+    # If the gap is given, it is a single map or profile. Its points are checked instead of those of two bodies.
     for side, name in [("upper", "gap")] if study.is_gap else zip(body_sides, body_sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:

@@ -35,7 +35,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
-class HiddenNoise:
+class NoiseHiddenInSpectrum:
     """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
 
     slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
@@ -43,7 +43,7 @@ class HiddenNoise:
     cut_off: float
 
 
-def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> HiddenNoise | None:
+def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> NoiseHiddenInSpectrum | None:
     """Estimate the white noise that a scan may contain although its spectrum shows no noise floor.
 
     The spectra of the lines, at wavelengths of 2 to 16 points, are fitted by power laws with a common floor. Roughness
@@ -51,7 +51,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
 
     Returns
     -------
-    noise : HiddenNoise or None
+    noise : NoiseHiddenInSpectrum or None
         None if power laws alone fit as well, if the noise contributes less than a tenth of the mean square slope, or if
         there is a periodic texture, whose aliased harmonics are no noise. None also if the spectrum of a map is too low
         for the noise at short wavelengths along both axes, as for aliased straight grooves: white noise has the same
@@ -81,7 +81,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Hid
         MAX_FITTED_WAVELENGTH_POINTS * max(body.spacings),
         MIN_CUTOFF_POINTS * min(body.spacings),
     )
-    return HiddenNoise(
+    return NoiseHiddenInSpectrum(
         noise_fraction, cutoff_for_slope_fraction(roughness, noise_fraction, longest_wavelength, shortest_wavelength)
     )
 

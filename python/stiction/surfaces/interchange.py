@@ -95,7 +95,10 @@ def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | 
 
 
 def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
-    """Extract heights (µm) and spacing from a DataArray along x, or along y and x, with ``attrs["units"]``."""
+    """Extract heights (µm) and spacing from a DataArray with the dimension x, or the dimensions y and x.
+
+    The attribute "units" of heights and coordinates gives their units. `unit` replaces a missing attribute.
+    """
     axes = {1: ("x",), 2: ("y", "x")}.get(other.ndim)
     if axes is None or set(other.dims) != set(axes):
         raise ValueError(f"{name} must have the dimensions y and x, or x alone, got {', '.join(map(str, other.dims))}")

@@ -243,14 +243,14 @@ def reject_missing_points(body: Any, operation: str) -> None:
 
 
 def scale_profile(
-    heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled: Floats
+    heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled_heights: Floats
 ) -> Profile:
-    """Scale heights to an amplitude (µm), write them to the array `scaled`, and return them as a profile."""
+    """Scale heights to an amplitude (µm), write them to the array `scaled_heights`, and return them as a profile."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
-    if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled):
+    if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled_heights):
         raise ValueError("profile must not be flat, because a flat profile cannot be scaled to an amplitude")
     profile = object.__new__(Profile)
-    object.__setattr__(profile, "heights", make_read_only(scaled[:]))
+    object.__setattr__(profile, "heights", make_read_only(scaled_heights[:]))
     object.__setattr__(profile, "spacing", spacing)
     return profile

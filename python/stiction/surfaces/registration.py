@@ -90,7 +90,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
         upper_part, lower_part = _interpolate_overlap(upper, lower, position)
     else:
         upper_part, lower_part = _cut_overlap(upper, lower, offset)
-        position = _FacePosition(_convert_offset_to_shift(offset, upper, lower), 0.0)
+        position = _FacePosition(_convert_corner_offset_to_centre_shift(offset, upper, lower), 0.0)
     gap = _compute_gap(upper_part, lower_part)
     upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
     registration = Registration(
@@ -232,17 +232,19 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
     """Find the position at which two coarse bodies fit best, in steps of `ROTATION_STEP` and of one point."""
     if isinstance(upper, Profile):
-        return _FacePosition(_convert_offset_to_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
+        return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     fits = []
     for angle in np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP).tolist():
         rotated_upper = rotated(upper, angle) if angle else upper
         correlation, offset = find_best_fit(rotated_upper, lower)
-        position = _FacePosition(_convert_offset_to_shift(offset, rotated_upper, lower), math.radians(angle))
+        position = _FacePosition(
+            _convert_corner_offset_to_centre_shift(offset, rotated_upper, lower), math.radians(angle)
+        )
         fits.append((correlation, position))
     return max(fits, key=lambda fit: fit[0])[1]
 
 
-def _convert_offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
+def _convert_corner_offset_to_centre_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
     """Convert an offset (in points) between the first points of two faces to a shift (µm) between their middles."""
     return tuple(
         (step + (upper_points - lower_points) / 2) * spacing
@@ -252,7 +254,7 @@ def _convert_offset_to_shift(offset: tuple[int, ...], upper: Any, lower: Any) ->
     )
 
 
-def _convert_shift_to_steps(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
+def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
     """Convert a shift (µm) between the middles of two faces to an offset between their first points, in points."""
     return [
         distance / spacing - (upper_points - lower_points) / 2
@@ -275,7 +277,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
     """Convert a position to an offset in whole points, or return None if no offset is within `GRID_TOLERANCE`."""
-    steps = _convert_shift_to_steps(position.shift, upper, lower)
+    steps = _convert_centre_shift_to_corner_offset(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
     return tuple(round(step) for step in steps) if is_on_grid else None
@@ -388,7 +390,10 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
         min(lower_points, step + upper_points) - max(0.0, step)
         >= MIN_OVERLAP_FRACTION * min(upper_points, lower_points)
         for step, upper_points, lower_points in zip(
-            _convert_shift_to_steps(position.shift, upper, lower), upper.heights.shape, lower.heights.shape, strict=True
+            _convert_centre_shift_to_corner_offset(position.shift, upper, lower),
+            upper.heights.shape,
+            lower.heights.shape,
+            strict=True,
         )
     )
 

@@ -31,7 +31,7 @@ _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
 # Distance (points) of independent heights in white noise after a Gaussian filter (standard deviation one point).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points beyond the overlap of two scans that spline interpolation requires
+_OVERLAP_MARGIN = 3  # number of points that spline interpolation requires beyond the overlap of two scans
 _NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried in the search for the shortest sufficient cutoff
 # A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4
@@ -142,7 +142,7 @@ def compare_repeated_scans(
     body_class: Any = type(first)
     if _are_identical(first, second, outliers):
         raise ValueError(
-            "the scans first and second must be different scans to estimate noise, got identical scans"
+            "the scans `first` and `second` must be different scans to estimate noise, got identical scans"
             f"{'' if outliers is None else ' (except at outliers)'}"
         )
     trend: Any = "line" if body_class is Profile else "plane"
@@ -163,8 +163,8 @@ def compare_repeated_scans(
     correlation = float(np.corrcoef(first_heights.ravel(), second_heights.ravel())[0, 1])
     if not correlation > MIN_CORRELATION:
         raise ValueError(
-            f"the scans first and second must be scans of the same area, "
-            f"got scans with a correlation of {correlation:.2f} at best"
+            f"the scans `first` and `second` must be scans of the same area, "
+            f"got heights with a correlation of {correlation:.2f} after the best alignment"
         )
     history_entry = (
         f"mean of two scans of the same area, the second shifted by {', '.join(f'{item:.4g}' for item in shift)} µm"
@@ -219,7 +219,7 @@ def _check_scans(first: Any, second: Any) -> None:
             raise ValueError(f"{name} must not be flat")
     if type(first) is not type(second) or not np.allclose(first.spacing, second.spacing, rtol=1e-6, atol=0):
         raise ValueError(
-            "the scans first and second must be two profiles or two surfaces with equal spacings, "
+            "the scans `first` and `second` must be two profiles or two surfaces with equal spacings, "
             f"got a {type(first).__name__} with a spacing of {first.spacing} µm and "
             f"a {type(second).__name__} with a spacing of {second.spacing} µm"
         )
@@ -365,7 +365,9 @@ def _slice_overlap(
             - (_OVERLAP_MARGIN if second_points + shift_along_axis < points else 0),
         )
         if end - start <= min(points, second_points) / 2:
-            raise ValueError("the scans first and second must be scans of the same area that overlap by more than half")
+            raise ValueError(
+                "the scans `first` and `second` must be scans of the same area that overlap by more than half"
+            )
         selected_slices.append(slice(start, end))
         positions.append(np.clip(np.arange(start, end) - shift_along_axis, 0, second_points - 1))
     return tuple(selected_slices), positions

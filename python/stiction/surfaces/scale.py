@@ -37,7 +37,7 @@ _MIN_EXPONENT_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument at wavelengths up to this limit (points), else to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Minimum ratio of the spectral density at reliable wavelengths to the density at which noise dominates.
-_MIN_TRUSTED_DENSITY_RATIO = 4.0
+_MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
 # A spectrum is regarded as rising if its density exceeds the lowest density at longer wavelengths by this factor.
 # Spectra of surfaces never rise so much.
 _MIN_RISE_DENSITY_RATIO = 3.0
@@ -726,7 +726,7 @@ def _find_noise_wavelength(
     if not any(candidate_bin is not None for candidate_bin in candidate_bins):
         return no_noise
     noisy_bin = min(noisy_bin for noisy_bin in candidate_bins if noisy_bin is not None)
-    trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_TRUSTED_DENSITY_RATIO * density[noisy_bin])
+    trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO * density[noisy_bin])
     last_trusted_bin = int(trusted_bins[-1]) if trusted_bins.size else 0
     limit = math.sqrt(wavelengths[last_trusted_bin] * wavelengths[min(last_trusted_bin + 1, noisy_bin)])
     rising_bins = noisy_bin + np.flatnonzero(density[noisy_bin:] > 2 * density[noisy_bin])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction.surfaces.filters import gaussian_low_pass, gaussian_transmission
-from stiction.surfaces.hidden_noise import HiddenNoise, find_hidden_noise
+from stiction.surfaces.hidden_noise import NoiseHiddenInSpectrum, find_hidden_noise
 from stiction.surfaces.missing_data import find_outliers, with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
@@ -131,7 +131,7 @@ class ScanDefects:
         return self._find_instrument_limit(None)
 
     @cached_property
-    def hidden_noise(self) -> HiddenNoise | None:
+    def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
         """White noise that the scan may contain although its spectrum shows no noise floor, or None.
 
         None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.

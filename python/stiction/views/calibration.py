@@ -38,7 +38,7 @@ MAX_SHOWN_SAMPLES = 800  # maximum number of samples (mu0, tau0) in a figure
 
 
 @dataclass(frozen=True)
-class TargetPrediction:
+class WantedPairPrediction:
     """Coefficients of a wanted pair at the loads of its study, and its intervals after further tests at the first load.
 
     `points` has the text of each load, and the coefficient with its interval.
@@ -48,7 +48,7 @@ class TargetPrediction:
     plans: tuple[PlannedTests, ...]
 
 
-def predict_target(interface: Interface, result: Evaluation) -> TargetPrediction:
+def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairPrediction:
     """Predict the coefficients of a wanted pair, and the intervals after further tests."""
     loads = [float(load) for load in result.study.friction.load]
     points = tuple(
@@ -58,11 +58,11 @@ def predict_target(interface: Interface, result: Evaluation) -> TargetPrediction
         )
         for load in loads
     )
-    return TargetPrediction(points, plan_tests(interface, result, loads[0]))
+    return WantedPairPrediction(points, plan_tests(interface, result, loads[0]))
 
 
 def calibration_text(
-    interface: Interface, pair_notes: Sequence[str] = (), prediction: TargetPrediction | None = None
+    interface: Interface, pair_notes: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
     """Return a calibration as text: mu0 + tau0 A/F, the fits and, if the tests separate them, mu0 and tau0.
 
@@ -94,7 +94,7 @@ def calibration_text(
     return "\n".join(lines)
 
 
-def _describe_prediction(prediction: TargetPrediction, rule: str) -> Iterator[str]:
+def _describe_prediction(prediction: WantedPairPrediction, rule: str) -> Iterator[str]:
     """Yield the predicted coefficients, and a table of further tests by the interval that they would leave."""
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
@@ -214,7 +214,7 @@ def calibration_json(
     interface: Interface,
     pair_caveats: Sequence[str] = (),
     lays: Sequence[str] = (),
-    prediction: TargetPrediction | None = None,
+    prediction: WantedPairPrediction | None = None,
 ) -> str:
     """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
@@ -249,7 +249,7 @@ def calibration_json(
     )  # fmt: skip
 
 
-def _build_prediction_fields(prediction: TargetPrediction | None) -> dict[str, Any]:
+def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[str, Any]:
     """Return the predicted coefficients and the planned tests as fields of a JSON record; empty without a target."""
     if prediction is None:
         return {}

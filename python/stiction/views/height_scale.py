@@ -77,25 +77,30 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
     """Return the cells of one table row: height factor, friction under each rule, and true area."""
-    cells = [f"{float(point['height_scale']):.4g}", format_significant(mean_over_directions(point, "rms_gradient"), 3)]
+    table_cells = [
+        f"{float(point['height_scale']):.4g}",
+        format_significant(mean_over_directions(point, "rms_gradient"), 3),
+    ]
     if "upper_rms" in point:
         rms_heights = [float(point[f"{side}_rms"]) for side in ("upper", "lower")]
         height_unit, unit = choose_prefixed_unit(max(rms_heights), "um")
-        cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
+        table_cells.append(f"{', '.join(f'{height / height_unit:.3g}' for height in rms_heights)} {unit}")
     for rule in rules:
         combined_friction = select_sliding_rule(point["friction_combined"], rule)
-        cells.append("sticks" if is_unloaded(point) else str(read_estimate(combined_friction)))
+        table_cells.append("sticks" if is_unloaded(point) else str(read_estimate(combined_friction)))
     if not has_nominal_area(point, study) or "contact_area_fraction" not in point:
-        cells.append(format_significant(mean_over_directions(point, "contact_area"), 3))
+        table_cells.append(format_significant(mean_over_directions(point, "contact_area"), 3))
     elif (status := find_contact_status(point, study)) != STATUS_OK:
-        cells.append(status)
+        table_cells.append(status)
     else:
         fraction = read_estimate(point["contact_area_fraction"])
-        cells.append(f"{fraction.in_unit('%', 0.01)} %" if fraction.has_interval else percent_text(fraction.value))
+        table_cells.append(
+            f"{fraction.in_unit('%', 0.01)} %" if fraction.has_interval else percent_text(fraction.value)
+        )
     return (
-        [*cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
+        [*table_cells, format_with_unit(mean_over_directions(point, "pull_off_pressure"), "GPa")]
         if "pull_off_pressure" in point
-        else cells
+        else table_cells
     )
 
 

@@ -25,8 +25,8 @@ from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
     MATPLOTLIB_STYLE,
-    NOT_OPPOSING_COLOUR,
-    OPPOSING_COLOUR,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     PAGE_WIDTH,
     literal_text,
     new_figure,
@@ -41,7 +41,7 @@ MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in a printed table of slope
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials for which the figure draws a line at hardness / E*, with E* of two bodies of the material."""
 
-SCAN_COLOURS = (NOT_OPPOSING_COLOUR, AREA_COLOUR, OPPOSING_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
+SCAN_COLOURS = (NOT_OPPOSING_CONTACT_COLOUR, AREA_COLOUR, OPPOSING_CONTACT_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figure
 
 
@@ -127,7 +127,7 @@ def joined_spectrum_figure(joined: JoinedSpectrum) -> Figure:
         )
         axis_text = "curvature $h''$ (1/µm)"
         slopes_axes.plot(
-            roughness.wavelength, roughness.curvature, "--", color=OPPOSING_COLOUR, linewidth=1, label=axis_text
+            roughness.wavelength, roughness.curvature, "--", color=OPPOSING_CONTACT_COLOUR, linewidth=1, label=axis_text
         )
         slopes_axes.set_title("cumulative, down to this wavelength", pad=2)
         slopes_axes.legend(loc="upper left")

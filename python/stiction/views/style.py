@@ -43,12 +43,12 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
 }
 
 # Colours for people with colour vision deficiencies, from Okabe and Ito (2008) and Tol (2021).
-OPPOSING_COLOUR = "#d55e00"
-NOT_OPPOSING_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
+OPPOSING_CONTACT_COLOUR = "#d55e00"
+NOT_OPPOSING_CONTACT_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
 ALL_CONTACTS_COLOUR = "#332288"  # colour of results with friction at all contacts
 SLIDING_RULE_COLOURS = {
     "all": ALL_CONTACTS_COLOUR,
-    "opposing": OPPOSING_COLOUR,
+    "opposing": OPPOSING_CONTACT_COLOUR,
 }  # colours of the sliding rules, in the order of a legend
 AREA_COLOUR = "#009e73"
 FORCE_COLOUR = "#000000"  # colour of elastic forces

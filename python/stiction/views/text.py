@@ -259,7 +259,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return JSON records of interpolated loads, each with the computed loads around it and their assessments."""
+    """Return JSON records of loads with interpolated results: the computed loads below and above, with assessments."""
     return [
         {
             "load": load,

@@ -705,7 +705,7 @@ def unit_in_column_name(cell: str) -> str | None:
     # a name and a unit that a slash separates, as in "z_nm/nm"
     if "/" in (word := _split_name(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
-    # a reciprocal unit, as in "k/1/um"
+    # a reciprocal unit after a name, as 1/um after k in "k/1/um"
     if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last_part)):
         return match[1]
     unit = parse_length_unit(

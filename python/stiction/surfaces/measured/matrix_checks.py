@@ -21,7 +21,7 @@ MAX_GRID_NODES_PER_LISTED_POINT = 2
 # maximum number of columns in a list of points, such as coordinates, colours, intensity and normal
 MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12  # minimum number of rows of a table that may be a list of points
-MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics, such as means, at a side of a matrix
+MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics (such as means) along one edge of a matrix
 # Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
 # Rounding of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
 MAX_STATISTIC_DEVIATION = 2e-3
@@ -32,7 +32,7 @@ MAX_LIKELIHOOD_RATIO = 100.0
 # the search for a wrapped profile ignores heights beyond this number of median deviations from the median height
 MAX_DEVIATION_IN_LINES = 8.0
 # Minimum ratio of mean square height differences in a wrapped profile: neighbours in a column to neighbours in a line.
-MIN_COLUMN_DIFFERENCE = 2.0
+MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("means", np.mean), ("standard deviations", np.std),
@@ -44,7 +44,7 @@ _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
 
 
 def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) -> None:
-    """Raise `FormatError` if a table of three or more columns contains points x, y, z or statistics."""
+    """Raise `FormatError` if a table contains x, y and z of points, or statistics, instead of a matrix of heights."""
     if min(values.shape) < 3 and values.shape[1] != 3:
         return
     count = values.shape[1]
@@ -205,7 +205,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         float(np.nanmean(steps**2)) if np.isfinite(steps).any() else np.nan
         for steps in (np.diff(heights, axis=1), np.diff(heights, axis=0), steps_at_wrap)
     )
-    if not (difference_along > 0 and MIN_COLUMN_DIFFERENCE * difference_along <= difference_across):
+    if not (difference_along > 0 and MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO * difference_along <= difference_across):
         return ()
     difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))

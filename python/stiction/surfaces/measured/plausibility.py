@@ -252,9 +252,11 @@ def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]
         return None
     if not MIN_REPEAT_FRACTION <= counts[zero_index] / height_count <= MAX_REPEAT_FRACTION:
         return None
-    first, end = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
-    near_counts, distances = counts[first:end], np.abs(distinct_heights[first:end])
-    step = float(np.diff(distinct_heights[first:end]).min())  # smallest difference between heights in the file
+    first_index, end_index = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
+    near_counts, distances = counts[first_index:end_index], np.abs(distinct_heights[first_index:end_index])
+    step = float(
+        np.diff(distinct_heights[first_index:end_index]).min()
+    )  # smallest difference between heights in the file
     usual_count = max(
         float(near_counts[(distances > 0) & (distances < (num_nearest + 0.5) * step)].sum()) / (2 * num_nearest)
         for num_nearest in NUM_NEAREST_HEIGHTS

@@ -21,7 +21,7 @@ WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
 # Prefixes of the column names of a scan in a spectrum file: fraction of wave vectors, and density ratio.
-FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
+WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
@@ -77,7 +77,10 @@ def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> No
         "rms curvature down to this wavelength (1/um)": roughness.curvature, WAVE_NUMBER_COLUMN: spectrum.wave_number,
         DENSITY_COLUMN: spectrum.density, WAVE_COUNT_COLUMN: spectrum.count,
     }  # fmt: skip
-    for prefix, rows in ((FRACTION_COLUMN_PREFIX, spectrum.contribution), (RATIO_COLUMN_PREFIX, spectrum.ratio)):
+    for prefix, rows in (
+        (WAVE_VECTOR_FRACTION_COLUMN_PREFIX, spectrum.contribution),
+        (DENSITY_RATIO_COLUMN_PREFIX, spectrum.ratio),
+    ):
         columns |= {f"{prefix}{name}": row for name, row in zip(names, rows, strict=True)}
     scans = [
         f"# scan: {name}, from {shortest!r} to {longest!r} um, ended by {reason}\n"
@@ -169,7 +172,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
         count = np.array(table[WAVE_COUNT_COLUMN], np.float64) if WAVE_COUNT_COLUMN in table else np.ones(q.size)
         contribution, ratio = (
             np.array([table[f"{prefix}{name}"] for name in names], np.float64).reshape(len(names), q.size)
-            for prefix in (FRACTION_COLUMN_PREFIX, RATIO_COLUMN_PREFIX)
+            for prefix in (WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX)
         )
         bands = tuple((float(match["shortest"]), float(match["longest"])) for match in scans)
     except KeyError as error:

@@ -32,7 +32,7 @@ _MAX_SAMPLE_CHARACTERS = 10_000
 # minimum length (characters) to which sample lines are truncated before the separator is detected
 _MIN_SAMPLED_LINE_LENGTH = 200
 MAX_SAMPLED_ROWS = 20_000  # maximum number of rows of a column from which the last printed digit is determined
-MAX_COUNT_LINE_CELLS = 2  # maximum number of cells in a line of counts or sizes above a table
+MAX_CELLS_IN_COUNT_LINE = 2  # maximum number of cells in a line of counts or sizes above a table
 _QUOTED_SEPARATOR = "\x1f"  # cell separator in a text whose quotation marks were removed
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
@@ -308,7 +308,7 @@ def parse_number_block(
 ) -> NumberBlock:
     """Parse a range of number lines as a matrix with one row per line.
 
-    Lines of at most `MAX_COUNT_LINE_CELLS` cells at the beginning are sizes and counts, and are skipped. Other lines
+    Lines of at most `MAX_CELLS_IN_COUNT_LINE` cells at the beginning are sizes and counts, and are skipped. Other lines
     with an unusual number of cells are rejected. Missing cells are filled with NaN in two cases: if only the height at
     a position is missing, and, with `ragged`, at the end of a table.
     """
@@ -326,7 +326,7 @@ def parse_number_block(
             "or save the heights as .npy"
         )
     num_skipped = int(np.argmax(row_widths == usual_width))
-    if (row_widths[:num_skipped] > min(usual_width, MAX_COUNT_LINE_CELLS)).any() or (
+    if (row_widths[:num_skipped] > min(usual_width, MAX_CELLS_IN_COUNT_LINE)).any() or (
         usual_width == 2 and _rows_begin_with_positions(blob, cell_separator, num_skipped)
     ):
         num_skipped = 0

@@ -24,7 +24,7 @@ from stiction.surfaces.measured.raw import (
 )
 from stiction.surfaces.measured.shapes import has_equal_steps
 from stiction.surfaces.measured.split import (
-    MAX_COUNT_LINE_CELLS,
+    MAX_CELLS_IN_COUNT_LINE,
     Dialect,
     NumberBlock,
     cell_kind,
@@ -34,7 +34,7 @@ from stiction.surfaces.measured.split import (
     is_numeric_row,
     parse_number_block,
 )
-from stiction.surfaces.measured.word_columns import LocatedWordColumn, describe_words, replace_word_columns
+from stiction.surfaces.measured.word_columns import WordColumnWithMissingLines, describe_words, replace_word_columns
 
 MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each processing step that is read from a header
 
@@ -95,7 +95,7 @@ def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
     if len(lines) <= max_rows:
         return
-    rows = [line for line in lines if len(block.dialect.split_line(text.line(line))) > MAX_COUNT_LINE_CELLS]
+    rows = [line for line in lines if len(block.dialect.split_line(text.line(line))) > MAX_CELLS_IN_COUNT_LINE]
     if len(rows) > max_rows:
         raise FormatError(
             f"{text.describe_line(rows[0])} and {len(rows) - 1} more lines of numbers do not belong to the same table "
@@ -127,7 +127,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 
 
 def _to_table(
-    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[LocatedWordColumn] = ()
+    text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[WordColumnWithMissingLines] = ()
 ) -> ColumnTable:
     """Convert a block of numbers to a table, with the header from line `header_start`, and with the footer."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
@@ -308,7 +308,10 @@ def _find_runs_of_equal_width(
 
 
 def _to_channels(
-    text: DecodedText, runs: list[tuple[int, int]], dialect: Dialect, word_columns: Sequence[LocatedWordColumn] = ()
+    text: DecodedText,
+    runs: list[tuple[int, int]],
+    dialect: Dialect,
+    word_columns: Sequence[WordColumnWithMissingLines] = (),
 ) -> HeightChannels:
     """Convert several tables with equal numbers of columns to channels, one channel per table."""
     header_starts = [0, *(last + 1 for _, last in runs)]

@@ -23,7 +23,7 @@ MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
 
 
 @dataclass(frozen=True)
-class LocatedWordColumn:
+class WordColumnWithMissingLines:
     """Column of words in a text: how often each word occurs, and the lines in which a word marks a missing point."""
 
     place: int
@@ -31,7 +31,7 @@ class LocatedWordColumn:
     missing_lines: tuple[int, ...]  # line numbers (from 0) of missing points
 
 
-def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedWordColumn, ...]]:
+def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[WordColumnWithMissingLines, ...]]:
     """Replace the words in columns without numbers by ``nan``, so that the text can be parsed as numbers.
 
     Returns the new text and the columns of words.
@@ -67,7 +67,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[LocatedW
             for index, cell in enumerate(cells)
         )
     columns = (
-        LocatedWordColumn(place, counts, tuple(table.missing_lines.get(place, ())))
+        WordColumnWithMissingLines(place, counts, tuple(table.missing_lines.get(place, ())))
         for place, counts in sorted(table.word_counts.items())
     )
     return replace(text, data="\n".join(replaced_lines).encode()), tuple(columns)
@@ -94,7 +94,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 
 @dataclass
-class _WordTable:
+class _TableWithTextColumns:
     """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
 
     numeric_columns: set[int] = field(default_factory=set)  # indices of columns that contain numbers
@@ -105,7 +105,7 @@ class _WordTable:
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
-def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _WordTable:
+def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _TableWithTextColumns:
     """Find the table with columns of words in a text, given a cell separator.
 
     The rows of the table have the same number of cells, and numbers in the same columns.
@@ -113,7 +113,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
     rows = [split_cells(text.line(line), separator) for line in lines]
     is_number = [[_NUMBER_CELL_PATTERN.fullmatch(cell) is not None for cell in row] for row in rows]
     widths = Counter(len(row) for row, numbers in zip(rows, is_number, strict=True) if any(numbers))
-    table = _WordTable()
+    table = _TableWithTextColumns()
     if not widths:
         return table
     width = widths.most_common(1)[0][0]

@@ -12,8 +12,8 @@ from stiction.summary.summary import PointSummary
 from stiction.views.style import (
     AREA_COLOUR,
     FRICTION_COLOUR,
-    NOT_OPPOSING_COLOUR,
-    OPPOSING_COLOUR,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     axis_label,
     new_figure,
 )
@@ -26,9 +26,9 @@ MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's
 
 
 _CONTRIBUTION_STYLES = {
-    "": (NOT_OPPOSING_COLOUR, None), "mu0": (NOT_OPPOSING_COLOUR, r"$\mu_0$"),
-    "adhesion": (AREA_COLOUR, r"$\tau_0$ on the true area"), "slopes": (OPPOSING_COLOUR, "slopes"),
-    "mu0_and_adhesion": (NOT_OPPOSING_COLOUR, r"$\mu_0$ and $\tau_0$, not separated"),
+    "": (NOT_OPPOSING_CONTACT_COLOUR, None), "mu0": (NOT_OPPOSING_CONTACT_COLOUR, r"$\mu_0$"),
+    "adhesion": (AREA_COLOUR, r"$\tau_0$ on the true area"), "slopes": (OPPOSING_CONTACT_COLOUR, "slopes"),
+    "mu0_and_adhesion": (NOT_OPPOSING_CONTACT_COLOUR, r"$\mu_0$ and $\tau_0$, not separated"),
 }  # fmt: skip
 """Colour and label of each contribution to the coefficient, by the names of `PointSummary.contribution_terms`."""
 

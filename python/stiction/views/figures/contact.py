@@ -22,8 +22,8 @@ from stiction.views.style import (
     FRICTION_COLOUR,
     LOWER_BODY_COLOUR,
     MIN_LENGTH_IN_MILLIMETRES,
-    NOT_OPPOSING_COLOUR,
-    OPPOSING_COLOUR,
+    NOT_OPPOSING_CONTACT_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     UPPER_BODY_COLOUR,
     axis_label,
     direction_text,
@@ -32,7 +32,7 @@ from stiction.views.style import (
 )
 
 # minimum half width (grid spacings) of the magnified range in the figure of contact forces
-_MIN_FORCE_ZOOM_HALF_WIDTH = 40
+_MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES = 40
 _MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # height range (µm) below which an axis is labelled in nm
 _MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of an arrow that represents a force
 _MIN_VISIBLE_FORCE_RATIO = 0.05  # minimum length of a visible arrow, divided by that of the longest one
@@ -40,7 +40,7 @@ EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map c
 # Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
 # minimum half width (grid spacings) of the magnified range in the figure of two profiles
-_MIN_PROFILE_ZOOM_HALF_WIDTH = 60
+_MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES = 60
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
@@ -65,7 +65,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     if contact_force.size:
         largest_contact_index = int(contact_force.argmax())
         half_width = max(
-            _MIN_FORCE_ZOOM_HALF_WIDTH * float(forces.attrs["spacing_um"]),
+            _MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES * float(forces.attrs["spacing_um"]),
             6 * float(forces["contact_radius"].values[largest_contact_index]),
         )
         zoom_centre = float(centre_x[largest_contact_index])
@@ -223,8 +223,8 @@ def contacts_and_pressure_figure(
     x, y = picture["contact_x"].values, picture["contact_y"].values
     marker_areas = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
     for mask, colour, marker, caption in (
-        (is_opposing, OPPOSING_COLOUR, "D", "oppose the motion"),
-        (~is_opposing, NOT_OPPOSING_COLOUR, "o", "do not"),
+        (is_opposing, OPPOSING_CONTACT_COLOUR, "D", "oppose the motion"),
+        (~is_opposing, NOT_OPPOSING_CONTACT_COLOUR, "o", "do not"),
     ):
         load_percent = 100 * force[mask].sum() / (force.sum() or 1.0)
         text = f"{int(mask.sum())} {caption}, with {load_percent:.0f} % of the load"
@@ -325,15 +325,16 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
     `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees).
     """
     is_opposing, is_cut = find_opposing_contacts(picture, direction), picture["contact_at_edge"].values > 0
-    colours_and_labels = [(OPPOSING_COLOUR, "opposes motion"), (NOT_OPPOSING_COLOUR, "assists motion")] + [
-        (EDGE_CONTACT_COLOUR, "cut by the edge")
-    ] * bool(is_cut.any())
+    colours_and_labels = [
+        (OPPOSING_CONTACT_COLOUR, "opposes motion"),
+        (NOT_OPPOSING_CONTACT_COLOUR, "assists motion"),
+    ] + [(EDGE_CONTACT_COLOUR, "cut by the edge")] * bool(is_cut.any())
     if "gap" in picture:
         figure = new_figure(70)
         _draw_profile_contacts(
             figure.subplots(2, 1, height_ratios=[1, 2.5]),
             picture,
-            np.where(is_opposing, OPPOSING_COLOUR, NOT_OPPOSING_COLOUR),
+            np.where(is_opposing, OPPOSING_CONTACT_COLOUR, NOT_OPPOSING_CONTACT_COLOUR),
             is_cut,
         )
     else:
@@ -358,7 +359,7 @@ def _draw_contact_map(
     contact_kinds = np.append(np.nan, is_opposing)[contact_indices]
     axes.imshow(
         contact_kinds,
-        cmap=ListedColormap([NOT_OPPOSING_COLOUR, OPPOSING_COLOUR]),
+        cmap=ListedColormap([NOT_OPPOSING_CONTACT_COLOUR, OPPOSING_CONTACT_COLOUR]),
         vmin=0,
         vmax=1,
         interpolation="nearest",
@@ -409,7 +410,7 @@ def _choose_zoom_range(x: Floats, centre_positions: Floats, width: Floats, force
     """Return the limits of the magnified part of a profile, around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
-    min_half_width = max(_MIN_PROFILE_ZOOM_HALF_WIDTH * (x[1] - x[0]), 4 * float(width.max()))
+    min_half_width = max(_MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES * (x[1] - x[0]), 4 * float(width.max()))
     half_width = float(
         np.clip(1.3 * distances[min(NUM_NEIGHBOURING_CONTACTS, distances.size - 1)], min_half_width, x[-1] / 7)
     )

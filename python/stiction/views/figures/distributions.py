@@ -110,7 +110,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
     axes.set_ylim(0, ticks[-1])
     axes.grid(linewidth=0.3, color="0.8")
     axes.set_yticks(ticks, [])
-    label_direction = np.radians(_find_direction_of_labels(degrees))
+    label_direction = np.radians(_find_polar_angle_of_labels(degrees))
     for tick in ticks:
         axes.text(
             label_direction, tick, f"{tick:g}", fontsize=6, ha="center", va="center", zorder=5,
@@ -118,7 +118,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
         )  # fmt: skip
 
 
-def _find_direction_of_labels(degrees: Floats) -> float:
+def _find_polar_angle_of_labels(degrees: Floats) -> float:
     """Return the direction (degrees) in the first quadrant that is farthest from all points and from the spokes."""
     # Use the first of several equally distant directions.
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])

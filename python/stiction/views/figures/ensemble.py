@@ -182,7 +182,7 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction curves for the lowest and the highest tau0, dotted if the asperity model is not valid."""
+    """Draw friction over D for the lowest and the highest tau0, dotted where the asperity model is not valid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -295,7 +295,10 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each chart cell, which is 0 for narrow intervals and increases with their relative width."""
+    """Return the fading of each chart cell: 0 if the interval of its coefficient is narrow, more if it is wider.
+
+    The width is divided by the coefficient.
+    """
     coefficients, lower, upper = np.moveaxis(friction_with_limits, -1, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         width = (upper - lower) / coefficients

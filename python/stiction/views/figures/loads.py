@@ -22,7 +22,7 @@ from stiction.mechanics.quantities import find_interval_kind
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
-    OPPOSING_COLOUR,
+    OPPOSING_CONTACT_COLOUR,
     SLIDING_RULE_COLOURS,
     SLIDING_RULE_LABELS,
     axis_label,
@@ -107,7 +107,7 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
         axes.axhline(0, color="0.6", linewidth=0.5)
         for is_drawn, line_style, options in (
             (~is_unloading, "o-", {"color": ALL_CONTACTS_COLOUR, "markersize": 3, "linewidth": 1, "label": "loading"}),
-            (is_unloading, "--", {"color": OPPOSING_COLOUR, "linewidth": 1.2, "label": "unloading"}),
+            (is_unloading, "--", {"color": OPPOSING_CONTACT_COLOUR, "linewidth": 1.2, "label": "unloading"}),
         ):
             axes.plot(x[is_drawn], load[is_drawn] / prefix_factor, line_style, **options)
         pull_off_index = int(load.argmin())
@@ -136,14 +136,14 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: friction coefficient and true area over the cutoff, at one load.
 
     Unfiltered surfaces (cutoff 0) are drawn at their shortest resolved wavelength or, if this is unknown or not clearly
-    below the first cutoff, to the left of the first cutoff. The figure also has a line at the plastic limit, dashed
-    lines for extrapolated friction and area, and a grey band over unresolved wavelengths.
+    below the shortest cutoff, to the left of the shortest cutoff. The figure also has a line at the plastic limit,
+    dashed lines for extrapolated friction and area, and a grey band over unresolved wavelengths.
     """
     cut_off = np.asarray(limits.points["cut_off"].values, dtype=np.float64)
     shortest_cutoff = cut_off[cut_off > 0].min(initial=2.0)
     unfiltered_position = limits.shortest or shortest_cutoff
     if not unfiltered_position < shortest_cutoff / MIN_MARKER_WAVELENGTH_RATIO:
-        unfiltered_position = shortest_cutoff / UNFILTERED_MARKER_WAVELENGTH_RATIO
+        unfiltered_position = shortest_cutoff / SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO
     positions = np.where(cut_off > 0, cut_off, unfiltered_position)
     figure = _friction_and_area_figure(limits.points, "cut_off", positions, title, limits)
     figure.axes[1].set_xlabel(axis_label("cut_off") + ("; first point: none" if (cut_off == 0).any() else ""))
@@ -151,12 +151,12 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
 
 
 MIN_MARKER_WAVELENGTH_RATIO = 1.05  # minimum ratio of two wavelengths whose markers do not overlap
-UNFILTERED_MARKER_WAVELENGTH_RATIO = 1.5
+SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
 # longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff
 MAX_CLOSED_FORM_TO_CUTOFF_RATIO = 8.0
-# shortest wavelength for which extrapolated friction is drawn, as a fraction of the first cutoff
+# shortest wavelength for which extrapolated friction is drawn, as a fraction of the shortest cutoff
 MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 

@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from stiction._number_format import choose_prefixed_unit
-from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_COLOUR, new_figure
+from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_CONTACT_COLOUR, new_figure
 
 MARKER_AREA = 2.0  # area (square points) of the marker for a contact point
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
@@ -59,8 +59,10 @@ def _draw_stress(axes: Axes, test: xarray.Dataset, displacement: np.ndarray) -> 
     factor, unit = choose_prefixed_unit(_find_largest_value(test["shear_stress"]), "GPa")
     if "shear_stress_interval" in test:
         lower, upper = test["shear_stress_interval"].values / factor
-        axes.fill_between(displacement, lower, upper, color=OPPOSING_COLOUR, alpha=0.2, linewidth=0)
-    axes.plot(displacement, test["shear_stress"] / factor, color=OPPOSING_COLOUR, linewidth=1, label="shear stress")
+        axes.fill_between(displacement, lower, upper, color=OPPOSING_CONTACT_COLOUR, alpha=0.2, linewidth=0)
+    axes.plot(
+        displacement, test["shear_stress"] / factor, color=OPPOSING_CONTACT_COLOUR, linewidth=1, label="shear stress"
+    )
     normal_stress = test["normal_load"] / test["overlap_area"] / factor
     axes.plot(displacement, normal_stress, color=FORCE_COLOUR, linewidth=0.7, linestyle="--", label="normal stress")
     axes.set_ylabel(f"stress ({unit})")
@@ -75,7 +77,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
     factor, unit = choose_prefixed_unit(float(pressure["x"][-1]), "um")
     x, megapascals = pressure["x"].values / factor, 1e3 * pressure.values
     if pressure.ndim == 1:
-        axes.fill_between(x, megapascals, color=OPPOSING_COLOUR, linewidth=0.6, step="mid")
+        axes.fill_between(x, megapascals, color=OPPOSING_CONTACT_COLOUR, linewidth=0.6, step="mid")
         axes.set(xlabel=f"position on the lower face ({unit})", ylabel="pressure (MPa)", ylim=(0, None))
         return
     y = pressure["y"].values / factor

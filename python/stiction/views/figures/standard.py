@@ -90,22 +90,24 @@ def draw_figures(
             figures.append((name, draw_figure))
 
     own_figures, other_figures = figures[::2], figures[1::2]
-    render_others = partial(_render_all_files, [draw_figure for _, draw_figure in other_figures], file_extensions)
+    render_others = partial(
+        _render_figures_to_files, [draw_figure for _, draw_figure in other_figures], file_extensions
+    )
     with evaluate_in_copy(render_others) if other_figures else contextlib.nullcontext(list) as get_other_files:
         for name, draw_figure in own_figures:
-            _write_files(paths[name], _render_files(draw_figure, file_extensions))
+            _write_files(paths[name], _render_figure_to_files(draw_figure, file_extensions))
         for (name, _), contents in zip(other_figures, get_other_files(), strict=True):
             _write_files(paths[name], contents)
     return [path for figure_paths in paths.values() for path in figure_paths]
 
 
-def _render_all_files(
+def _render_figures_to_files(
     drawing_functions: Iterable[Callable[[], Figure]], file_extensions: Sequence[str]
 ) -> list[list[bytes]]:
-    return [_render_files(draw_figure, file_extensions) for draw_figure in drawing_functions]
+    return [_render_figure_to_files(draw_figure, file_extensions) for draw_figure in drawing_functions]
 
 
-def _render_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
+def _render_figure_to_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
     """Draw a figure, and return the content of one file per format."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = draw_figure()

@@ -174,7 +174,7 @@ def _check_can_render(result: Evaluation) -> None:
     except ValueError as error:
         raise ReportError(str(error)) from None
     if not study.is_measured and not (result.members.size and result.num_solved):
-        raise ReportError("the result must have a member with a solution at every load, got none")
+        raise ReportError("the result must have at least one member that is solved at every load, got no such member")
     max_count = MAX_REPORT_VALUES[study.is_measured]
     if (count := count_coefficients(result)) > max_count:
         cells = "loads, cutoffs" if study.is_measured else "fractal dimensions, amplitudes"

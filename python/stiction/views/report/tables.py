@@ -59,14 +59,14 @@ class EstimateArray:
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
-        value_decimals, upper_decimals = count_estimate_decimals(*estimates, digits=self.digits)
+        value_decimals, upper_limit_decimals = count_estimate_decimals(*estimates, digits=self.digits)
         if self.reference is not None:
             reference_decimals, _ = count_estimate_decimals(*np.moveaxis(self.reference, -1, 0), digits=self.digits)
             value_decimals = np.where(np.isnan(self.values[..., 1]), reference_decimals, value_decimals)
         columns: dict[str, NDArray[Any]] = {
             end: self.values[..., index] for index, end in enumerate(("value", "lower", "upper"))
         }
-        columns |= {"decimals": value_decimals, "upper_decimals": upper_decimals}
+        columns |= {"decimals": value_decimals, "upper_decimals": upper_limit_decimals}
         return columns if indices is None else columns | {"format": indices}
 
 
@@ -176,7 +176,7 @@ class QuantityEstimates:
     def to_record(self) -> dict[str, Any]:
         """Return the estimates as JSON fields: values, limits, decimals, and texts."""
         points = self.factor * self.estimates
-        decimals, upper_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
+        decimals, upper_limit_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
             [[estimate_with_unit_text(point, self.unit) for point in row] for row in load_rows]
             for load_rows in self.estimates.tolist()
@@ -184,5 +184,5 @@ class QuantityEstimates:
         is_beyond = self.estimates[..., 0] > (np.inf if self.limit is None else self.limit)
         return {
             "name": self.name, "words": self.words, "points": points, "decimals": decimals.tolist(),
-            "upperDecimals": upper_decimals.tolist(), "texts": texts, "isBeyond": is_beyond.tolist(),
+            "upperDecimals": upper_limit_decimals.tolist(), "texts": texts, "isBeyond": is_beyond.tolist(),
         }  # fmt: skip
