@@ -25,6 +25,7 @@ from stiction import (
     write_interface,
     write_surface,
 )  # fmt: skip
+from stiction._estimate import Estimate
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
 from stiction.evaluate.point import list_rules_with_reported_first
@@ -155,7 +156,10 @@ def test_result_with_an_interface_that_is_not_separated_reports_only_the_sum_of_
     assert point.contribution_terms == pytest.approx({"mu0_and_adhesion": mu0 + adhesion, "slopes": slopes})
     assert point.roughness_contribution is None
     assert f"{mu0 + adhesion:.3f} (μ0 and τ0 on the true area, not separated by the tests)" in contributions_text(point)
-    assert "its tests determine only μ0 + τ0 A/F" in unseparated_result.sentence
+    sum_text = Estimate(*film.identified).text()
+    assert f"its tests determine only μ0 + τ0 A/F = {sum_text}" in unseparated_result.sentence
+    assert "μ0 = " in result.sentence
+    assert not any(f"{symbol} = " in unseparated_result.sentence for symbol in ("μ0", "τ0"))
     assert point_record(point)["contributions"] == point.contribution_terms
 
 

@@ -129,6 +129,7 @@ def roughness_contribution_text(point: PointSummary) -> str:
 def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
     """Return the inputs at a result point as text: load, roughness, mu0, tau0, materials and resolution.
 
+    If the tests of an interface determine only the sum mu0 + tau0 A/F, the text contains this sum instead of the two.
     If `points` is given, the text contains the range of the contact hardness over these points.
     """
     study, items = point.study, [point_load_text(point)]
@@ -137,8 +138,9 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
         items.append(f"{name} = {value:.3g}")
     if "amplitude" in point.at:
         items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
-    items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
-    items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
+    if point.are_strengths_separated:
+        items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
+        items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
     if point.has_values_of_interface:
         items.append(_interface_text(point))
     if materials := material_names_text(study):
@@ -210,7 +212,8 @@ def _interface_text(point: PointSummary) -> str:
         return f"interface {name}, which is missing, so μ0 and τ0 are independent"
     items = [interface.about.get("kind", "measured"), interface.about.get("motion", "")]
     items += [] if point.calibrated_rule is None else [SLIDING_RULE_DESCRIPTIONS[point.calibrated_rule]]
-    items += [] if point.are_strengths_separated else ["its tests determine only μ0 + τ0 A/F"]
+    if not point.are_strengths_separated:
+        items.append(f"its tests determine only μ0 + τ0 A/F = {Estimate(*interface.identified).text()}")
     items += ["its range is unknown"] if interface.has_unknown_range else []
     return f"interface {name} ({', '.join(filter(None, items))})"
 
