@@ -208,6 +208,9 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
         assert point.assessment == assessment
         expected_words = "pieces of 30 µm are pressed, without the longer wavelengths of the scan of 100 µm"
         assert (expected_words in get_caveat_texts(point)) == (shape == 300)
+        remedies = [caveat.remedy for caveat in point.caveats if caveat.text == expected_words]
+        remedy = "omit --lay isotropic if the faces have grooves, and use height maps if they have none"
+        assert remedies == [remedy] * (shape == 300)
 
 
 @pytest.mark.parametrize(

@@ -778,9 +778,8 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         if piece_length < MAX_AFFECTED_FRACTION * scan_length:
             length_text = format_with_unit(piece_length, "um")
             text = f"pieces of {length_text} are pressed, without the longer wavelengths of the scan"
-            yield Caveat(
-                f"{text} of {format_with_unit(scan_length, 'um')}", "use profiles without --lay isotropic", "caution"
-            )
+            remedy = "omit --lay isotropic if the faces have grooves, and use height maps if they have none"
+            yield Caveat(f"{text} of {format_with_unit(scan_length, 'um')}", remedy, "caution")
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
