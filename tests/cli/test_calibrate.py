@@ -185,6 +185,23 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
     record = json.loads(check_stiction(*arguments, "0.1 MPa", "--json", cwd=tmp_path).stdout)
     assert fault.text in record["pair_caveats"][0]
     assert len(record["lays"]) == 1
+    (tmp_path / "grooves").rename(tmp_path / "target")
+    ball = ("calibrate", "--ball", "1 mm", "--effective-modulus", "80 GPa", "--measured", "0.25±0.01", "--load", "1 mN")
+    record = json.loads(check_stiction(*ball, "--target", "target", "--json", cwd=tmp_path).stdout)
+    assert [lay.split(". ")[0] for lay in record["lays"]] == [
+        "target: computed for parallel grooves across the scans on a strip 1 µm wide"
+    ]
+
+
+def test_calibrate_command_requests_uncertainties_if_tests_without_them_were_fitted_with_both_sliding_rules(
+    two_finishes_directory,
+):
+    rows = ["load (mN),coefficient,pair", *(f"{load},0.2{load},ground" for load in (1, 2, 3))]
+    (two_finishes_directory / "no_errors.csv").write_text("\n".join(rows))
+    for options, is_requested in (((), True), (("--sliding", "all"), False)):
+        arguments = ("calibrate", "no_errors.csv", "--pair", "ground", *options)
+        output = check_stiction(*arguments, cwd=two_finishes_directory).stdout
+        assert ("add a column uncertainty (%)" in " ".join(output.split())) == is_requested
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,7 @@ def calibrate(
         calibration_figure,
         calibration_json,
         calibration_text,
+        list_lay_notes,
         predict_wanted_pair,
         tested_pair_notes,
     )
@@ -139,7 +140,10 @@ def calibrate(
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
     pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
-    prediction = None if target_result is None else predict_wanted_pair(interface, target_result)
+    prediction = None
+    if target is not None and target_result is not None:
+        prediction = predict_wanted_pair(interface, target_result)
+        lays += [note for note in list_lay_notes(target.resolve().name, target_result) if note not in lays]
     print_output(
         calibration_json(interface, pair_caveats, lays, prediction)
         if as_json

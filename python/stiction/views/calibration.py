@@ -85,6 +85,9 @@ def calibration_text(
         "",
         *(wrap_text(item, hanging_indent="  ") for fit in interface.fits for item in _describe_fit(interface, fit)),
     ]
+    if len(interface.fits) > 1 and all(math.isnan(test[2]) for test in interface.tests):
+        advice = "The tests have no uncertainties, so they cannot exclude a sliding rule: add a column uncertainty (%)."
+        lines += [wrap_text(advice, hanging_indent="  ")]
     if prediction is not None:
         lines += ["", *_describe_prediction(prediction, SLIDING_RULE_DESCRIPTIONS[first_fit.sliding])]
     elif interface.advice:
@@ -125,11 +128,15 @@ def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionT
             f"! {name} at {', '.join(load_texts)}, do not quote: {text}"
             for text, load_texts in loads_of_caveats.items()
         ]
-        if lay := lay_assumption(result.study):
-            lay_texts.append(
-                f"{name}: computed for {lay}. Another lay would change A/F, and no interval includes this change."
-            )
+        lay_texts += list_lay_notes(name, result)
     return caveat_texts, lay_texts
+
+
+def list_lay_notes(name: str, result: Evaluation) -> list[str]:
+    """Return a note on the lay that was assumed for the profiles of a pair; empty for height maps."""
+    lay = lay_assumption(result.study)
+    note = f"{name}: computed for {lay}. Another lay would change A/F, and no interval includes this change."
+    return [note] if lay else []
 
 
 def _area_per_load_text(interface: Interface) -> str:
