@@ -134,9 +134,13 @@ def calibrate(
         value = parse_uncertain_input("--measured", measured)
         standard_error = (value.high - value.low) / (2 * Z_95) or None
         tests = (FrictionTest(next(iter(bodies.values())), load, coefficient=value.value, uncertainty=standard_error),)
-    target_result = None if target is None else open_result_with_warning(target)
-    if target_result is not None and not (target_result.study.is_measured and target_result.study.friction.load):
-        raise ValueError(f"--target must be the result of a measured pair with a load, got {printable_path(target)}")
+    target_result = None
+    if target is not None:
+        target_result = open_result_with_warning(target)
+        if not (target_result.study.is_measured and target_result.study.friction.load):
+            raise ValueError(
+                f"--target must be the result of a measured pair with a load, got {printable_path(target)}"
+            )
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
     pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
