@@ -1,6 +1,7 @@
 """Draw docs/images/fractures.png, and print the tables of explanation/experiments.md on two fractures in granodiorite.
 
     python docs/scripts/fractures.py DIRECTORY [SPECIMEN ...]
+    python docs/scripts/fractures.py DIRECTORY --errors  # only the table of errors of the stiffness
 
 DIRECTORY contains vd1.npz (gap_um, spacing_um) and vd1-closure.csv (number, displacement in mm, nominal stress in MPa;
 loading, then unloading), and the same for vd2, from github.com/danielvogler/hm_coupled_fracture_response.
@@ -33,6 +34,8 @@ LOW_STRESS_RANGE, HIGH_STRESS_RANGE = (
     (1.0, 2.0),
     (5.0, 10.0),
 )  # stresses (MPa) between which a secant stiffness is computed
+TANGENT_STRESSES = 1.0, 2.0, 5.0  # stresses (MPa) at which errors of the tangent stiffness are listed
+SECANT_RANGES = LOW_STRESS_RANGE, (2.0, 5.0), HIGH_STRESS_RANGE
 DIGITISING_STEP = 4.0  # resolution (µm) of the digitised heights
 FIT_WAVELENGTH_RANGE = 1e3, 10e3  # wavelength range (µm) for the fit of the Hurst exponent
 MIN_STRESS = 0.2  # lowest measured stress (MPa)
@@ -84,6 +87,38 @@ def compute_closure(
 def secant_stiffness(closure, stress, stress_range):
     """Return the secant stiffness (MPa/mm) between two stresses (MPa), by linear interpolation."""
     return float(np.diff(stress_range)[0] / np.diff(np.interp(stress_range, stress, closure))[0])
+
+
+def tabulate_stiffness_errors(directory, names=("vd1", "vd2")):
+    """Return a Markdown table of computed and measured stiffnesses (MPa/mm) in loading, with frozen settings.
+
+    The measured tangent stiffness is the slope between two neighbouring measured points, assigned to their mean stress
+    and interpolated in between. The highest mean stress is the last row of tangents.
+    """
+    titles = [f"{name} {column}" for name in names for column in ("computed", "measured", "error")]
+    rows = {}
+    for name in names:
+        (displacement, stress), _ = read_load_test(directory, name)
+        mean_stress, measured_tangent = (stress[1:] + stress[:-1]) / 2, np.diff(stress) / np.diff(displacement)
+        tangent_stresses = [*TANGENT_STRESSES, mean_stress[-1]]
+        stresses = np.unique(np.concatenate([tangent_stresses, *SECANT_RANGES]))
+        closure, curve = compute_closure(read_gap(directory, name), stresses)
+        for tangent_stress in tangent_stresses:
+            computed = 1e6 * np.interp(tangent_stress, stresses, curve.closure_stiffness)
+            measured = np.interp(tangent_stress, mean_stress, measured_tangent)
+            rows.setdefault(f"tangent at {tangent_stress:.2g} MPa", []).append((computed, measured))
+        for stress_range in SECANT_RANGES:
+            computed, measured = (
+                secant_stiffness(*curve_points, stress_range)
+                for curve_points in ((closure, stresses), (displacement, stress))
+            )
+            label = f"secant from {stress_range[0]:g} to {stress_range[1]:g} MPa"
+            rows.setdefault(label, []).append((computed, measured))
+    lines = [f"| stiffness (MPa/mm) | {' | '.join(titles)} |", "|-" * (len(titles) + 1) + "|"]
+    for label, pairs in rows.items():
+        cells = [f"{computed:.0f} | {measured:.0f} | {computed / measured - 1:+.0%}" for computed, measured in pairs]
+        lines.append(f"| {label} | {' | '.join(cells).replace('%', ' %').replace('-', '−')} |")
+    return "\n".join(lines)
 
 
 def estimate_spectrum(gap):
@@ -314,4 +349,7 @@ def draw_closure_and_stiffness(results):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    main(Path(sys.argv[1]), sys.argv[2:] or ["vd1", "vd2"])
+    if sys.argv[2:] == ["--errors"]:
+        print(tabulate_stiffness_errors(Path(sys.argv[1])))
+    else:
+        main(Path(sys.argv[1]), sys.argv[2:] or ["vd1", "vd2"])
