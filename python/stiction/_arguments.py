@@ -13,7 +13,10 @@ from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split an argument into a flat list. The argument is a text with commas, a nested list, or a single number."""
+    """Split an argument into a flat list.
+
+    The argument is a text with commas, a nested list, or a single number.
+    """
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
@@ -64,7 +67,10 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers. If `integers` is true, commas always separate numbers: "0,90" is 0 and 90."""
+    """Parse one or more numbers.
+
+    If `integers` is true, commas always separate numbers: "0,90" is 0 and 90.
+    """
     if not integers:
         reject_decimal_commas(name, value)
     try:
@@ -104,7 +110,9 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return it with True if the load is a pressure, or False if it is a force.
+    """Parse a load, and return it with True if the load is a pressure.
+
+    Returns False if it is a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -84,7 +84,10 @@ def validate_number(
 
 
 def unwrap_scalar(value: Any) -> Any:
-    """Return the number in a zero-dimensional array. Any other argument is returned unchanged."""
+    """Return the number in a zero-dimensional array.
+
+    Any other argument is returned unchanged.
+    """
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
@@ -109,7 +112,10 @@ def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int =
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:
-    """Raise a `ValueError` unless an argument is an instance of `kind`. The message describes `kind` by `words`."""
+    """Raise a `ValueError` unless an argument is an instance of `kind`.
+
+    The message describes `kind` by `words`.
+    """
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be {words}, got {type(value).__name__}")
 
@@ -121,7 +127,10 @@ def check_callable(name: str, value: Any) -> None:
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Convert a text to a path. Raises a `ValueError` if no file can have this name."""
+    """Convert a text to a path.
+
+    Raises a `ValueError` if no file can have this name.
+    """
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)
@@ -153,6 +162,9 @@ def check_choice(name: str, value: Any, literal: Any) -> None:
 
 
 def check_bool(name: str, value: Any) -> None:
-    """Raise a `ValueError` unless an argument is True or False. The numbers 0 and 1 are rejected."""
+    """Raise a `ValueError` unless an argument is True or False.
+
+    The numbers 0 and 1 are rejected.
+    """
     if not isinstance(unwrap_scalar(value), bool):
         raise ValueError(f"{name} must be True or False, got {short_repr(value)}")

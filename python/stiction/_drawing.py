@@ -80,7 +80,10 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of round length in the lower right corner of a map. `box` contains the map's sides (µm)."""
+    """Draw a scale bar of round length in the lower right corner of a map.
+
+    `box` contains the map's sides (µm).
+    """
     from matplotlib.patheffects import withStroke
 
     left, right, bottom, top = box
@@ -168,7 +171,10 @@ def draw_friction(
 
 
 def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str]]:
-    """Return a legend label for each pair of mu0 and tau0, or an empty list for a single pair."""
+    """Return a legend label for each pair of mu0 and tau0.
+
+    Returns an empty list for a single pair.
+    """
     parameters = np.broadcast_arrays(np.asarray(mu0, dtype=np.float64), np.asarray(tau0, dtype=np.float64))
     if parameters[0].ndim == 0:
         return []

@@ -7,7 +7,10 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Texts that replace the placeholders in a message. Any other placeholder is replaced by its argument's name."""
+    """Texts that replace the placeholders in a message.
+
+    Any other placeholder is replaced by its argument's name.
+    """
 
     def __init__(self, values: dict[str, Any], translate: Callable[[str], str]) -> None:
         super().__init__(values)
@@ -18,7 +21,10 @@ class _PlaceholderValues(dict[str, Any]):
 
 
 class ArgumentError(ValueError):
-    """Error raised for an invalid argument. Its message contains placeholders for values and argument names."""
+    """Error raised for an invalid argument.
+
+    Its message contains placeholders for values and argument names.
+    """
 
     def __init__(self, message: str, **values: Any) -> None:
         super().__init__(message.format_map(_PlaceholderValues(values, str)))

@@ -106,7 +106,10 @@ class Estimate:
 
     @property
     def has_interval(self) -> bool:
-        """True if both limits of the interval are known. The upper limit may be infinite."""
+        """True if both limits of the interval are known.
+
+        The upper limit may be infinite.
+        """
         return not (math.isnan(self.lower) or math.isnan(self.upper))
 
     def __str__(self) -> str:
@@ -119,7 +122,10 @@ class Estimate:
         return f"{self.text()}{' no interval' * is_missing_interval}"
 
     def in_unit(self, unit: str, factor: float) -> Self:
-        """Return the estimate in another unit. Value and limits are multiplied by `factor`, which must be positive."""
+        """Return the estimate in another unit.
+
+        Value and limits are multiplied by `factor`, which must be positive.
+        """
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
@@ -178,7 +184,10 @@ class Estimate:
 
 
 def to_file_unit(unit: str) -> str:
-    """Return the name of a unit in JSON and CSV files, such as "um2" for µm², or "1" for no unit."""
+    """Return the name of a unit in JSON and CSV files, such as "um2" for µm².
+
+    Returns "1" for no unit.
+    """
     return unit.replace("um^2", "um2") or "1"
 
 

@@ -38,7 +38,10 @@ _NUM_SEARCHED_BYTES = 2**16
 
 @contextmanager
 def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file, which is renamed to `path` when it is complete. An existing file is not replaced."""
+    """Yield a temporary file, which is renamed to `path` when it is complete.
+
+    An existing file is not replaced.
+    """
     check_creatable(path, error_type)
     # Use `os.link`, which never replaces a file, instead of `os.rename`.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
@@ -55,7 +58,9 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
 
 @contextmanager
 def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError]) -> Iterator[Path]:
-    """Yield a temporary file that replaces `path` when it is complete. An existing file must contain `mark`.
+    """Yield a temporary file that replaces `path` when it is complete.
+
+    An existing file must contain `mark`.
 
     A file that does not contain the bytes `mark` near its start or its end was not written by this package.
     """
@@ -161,7 +166,9 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim file of another active run in the directory, or None if no other run is active there.
+        """Return the claim file of another active run in the directory.
+
+        Returns None if no other run is active there.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -172,7 +179,10 @@ class DirectoryClaim:
 
 
 def remove_stale_partial_files(directory: Path) -> None:
-    """Remove partial files of dead processes from a directory. Files that cannot be removed are ignored."""
+    """Remove partial files of dead processes from a directory.
+
+    Files that cannot be removed are ignored.
+    """
     with suppress(OSError):
         for entry, is_stale in _scan_partial_files(directory):
             if is_stale:
@@ -238,7 +248,9 @@ def check_is_file(path: Path) -> None:
 
 
 def read_file_bytes(path: Path, max_bytes: int, start: bytes = b"") -> bytes:
-    """Return the bytes of a regular file. For a device or a pipe, raise an error instead of waiting.
+    """Return the bytes of a regular file.
+
+    For a device or a pipe, raise an error instead of waiting.
 
     The error is an `UnreadableFileError` if the path is not a regular file, or if the file is longer than `max_bytes`
     or does not begin with `start`. It is an `OSError` if the file cannot be read.

@@ -76,7 +76,9 @@ MIN_NUMBER_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of number, such as "percent". The format for the largest numbers is the first.
+    """Return the formats for a kind of number, such as "percent".
+
+    The format for the largest numbers is the first.
 
     Parameters
     ----------

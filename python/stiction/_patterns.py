@@ -24,15 +24,24 @@ class LazyPattern:
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:
-        """Return the match at the start of a text, or None if there is no match."""
+        """Return the match at the start of a text.
+
+        Returns None if there is no match.
+        """
         return self.compiled_pattern.match(text)
 
     def fullmatch(self, text: str) -> re.Match[str] | None:
-        """Return the match of the whole text, or None if the text does not match."""
+        """Return the match of the whole text.
+
+        Returns None if the text does not match.
+        """
         return self.compiled_pattern.fullmatch(text)
 
     def search(self, text: str) -> re.Match[str] | None:
-        """Return the first match in a text, or None if there is no match."""
+        """Return the first match in a text.
+
+        Returns None if there is no match.
+        """
         return self.compiled_pattern.search(text)
 
     def findall(self, text: str) -> list[str]:

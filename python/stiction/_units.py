@@ -45,7 +45,10 @@ def unit_names(kind: str) -> tuple[str, ...]:
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) that keeps the text from which it was parsed. Comparisons ignore the text."""
+    """Number in core units (µm, GPa, mN) that keeps the text from which it was parsed.
+
+    Comparisons ignore the text.
+    """
 
     text: str
 
@@ -60,7 +63,9 @@ class Quantity(float):
 
 
 def quantity(text: object, kind: str) -> Quantity:
-    """Parse a number with a unit, such as "200 MPa". The unit must belong to the kind of quantity, such as "pressure".
+    """Parse a number with a unit, such as "200 MPa".
+
+    The unit must belong to the kind of quantity, such as "pressure".
 
     Raises a `ValueError` if the text is not a number with such a unit.
     """
@@ -119,7 +124,9 @@ def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:
-    """Convert texts with units to numbers in core units. Numbers are returned unchanged.
+    """Convert texts with units to numbers in core units.
+
+    Numbers are returned unchanged.
 
     Raises a `ValueError` that names the argument if a string is not a number with a unit of this kind.
     """

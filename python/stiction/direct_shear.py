@@ -376,7 +376,10 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:
-    """Return the finished shear test in a directory, or None if there is no test that can be reused."""
+    """Return the finished shear test in a directory.
+
+    Returns None if there is no test that can be reused.
+    """
     import xarray as xr
 
     path = directory / SHEAR_TEST_FILE_NAME

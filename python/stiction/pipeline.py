@@ -112,7 +112,10 @@ def run(
 
 
 def compute_preview_result(study: Study) -> Result:
-    """Compute a preview of a result from the first few members. Arguments and errors are those of `run`."""
+    """Compute a preview of a result from the first few members.
+
+    Arguments and errors are those of `run`.
+    """
     return Result.of(compute_preview_sums(study))
 
 

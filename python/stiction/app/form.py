@@ -105,7 +105,10 @@ _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option with which an error message begins, or "" if the form has no field for it."""
+    """Return the option with which an error message begins.
+
+    Returns "" if the form has no field for it.
+    """
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""
 

@@ -51,7 +51,10 @@ REPORTED_EXCEPTIONS = (OSError, ValueError, ImportError, MemoryError, RuntimeErr
 
 
 class RejectedRequestError(ValueError):
-    """Error raised if the app rejects a request. The page shows the message of the error."""
+    """Error raised if the app rejects a request.
+
+    The page shows the message of the error.
+    """
 
 
 def hide_private_paths(text: str, root: Path | str) -> str:
@@ -105,7 +108,10 @@ class Job:
             self.finished, self.total = counts
 
     def stop(self) -> None:
-        """Stop the command of the job. After its process has ended, the finished part of its result is read."""
+        """Stop the command of the job.
+
+        After its process has ended, the finished part of its result is read.
+        """
         if self.state in ("waiting", "running") and self.task is not None and not self.is_ending:
             self.is_ending, self.activity = True, "stopping"
             self.task.cancel()
@@ -131,7 +137,9 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue. If its result is partly stored, only the missing part is computed.
+        """Add a command to the queue.
+
+        If its result is partly stored, only the missing part is computed.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -150,7 +158,10 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page. For a waiting job, the data name the job before it."""
+        """Return the data of all jobs for the page.
+
+        For a waiting job, the data name the job before it.
+        """
         records, previous_title = [], ""
         for job in self.jobs_by_number.values():
             record = job.page_data()
@@ -321,7 +332,10 @@ class JobQueue:
 
 
 def _print_unexpected_error(task: asyncio.Task[None]) -> None:
-    """Print the error of a failed task on the terminal of the app. Other tasks continue."""
+    """Print the error of a failed task on the terminal of the app.
+
+    Other tasks continue.
+    """
     if not task.cancelled() and (error := task.exception()) is not None:
         context = {"message": "unexpected error in a job", "exception": error, "task": task}
         task.get_loop().call_exception_handler(context)

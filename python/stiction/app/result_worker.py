@@ -20,7 +20,10 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study that previews a `pair` command with the asperity model, or None if there is no preview."""
+    """Return the study that previews a `pair` command with the asperity model.
+
+    Returns None if there is no preview.
+    """
     return MeasuredPair.from_values(upper=files[0], lower=files[1], **group_option_values(options)).preview_study
 
 

@@ -457,8 +457,8 @@ class CalibrationProblem:
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
-        # The scores of a pair's area error state that the tests contain all errors of its scans. This is only certain
-        # if no other contact was tested: another contact could determine mu0 and tau0 alone.
+        # The scores of a pair's area error state that the tests contain all errors of its scans.
+        # This is only certain if no other contact was tested: another contact could determine mu0 and tau0 alone.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
         scores_by_name = {
@@ -496,7 +496,10 @@ class CalibrationProblem:
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
 
     def _compute_growth_samples(self, scores: Mapping[str, Floats]) -> Floats:
-        """Return samples of the junction growth α that all tests share, or NaN if the tests share no α."""
+        """Return samples of the junction growth α that all tests share.
+
+        Returns NaN if the tests share no α.
+        """
         from scipy.special import ndtr
 
         if self.junction_growth is None or self.junction_growth.is_exact:
@@ -524,7 +527,10 @@ class CalibrationProblem:
         )
 
     def _compute_hardness_samples(self, scores: Mapping[str, Floats]) -> Floats:
-        """Return samples of the hardness (GPa) that all tests share, or NaN if the tests share no hardness."""
+        """Return samples of the hardness (GPa) that all tests share.
+
+        Returns NaN if the tests share no hardness.
+        """
         from scipy.special import ndtr
 
         first_test = self._friction[0]

@@ -37,7 +37,9 @@ coefficient due to junction growth. A coefficient depends on junction growth if 
 
 @dataclass(frozen=True)
 class Ball:
-    """Smooth elastic ball on a smooth flat. Its true contact area follows from Hertz's theory.
+    """Smooth elastic ball on a smooth flat.
+
+    Its true contact area follows from Hertz's theory.
 
     Attributes
     ----------
@@ -127,7 +129,10 @@ class AreaFactor:
     surfaces: str  # checksum of the surfaces; tests with equal checksums have the same area loss
 
     def nuisance_name(self, name: str) -> str:
-        """Return the name of the nuisance parameter for an input. Tests with equal inputs share this parameter."""
+        """Return the name of the nuisance parameter for an input.
+
+        Tests with equal inputs share this parameter.
+        """
         return shared_input_name(name, self.uncertain_inputs[name], self.surfaces)
 
     @property
@@ -158,14 +163,19 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a test with a ball. The contact area of a ball is proportional to E*^(-2/3)."""
+    """Area factor of a test with a ball.
+
+    The contact area of a ball is proportional to E*^(-2/3).
+    """
 
     moduli: UncertainModulus
     area_loss: float  # central value of the relative loss of contact area under shear
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball as a function of the inputs, or None if the factor is always 1.
+        """Return the area factor of a ball as a function of the inputs.
+
+        Returns None if the factor is always 1.
 
         It is 1 if the moduli are exact and shear does not change the area.
         """
@@ -194,7 +204,10 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor as a function of the inputs, or None if the factor is always 1."""
+        """Return the area factor as a function of the inputs.
+
+        Returns None if the factor is always 1.
+        """
         sums = MemberSums.of(result)
         inputs = Inputs.from_study(sums.study)
         uncertain_inputs = {

@@ -45,7 +45,9 @@ _SLID_BY_CELL_TEXT = {"": True, "1": True, "yes": True, "true": True, "0": False
 
 
 def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[FrictionTest, ...]:
-    """Parse a table of friction tests. The table needs a column `load`, and a column `force` or `coefficient`.
+    """Parse a table of friction tests.
+
+    The table needs a column `load`, and a column `force` or `coefficient`.
 
     `FRICTION_TEST_COLUMNS` lists all columns. There may be a column of loads given as forces and another of loads given
     as pressures; each row then has its load in one of the two columns. Columns are separated by tabs, semicolons or

@@ -68,7 +68,10 @@ def _redirect_closed_streams() -> None:
 
 
 def _address_space_limit() -> float:
-    """Return the limit of the address space (bytes) of this process, or infinity without a limit."""
+    """Return the limit of the address space (bytes) of this process.
+
+    Returns infinity without a limit.
+    """
     try:
         import resource
     except ImportError:  # the module `resource` is missing on Windows

@@ -32,7 +32,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def print_message(text: str, kind: str = "") -> None:
-    """Print a message on standard error, with escaped control characters. A failure to print is ignored."""
+    """Print a message on standard error, with escaped control characters.
+
+    A failure to print is ignored.
+    """
     lines = [f"stiction: {kind}{printable_text(line, MAX_QUOTED_LINE_LENGTH)}" for line in text.split("\n") if line]
     if sys.stderr.isatty():
         width = shutil.get_terminal_size().columns
@@ -76,7 +79,10 @@ def is_stderr_terminal() -> bool:
 
 
 def print_output(text: str) -> None:
-    """Print text on standard output. If the pipe that reads the output is closed, do nothing."""
+    """Print text on standard output.
+
+    If the pipe that reads the output is closed, do nothing.
+    """
     lines = [printable_text(line, sys.maxsize) for line in text.removesuffix("\n").split("\n")]
     if sys.stdout.isatty():
         lines = [_BOLD_TEXT_PATTERN.sub(lambda match: typer.style(match[0], bold=True), line) for line in lines]

@@ -183,7 +183,10 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print friction for scaled heights. If `compute` is true, missing results are computed first."""
+    """Print friction for scaled heights.
+
+    If `compute` is true, missing results are computed first.
+    """
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,

@@ -275,7 +275,10 @@ def _print_scan_comparison(
 
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the paths of the files to write. Only figures and reports may replace existing files."""
+    """Return the paths of the files to write.
+
+    Only figures and reports may replace existing files.
+    """
     from stiction._files import check_replaceable
     from stiction.views.files import REPORT_FILE_SIGNATURE
     from stiction.views.style import FIGURE_FILE_SIGNATURES
@@ -336,7 +339,10 @@ def _select_row_or_column(body: Profile | Surface, row: int | None, column: int 
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a trend or form from a body. By default, it is a line for a profile, and a plane for a surface."""
+    """Subtract a trend or form from a body.
+
+    By default, it is a line for a profile, and a plane for a surface.
+    """
     from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
     from stiction.surfaces.profile import Profile
 

@@ -74,7 +74,9 @@ def compute_result_in_directory(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip
-    """Run `complete_result` and print its messages. If Ctrl-C is pressed, print how to resume.
+    """Run `complete_result` and print its messages.
+
+    If Ctrl-C is pressed, print how to resume.
 
     `print_written` is called with the names of written files, and `show_companions` with the complete result.
     """

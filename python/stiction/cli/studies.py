@@ -124,7 +124,10 @@ def parse_overrides(assignments: list[str]) -> dict[str, Any]:
 
 
 def _parse_toml_value(text: str) -> Any:
-    """Parse a TOML value. A text that is not TOML is returned unchanged, so that quantities need no quotes."""
+    """Parse a TOML value.
+
+    A text that is not TOML is returned unchanged, so that quantities need no quotes.
+    """
     from stiction.study.values import parse_toml
 
     try:

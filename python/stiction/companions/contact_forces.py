@@ -108,7 +108,10 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first measured pair that touches at the first load of the study, or None if no pair touches."""
+    """Return the first measured pair that touches at the first load of the study.
+
+    Returns None if no pair touches.
+    """
     load = float(result.study.friction.load[0])
     for piece in result.pieces(["approach", "contact_count"]):
         members = piece.isel(cut_off=0).sel(load=load, method="nearest")

@@ -145,7 +145,9 @@ def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
 
 
 def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
-    """Read the contact map stored with a result, or return None if the result has no contact map.
+    """Read the contact map stored with a result.
+
+    Returns None if the result has no contact map.
 
     Raises a `StoreError` if the file is damaged.
     """
@@ -175,7 +177,10 @@ _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 
 
 def find_index_nearest_to_mean(area: Floats) -> int:
-    """Return the index of the area that is closest to the mean of all areas. NaN areas are ignored."""
+    """Return the index of the area that is closest to the mean of all areas.
+
+    NaN areas are ignored.
+    """
     return int(np.nanargmin(np.abs(area - np.nanmean(area))))
 
 

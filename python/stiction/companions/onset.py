@@ -123,7 +123,10 @@ def _find_onset_members(study: Study, count: int | None) -> range:
 
 
 def estimate_onset_time(study: Study, members: int | None = None) -> float:
-    """Estimate the time (s) on one core that `compute_onset` takes. The time is 0 in the asperity model."""
+    """Estimate the time (s) on one core that `compute_onset` takes.
+
+    The time is 0 in the asperity model.
+    """
     if not study.uses_half_space:
         return 0.0
     return len(_find_onset_members(study, members)) * ONSET_TO_SOLUTION_TIME_RATIO * estimate_solution_time(study)
@@ -132,7 +135,10 @@ def estimate_onset_time(study: Study, members: int | None = None) -> float:
 def compute_member_onset(
     study: Study, index: int, *, load: float, mu0: float, tau0: float, cut_off: float
 ) -> dict[str, Any] | None:
-    """Compute onset curve and slip map of one member at a normal load (mN), or return None if the solver fails."""
+    """Compute onset curve and slip map of one member at a normal load (mN).
+
+    Returns None if the solver fails.
+    """
     member = load_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
@@ -398,7 +404,10 @@ def load_stored_onset(result: StoredResult) -> xarray.Dataset | None:
 
 
 def format_backbone_csv(onset: xarray.Dataset) -> str:
-    """Return the mean onset curve as CSV text with units. The curve is the backbone curve of a Masing model."""
+    """Return the mean onset curve as CSV text with units.
+
+    The curve is the backbone curve of a Masing model.
+    """
     import pandas
 
     columns: dict[str, Any] = {"fraction of the sliding load": [0.0, *onset["fraction"].values]}

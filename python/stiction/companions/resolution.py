@@ -98,13 +98,19 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair as a companion study, or None if the pair allows only one cutoff."""
+    """Return the cutoff study of a measured pair as a companion study.
+
+    Returns None if the pair allows only one cutoff.
+    """
     cutoff_study = build_cutoff_study(study)
     return None if cutoff_study is None else CompanionStudy(cutoff_study, path / CUTOFF_STUDY_DIRECTORY)
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that consists of scans, or 0 if all members are surrogates."""
+    """Return the index of the first member that consists of scans.
+
+    Returns 0 if all members are surrogates.
+    """
     index = study.surfaces.first_scan_member_index
     return index if index < study.ensemble.repetitions else 0
 
@@ -181,7 +187,10 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Compute the roughness of the gap, or return None if the bodies are generated or scan files are missing."""
+    """Compute the roughness of the gap.
+
+    Returns None if the bodies are generated or scan files are missing.
+    """
     if not study.is_measured:
         return None
     try:
@@ -386,7 +395,10 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate friction in closed form from joined spectra, or return None if neither body has a joined spectrum."""
+    """Estimate friction in closed form from joined spectra.
+
+    Returns None if neither body has a joined spectrum.
+    """
     files = [getattr(study.surfaces, side, None) for side in ("upper", "lower")]
     try:
         bodies = [file.read() for file in files if file is not None]

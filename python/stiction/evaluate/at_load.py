@@ -138,7 +138,9 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find the computed loads (mN) on both sides of each requested load, or return None if no load is interpolated.
+    """Find the computed loads (mN) on both sides of each requested load.
+
+    Returns None if no load is interpolated.
 
     Returns the computed loads, the indices of the computed loads below and above each requested load, and its position
     between them, as a fraction of the distance in ln F.

@@ -368,7 +368,10 @@ def _average_pairs_of_scans(
 
 
 class _QuantitiesWithCombinedIntervals:
-    """Combined intervals of all quantities except friction. Each friction coefficient widens them in turn."""
+    """Combined intervals of all quantities except friction.
+
+    Each friction coefficient widens them in turn.
+    """
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims

@@ -209,7 +209,10 @@ class InputSampler:
 
 
 def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
-    """Return the cached value of a key, or compute and cache the value. A full cache drops its oldest value."""
+    """Return the cached value of a key, or compute and cache the value.
+
+    A full cache drops its oldest value.
+    """
     if key not in cache:
         if len(cache) == max_size:
             cache.pop(next(iter(cache)))
@@ -239,8 +242,8 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
-        # is 0.
+        # The first element of `strengths` contains samples of both mu0 and tau0.
+        # In each further element, mu0 or tau0 is 0.
         self.strengths = strengths
         self.is_tested = any(each.area_scores is not None for each in strengths)
         self.area_error = area_error
@@ -539,7 +542,9 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return areas before shear and yield pressures from the cache, or None for both with a calibrated interface.
+        """Return areas before shear and yield pressures from the cache.
+
+        Returns None for both with a calibrated interface.
 
         The areas are the same for all mu0 and tau0. The pressures are the same for all loads, unless the hardness
         depends on the depth of the contacts. The samples of a calibrated interface may include the hardness, so neither
@@ -630,7 +635,9 @@ def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[An
 def compute_quantiles(
     probabilities: Floats, values: NDArray[Any], upper_values: NDArray[Any] | None = None, axis: int | None = None
 ) -> Floats:
-    """Return quantiles of samples along an axis. Samples may be infinite.
+    """Return quantiles of samples along an axis.
+
+    Samples may be infinite.
 
     If `upper_values` are given, quantiles above the median are computed from `upper_values`.
 

@@ -71,7 +71,9 @@ class AreaFunction:
     def contact_hardness(
         self, load: ArrayLike, hardness: ArrayLike | None = None, size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH
     ) -> Any:
-        """Return the hardness (GPa) of the contacts at a load (mN), or None if the study has no hardness.
+        """Return the hardness (GPa) of the contacts at a load (mN).
+
+        Returns None if the study has no hardness.
 
         `hardness` is the measured hardness, by default the hardness of the study. `size_effect` is the length h* (µm)
         of the indentation size effect, which has no effect if the depth of the indentation is unknown.
@@ -106,7 +108,9 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
-        """Return the true area (µm²) before shear. Hardness and yield exponent are by default those of the study.
+        """Return the true area (µm²) before shear.
+
+        Hardness and yield exponent are by default those of the study.
 
         Parameters
         ----------
@@ -298,7 +302,10 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return the exponent d ln(q) / d ln F at each load F, or 1 if fewer than two values of q are known."""
+    """Return the exponent d ln(q) / d ln F at each load F.
+
+    Returns 1 if fewer than two values of q are known.
+    """
     is_known = np.isfinite(values) & (values > 0)
     if is_known.sum() < 2:
         return np.ones(loads.size)

@@ -110,7 +110,9 @@ class LoadCrossings:
         return before, after
 
     def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
-        """Interpolate a quantity at the requested loads. The quantity is NaN at loads that the curve does not reach.
+        """Interpolate a quantity at the requested loads.
+
+        The quantity is NaN at loads that the curve does not reach.
 
         The values have the shape (..., more, k), and the result has the shape (..., more, l).
         With `are_sums`, the ratio of value to load is interpolated if the crossings were found with
@@ -456,7 +458,9 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of each row's mean, or NaN for rows of equal values.
+    """Return the interval limits of each row's mean.
+
+    Returns NaN for rows of equal values.
 
     The values have the shape (c, r).
     """
@@ -545,7 +549,9 @@ class ScanPairMean:
 
 
 def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
-    """Return the mean over pairs of scans with its variance components, or None if there are fewer than two pairs.
+    """Return the mean over pairs of scans with its variance components.
+
+    Returns None if there are fewer than two pairs.
 
     The values have the shape (r, ...). The model has two-way random effects (Searle, Casella & McCulloch, Variance
     Components, 1992, chapter 4). Mean squares that do not exceed the residual mean square are pooled with the residual.

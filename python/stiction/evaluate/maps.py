@@ -216,7 +216,10 @@ def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
 
 
 def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with the repetitions on the last axis. The array is contiguous, so that sums are fast."""
+    """Return an array with the repetitions on the last axis.
+
+    The array is contiguous, so that sums are fast.
+    """
     return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
 
 
@@ -266,8 +269,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which mean loads reach the requested loads. The second
-    # pass computes the intervals at these loading steps.
+    # The first pass over the members finds the loading steps at which mean loads reach the requested loads.
+    # The second pass computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -457,7 +460,10 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with axes for motion, cell, step and repetition, or NaN if the variable is missing."""
+    """Return a variable with axes for motion, cell, step and repetition.
+
+    Returns NaN if the variable is missing.
+    """
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -507,7 +513,10 @@ def _average_sums(
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays. They default to mu0 and tau0 of the study."""
+    """Return mu0 and tau0 (GPa) as arrays.
+
+    They default to mu0 and tau0 of the study.
+    """
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

@@ -88,8 +88,8 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # A mean over directions has no meaning if the body slides by itself in one direction. If mu0 and tau0 are 0, the
-    # coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions has no meaning if the body slides by itself in one direction.
+    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -152,7 +152,9 @@ def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
     names: Collection[str] | None, find_limit: Callable[[str], float],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the means of all quantities over the members. Loads are averaged only if `names` includes them.
+    """Return the means of all quantities over the members.
+
+    Loads are averaged only if `names` includes them.
 
     `find_limit` returns the largest upper limit of the interval of a quantity.
     """

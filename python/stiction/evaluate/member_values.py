@@ -121,7 +121,10 @@ def evaluate_members(
 
 
 def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
-    """Return loads (mN), mu0 and tau0 (GPa) of a study by name. A study of generated surfaces has no loads."""
+    """Return loads (mN), mu0 and tau0 (GPa) of a study by name.
+
+    A study of generated surfaces has no loads.
+    """
     settings = result.study.friction
     loads = np.array([float(load) for load in settings.load] if result.study.is_measured else [])
     return {
@@ -327,7 +330,10 @@ class _MemberForces:
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-    """Compute normal and tangential loads (mN) from contact sums. The last two axes of the loads are mu0 and tau0."""
+    """Compute normal and tangential loads (mN) from contact sums.
+
+    The last two axes of the loads are mu0 and tau0.
+    """
     columns = {name: sums[name][..., np.newaxis, np.newaxis] for name in LOAD_SUM_NAMES}
     return law.load("normal", columns), law.load("tangential", columns)
 

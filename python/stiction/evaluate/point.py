@@ -87,7 +87,10 @@ def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
 
 
 def select_sliding_rule(table: Any, rule: str) -> Any:
-    """Select one sliding rule in an array. An array without the dimension `sliding` is returned unchanged."""
+    """Select one sliding rule in an array.
+
+    An array without the dimension `sliding` is returned unchanged.
+    """
     return table.sel(sliding=rule) if "sliding" in table.dims else table
 
 
@@ -98,7 +101,10 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Return the value and the interval limits in an array as an estimate. All other dimensions must have size 1."""
+    """Return the value and the interval limits in an array as an estimate.
+
+    All other dimensions must have size 1.
+    """
     fields = _get_estimate_fields(table.name, table.attrs)
     if "statistic" not in table.dims:
         return Estimate(table.item(), **fields | {"kind": ""})
@@ -162,7 +168,10 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:
-    """Return a quantity at a result point, averaged over all directions, or NaN if the quantity is missing."""
+    """Return a quantity at a result point, averaged over all directions.
+
+    Returns NaN if the quantity is missing.
+    """
     if name not in point.variables:
         return math.nan
     # Index the NumPy array, which is much faster than a selection from an `xarray.DataArray`.
@@ -191,7 +200,9 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_rules_with_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study. The reported rule is the first.
+    """Return the sliding rules of a study.
+
+    The reported rule is the first.
 
     With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, it is
     the first rule of the study.
@@ -202,7 +213,10 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return the table of measured bodies with the reported sliding rule first. Other tables are returned unchanged."""
+    """Return the table of measured bodies with the reported sliding rule first.
+
+    Other tables are returned unchanged.
+    """
     rules = list_rules_with_reported_first(study)
     is_sorted = not study.is_measured or "sliding" not in table.dims or table["sliding"].values.tolist() == rules
     return table if is_sorted else table.sel(sliding=rules)
@@ -214,7 +228,10 @@ def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the nominal pressure (GPa) at a result point, or NaN if the contact model has no nominal area."""
+    """Return the nominal pressure (GPa) at a result point.
+
+    Returns NaN if the contact model has no nominal area.
+    """
     return float(point["load"]) / float(point["nominal_area"]) if has_nominal_area(point, study) else math.nan
 
 
@@ -255,13 +272,18 @@ def is_unloaded(point: xarray.Dataset) -> bool:
 
 
 def get_study_hardness(study: Study) -> float:
-    """Return the hardness (GPa) of a study, or NaN if the study has no hardness."""
+    """Return the hardness (GPa) of a study.
+
+    Returns NaN if the study has no hardness.
+    """
     hardness = study.contact.hardness
     return math.nan if hardness is None else float(hardness)
 
 
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
-    """Return the hardness (GPa) of the contacts at a result point, or NaN if the study has no hardness.
+    """Return the hardness (GPa) of the contacts at a result point.
+
+    Returns NaN if the study has no hardness.
 
     The hardness of the contacts differs from the hardness of the study if the depth of the indentation is known.
     """
@@ -269,7 +291,9 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the coefficient for friction at all contacts if all of them yielded, or None if contacts cannot yield.
+    """Return the coefficient for friction at all contacts if all of them yielded.
+
+    Returns None if contacts cannot yield.
 
     The coefficient is a lower limit if the interface is stronger than the softer body. The coefficient is NaN at
     seizure, and None if the study has no hardness.

@@ -49,7 +49,10 @@ class PullOffValues:
 
 
 def find_pull_off_values(point: xarray.Dataset, study: Study, rule: str) -> PullOffValues | None:
-    """Return pull-off force, pull-off pressure and friction at zero load, or None if the bodies do not adhere."""
+    """Return pull-off force, pull-off pressure and friction at zero load.
+
+    Returns None if the bodies do not adhere.
+    """
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (

@@ -30,7 +30,9 @@ yielded fraction of the area. For hardnesses from half to double and E* within 2
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Inputs of a contact, such as hardness, mu0 and tau0. Each is a number or an array of samples.
+    """Inputs of a contact, such as hardness, mu0 and tau0.
+
+    Each is a number or an array of samples.
 
     Attributes
     ----------
@@ -126,7 +128,10 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return the closure curve for each cutoff of a result. A curve is None if fewer than two closures are known."""
+    """Return the closure curve for each cutoff of a result.
+
+    A curve is None if fewer than two closures are known.
+    """
     num_cells = result.study.surfaces.cell_coordinates()["cut_off"].size
     names = ["closure", "closure_stiffness", "unloading_closure_stiffness"]
     if any(name not in result.head.variables for name in names):
@@ -222,7 +227,9 @@ class ContactResponse:
         )
 
     def yield_pressure(self, inputs: InputValues) -> Any:
-        """Return the pressure (GPa) on yielding contacts at the onset of sliding, or None if the study has no hardness.
+        """Return the pressure (GPa) on yielding contacts at the onset of sliding.
+
+        Returns None if the study has no hardness.
 
         The pressure does not depend on the load, unless the depth of the indentation is known.
         """

@@ -57,7 +57,10 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one per sample. For many displacements, fewer samples are drawn."""
+    """Return points of a Sobol sequence, one per sample.
+
+    For many displacements, fewer samples are drawn.
+    """
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -274,7 +277,10 @@ def add_shear_intervals(
 
 
 def _compute_limits(values: Floats) -> Floats:
-    """Return the 95 % limits of samples (first axis), or NaN if a sample is NaN."""
+    """Return the 95 % limits of samples (first axis).
+
+    Returns NaN if a sample is NaN.
+    """
     columns = values.reshape(len(values), -1)
     limits = np.full((columns.shape[1], 2), np.nan)
     is_known = ~np.isnan(columns).any(axis=0)

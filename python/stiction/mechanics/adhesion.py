@@ -90,7 +90,10 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State of the iteration towards an adhesive equilibrium. An interrupted iteration resumes from this state."""
+    """State of the iteration towards an adhesive equilibrium.
+
+    An interrupted iteration resumes from this state.
+    """
 
     attraction: Floats
     pressure: Floats | None = None
@@ -173,7 +176,10 @@ class AdhesionSolver:
         self.min_contact = MIN_CONTACT_LOAD_RATIO * float(self.attraction_at_gap(problem.gap).mean())
 
     def attraction_at_gap(self, gap: Floats) -> Floats:
-        """Return the attraction (GPa) at given gaps (µm). A negative gap counts as 0."""
+        """Return the attraction (GPa) at given gaps (µm).
+
+        A negative gap counts as 0.
+        """
         return np.asarray(self.max_attraction * np.exp(np.maximum(gap, 0) / -self.range))
 
     def solve_at_contact_pressure(
@@ -438,7 +444,9 @@ class AdhesionSolver:
             return False
 
     def minimize_energy(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Return the equilibrium at an external pressure (GPa) by energy minimization, or None if the bodies separate.
+        """Return the equilibrium at an external pressure (GPa) by energy minimization.
+
+        Returns None if the bodies separate.
 
         The minimization starts from the nearby state `near`. The result of the minimization is iterated until it has
         the accuracy of `find_equilibrium_at_pressure`. `EquilibriumNotFoundError` is raised if the minimization does
@@ -504,7 +512,9 @@ class AdhesionSolver:
         return states
 
     def find_opening_state(self, state: AdhesionState) -> AdhesionState | None:
-        """Return the equilibrium at which complete contact begins to open, or None if contact is not complete.
+        """Return the equilibrium at which complete contact begins to open.
+
+        Returns None if contact is not complete.
 
         Before the contact opens, all points move together, and the attraction is the attraction in full contact.
         """
@@ -581,7 +591,10 @@ class EnergyMinimizer:
         )  # fmt: skip
 
     def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Minimize the energy at an external pressure (GPa), starting from `near`. Return None on separation."""
+        """Minimize the energy at an external pressure (GPa), starting from `near`.
+
+        Return None on separation.
+        """
         state = self._restore_or_start(near, load)
         for _ in range(state.number, MAX_MINIMIZATION_STEPS):
             self.record.offer_state(state.fields)

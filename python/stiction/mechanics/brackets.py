@@ -43,7 +43,10 @@ def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
 
 
 def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a gap, or return None if its spectrum has no self-affine band."""
+    """Estimate the Hurst exponent of a gap.
+
+    Returns None if its spectrum has no self-affine band.
+    """
     try:
         return estimate_hurst_exponent(gap, periodic=periodic)
     except ValueError:
@@ -146,7 +149,10 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the highest mu_s that a finer scan can give if contacts yield. `value` is mu_s of this scan."""
+    """Return the highest mu_s that a finer scan can give if contacts yield.
+
+    `value` is mu_s of this scan.
+    """
     # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     friction_increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(

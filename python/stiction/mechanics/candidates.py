@@ -34,7 +34,9 @@ _GROOVE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the gap between two surfaces, interpolated by splines. All arrays are read-only.
+    """Local minima of the gap between two surfaces, interpolated by splines.
+
+    All arrays are read-only.
 
     Returned by `candidates`; `contacts` and `press` accept it instead of two surfaces. Positions are in the frame of
     the lower surface.

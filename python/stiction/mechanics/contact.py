@@ -23,7 +23,9 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextReprMixin):
-    """Contacts of two surfaces at one approach, one contact per row of each array. All arrays are read-only.
+    """Contacts of two surfaces at one approach, one contact per row of each array.
+
+    All arrays are read-only.
 
     Vectors are (x, y, z) with z as height; y is 0 on profiles. Positions are in the frame of the lower surface.
 
@@ -175,7 +177,9 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Asperities(TextReprMixin):
-    """Osculating spheres of a profile, one at each point. All arrays are read-only.
+    """Osculating spheres of a profile, one at each point.
+
+    All arrays are read-only.
 
     Attributes
     ----------

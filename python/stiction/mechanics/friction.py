@@ -141,7 +141,9 @@ class FrictionLaw:
         return np.asarray(tangential / normal)
 
     def yield_pressure(self, hardness: Any) -> Any:
-        """Return the pressure (GPa) of yielding contacts at the onset of sliding, or NaN if the contacts seize.
+        """Return the pressure (GPa) of yielding contacts at the onset of sliding.
+
+        Returns NaN if the contacts seize.
 
         The pressure is the hardness (GPa) if contacts do not grow. With slip lines, it is at least half the hardness.
         """
@@ -151,7 +153,9 @@ class FrictionLaw:
         return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient if all contacts yield, or NaN if the contacts seize.
+        """Return the friction coefficient if all contacts yield.
+
+        Returns NaN if the contacts seize.
 
         With slip lines, it is at most 2/R, the coefficient of contacts whose softer body shears. R is the ratio of
         hardness to shear strength.
@@ -307,7 +311,9 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 
 def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Interpolate a table linearly at fractional indices, which are limited to its size. Values at NaN are NaN.
+    """Interpolate a table linearly at fractional indices, which are limited to its size.
+
+    Values at NaN are NaN.
 
     The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
     """
@@ -403,7 +409,9 @@ class ContactSums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Validity indicators of the asperity model at each approach. Load fractions are NaN without contact.
+    """Validity indicators of the asperity model at each approach.
+
+    Load fractions are NaN without contact.
 
     Attributes
     ----------
@@ -475,7 +483,9 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Return the validity indicator `name` from contact sums, or NaN if numerator and denominator are zero.
+    """Return the validity indicator `name` from contact sums.
+
+    Returns NaN if numerator and denominator are zero.
 
     The sums are given as a mapping or as attributes.
     """
@@ -525,18 +535,25 @@ class FrictionCurve(PlotReprMixin):
     effective_modulus: float
 
     def normal_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the normal load F_N (mN) at each loading step. The arrays of mu0 and tau0 (GPa) are broadcast.
+        """Return the normal load F_N (mN) at each loading step.
+
+        The arrays of mu0 and tau0 (GPa) are broadcast.
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
         return self._broadcast_law(mu0, tau0).load("normal", self)
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the tangential load F_T (mN) at the onset of sliding. Shape and arguments are as for `normal_load`."""
+        """Return the tangential load F_T (mN) at the onset of sliding.
+
+        Shape and arguments are as for `normal_load`.
+        """
         return self._broadcast_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the friction coefficient F_T / F_N, or NaN unless the status is "ok". Arguments: as for `normal_load`.
+        """Return the friction coefficient F_T / F_N, or NaN unless the status is "ok".
+
+        Arguments: as for `normal_load`.
 
         With sliding="all", the ratio is negative if the slopes push the upper body in the direction of motion more
         strongly than friction holds it. The results of `pair` then have the status "downhill" and no coefficient.
@@ -627,7 +644,10 @@ def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
 
 
 def validate_mu0_and_tau0(mu0: Any, tau0: Any, effective_modulus: Any) -> tuple[float, float]:
-    """Check a single mu0 and a single tau0 (GPa), and return both as floats. Warn if tau0 is large compared with E*."""
+    """Check a single mu0 and a single tau0 (GPa), and return both as floats.
+
+    Warn if tau0 is large compared with E*.
+    """
     strengths = [
         float(validate_friction_parameter(name, validate_number(name, value, unit=unit)))
         for name, value, unit in (("mu0", mu0, ""), ("tau0", tau0, "GPa"))

@@ -123,7 +123,9 @@ class HalfSpaceContact(PlotReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contacts of two surfaces at several loads, with friction for any mu0 and tau0. Arrays are read-only.
+    """Half-space contacts of two surfaces at several loads, with friction for any mu0 and tau0.
+
+    Arrays are read-only.
 
     The sums are over points under pressure, analogous to those of `LoadCurve` over asperities: n is the normal of the
     deformed interface at a point, t the tangent, s the direction. A patch opposes if its force on the upper surface
@@ -219,7 +221,10 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Pull-off force (mN), and True if this force is only a lower bound. Gives no warning, unlike `pull_off`."""
+        """Pull-off force (mN), and True if this force is only a lower bound.
+
+        Gives no warning, unlike `pull_off`.
+        """
         if self.work_of_adhesion == 0:
             return 0.0, False
         return -self._separation_solutions[0][-1].load, bool(self._separation_solutions[1])
@@ -301,7 +306,10 @@ class HalfSpaceCurve(FrictionCurve):
         return self._compute_stiffness("unloading_stiffness")
 
     def _compute_stiffness(self, name: str) -> Floats:
-        """Return the stiffness `name` at each load. The compliances of all loads are computed in one call."""
+        """Return the stiffness `name` at each load.
+
+        The compliances of all loads are computed in one call.
+        """
         if self._problem.has_finite_approach or name.endswith("closure_stiffness"):
             cache_compliances(self._contact_solutions, unloading=name.startswith("unloading"))
         return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
@@ -339,7 +347,10 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def hardness(self) -> float | None:
-        """Hardness (GPa), which is the largest possible pressure. None if the bodies do not yield."""
+        """Hardness (GPa), which is the largest possible pressure.
+
+        None if the bodies do not yield.
+        """
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
@@ -609,7 +620,10 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report a solver iteration at step `index` of a group of loading steps. `num_solved` steps precede the group."""
+    """Report a solver iteration at step `index` of a group of loading steps.
+
+    `num_solved` steps precede the group.
+    """
     progress(num_solved + index, iteration, error)
 
 
@@ -680,7 +694,10 @@ def solve_together_or_separately(
 
 
 def solve_at_zero_load(solve: Callable[[Floats], HalfSpaceCurve]) -> HalfSpaceCurve | None:
-    """Return the contact of adhering surfaces at zero load, or None if the solver fails."""
+    """Return the contact of adhering surfaces at zero load.
+
+    Returns None if the solver fails.
+    """
     try:
         return solve(np.zeros(1))
     except NoSolutionError:

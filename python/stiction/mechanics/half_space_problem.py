@@ -51,7 +51,9 @@ def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
     remains_cached: bool = True,
 ) -> _core.HalfSpaceGrids:  # fmt: skip
-    """Return the grids of a half-space problem with their elastic kernels. Calls with equal arguments share the grids.
+    """Return the grids of a half-space problem with their elastic kernels.
+
+    Calls with equal arguments share the grids.
 
     Unless `remains_cached` is False, the grids remain cached until the next call, even if no problem uses them.
     """
@@ -379,7 +381,10 @@ def make_problem(
     upper: Profile | Surface, lower: Profile | Surface, effective_modulus: float, *, periodic: bool,
     compliance_share: float, hardness: float | None,
 ) -> HalfSpaceProblem:  # fmt: skip
-    """Create the contact problem of two surfaces on the same grid. The caller must have checked all arguments."""
+    """Create the contact problem of two surfaces on the same grid.
+
+    The caller must have checked all arguments.
+    """
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
             f"the bodies upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
@@ -416,7 +421,10 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 
 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
-    """Return the problem on every second grid point. An attraction range that this grid cannot resolve is increased."""
+    """Return the problem on every second grid point.
+
+    An attraction range that this grid cannot resolve is increased.
+    """
     spacing = tuple(2 * step for step in problem.spacing)
     upper_heights, lower_heights, gap = (
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
@@ -571,8 +579,9 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Give missing points a gap that never closes. The core multiplies its tolerance by the standard deviation
-            # of the gap, which these large gaps increase. `scale` compensates the increase.
+            # Give missing points a gap that never closes.
+            # The core multiplies its tolerance by the standard deviation of the gap, which these large gaps increase.
+            # `scale` compensates the increase.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(
@@ -584,7 +593,10 @@ class ContactSolver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or an approach. Raises `NoSolutionError` if the error exceeds the tolerance."""
+        """Solve the contact at a load or an approach.
+
+        Raises `NoSolutionError` if the error exceeds the tolerance.
+        """
         problem, is_load = self.problem, self.step_kind == "loads"
         value = step / (problem.cell_area * problem.gap.size) if is_load else step
         solve_step = self._core.at if is_load else self._core.at_approach
@@ -600,7 +612,9 @@ class ContactSolver:
     def contacts_at(
         self, steps: Floats, near: Floats | None, progress: Callable[[int, int, float], object] | None
     ) -> StepResult:
-        """Solve the contact at several loads or approaches. Each step starts from the pressures of the step before it.
+        """Solve the contact at several loads or approaches.
+
+        Each step starts from the pressures of the step before it.
 
         Returns the arrays of `to_step_result`. Raises `NoSolutionError` at the first step whose error exceeds the
         tolerance.
@@ -667,7 +681,10 @@ def to_contact_solution(
     problem: HalfSpaceProblem, solution: _core.HalfSpaceSolution | AdhesionState, load: float | None,
     attraction: Floats | float = 0.0, *, scale: float = 1.0,
 ) -> ContactSolution:  # fmt: skip
-    """Convert a result of the solver to a `ContactSolution`. The default load (mN) is the sum of the pressures."""
+    """Convert a result of the solver to a `ContactSolution`.
+
+    The default load (mN) is the sum of the pressures.
+    """
     hardness = np.inf if problem.hardness is None else problem.hardness
     pressure = solution.pressure.reshape(problem.gap.shape)
     contact_arrays: Any = _core.patches_of(pressure, periodic=problem.periodic, hardness=hardness)

@@ -45,7 +45,9 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class HertzSphere(ContactLaw):
-    """Hertz law of elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap. Exact for contact radii a << R.
+    """Hertz law of elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap.
+
+    Exact for contact radii a << R.
 
     Notes
     -----
@@ -124,7 +126,10 @@ CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
 
 
 def parse_contact_law(law: ContactLaw | LawName) -> ContactLaw:
-    """Return the contact law with a given name, or a given law unchanged. Other arguments raise a `ValueError`."""
+    """Return the contact law with a given name, or a given law unchanged.
+
+    Other arguments raise a `ValueError`.
+    """
     if isinstance(law, str):
         check_choice("law", law, LawName)
         return CONTACT_LAWS_BY_NAME[law]

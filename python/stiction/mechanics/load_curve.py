@@ -45,7 +45,10 @@ class LoadCurveInputs:
         return {"bodies": () if len(self.bodies) == 1 else self.bodies, "model": self.model}
 
     def at(self, approach: float) -> Contacts:
-        """Return all contacts at one approach (µm). The contacts do not depend on the direction of motion."""
+        """Return all contacts at one approach (µm).
+
+        The contacts do not depend on the direction of motion.
+        """
         if not self.bodies:
             raise ValueError(
                 "the curve comes from another process and does not contain its contact candidates, which are required "
@@ -57,7 +60,9 @@ class LoadCurveInputs:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class LoadCurve(FrictionCurve, ContactSums):
-    """Loads and contact area of a pair at each approach, for any mu0 and tau0. All arrays are read-only.
+    """Loads and contact area of a pair at each approach, for any mu0 and tau0.
+
+    All arrays are read-only.
 
     Normal and tangential load are linear in the molecular friction coefficient mu0 and the adhesive shear strength
     tau0, so six sums over the contacts determine both. n is the contact normal, t the tangent, s the direction in which

@@ -119,7 +119,10 @@ class SurfacePair:
         self._cached_candidates: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
-        """Compute the contact sums at each approach (µm). Gap minima of earlier calls are used if possible."""
+        """Compute the contact sums at each approach (µm).
+
+        Gap minima of earlier calls are used if possible.
+        """
         arguments: dict[str, Any] = {"approaches": approaches}
         if isinstance(self.upper, Surface):
             arguments["directions"] = model.directions()
@@ -143,7 +146,10 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a function of the C++ core with the gap minima. With "cell" detection, pass both surfaces instead."""
+        """Call a function of the C++ core with the gap minima.
+
+        With "cell" detection, pass both surfaces instead.
+        """
         model = make_pair_model(self.upper, self.lower, {"model": model})
         arguments = arguments | {"model": model.core()}
         if model.detection == "cell":

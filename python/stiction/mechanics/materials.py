@@ -281,7 +281,10 @@ def softer_hardness(upper: Material, lower: Material) -> MaterialValue | None:
 
 
 def softest_material(*bodies: Material) -> Material | None:
-    """Return the material with the lowest hardness, or None if no material is given or a hardness is missing."""
+    """Return the material with the lowest hardness.
+
+    Returns None if no material is given or a hardness is missing.
+    """
     hardnesses = [(body.hardness, body) for body in bodies if body.hardness is not None]
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 

@@ -220,7 +220,10 @@ class HalfSpaceTangentialProblem:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tangential tractions. A copy of the problem creates its own solver."""
+        """Solver for the tangential tractions.
+
+        A copy of the problem creates its own solver.
+        """
         return _core.HalfSpaceSolver(
             np.zeros(self.shape),
             self.grids,

@@ -124,13 +124,19 @@ class ContactModel:
         )
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles. Raise a `ValueError` if its direction is not along x."""
+        """Return the model with the defaults for profiles.
+
+        Raise a `ValueError` if its direction is not along x.
+        """
         if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction for profiles must be "+x" or "-x", got {short_repr(self.direction)}')
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
-        """Return the model with the defaults for surfaces. Raise a `ValueError` if the model is for profiles only."""
+        """Return the model with the defaults for surfaces.
+
+        Raise a `ValueError` if the model is for profiles only.
+        """
         if self.detection == "cell":
             raise ValueError(
                 'detection must be "gap-minimum" on surfaces, got "cell", which the paper defines only along a line'
@@ -253,7 +259,10 @@ def reject_missing_modulus(*sources: str) -> None:
 
 
 def source_history_entry(body: Profile | Surface) -> str:
-    """Return the history entry "read from FILE" of a measured body, or "" if the body was generated."""
+    """Return the history entry "read from FILE" of a measured body.
+
+    Returns "" if the body was generated.
+    """
     return next((step for step in getattr(body, "history", ())[:1] if step.startswith("read from")), "")
 
 
@@ -326,7 +335,10 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:
-    """Return True if two arrays differ only by a constant. To save time, a few points are compared before the rest."""
+    """Return True if two arrays differ only by a constant.
+
+    To save time, a few points are compared before the rest.
+    """
     tolerance = _SAME_HEIGHT_TOLERANCE * float(np.ptp(a))
     first_differences = np.atleast_2d(a)[0, :64] - np.atleast_2d(b)[0, :64]
     return float(np.ptp(first_differences)) <= tolerance and float(np.ptp(a - b)) <= tolerance

@@ -65,7 +65,10 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state at a tangential load (mN), at most the sliding load. `near` is an initial guess."""
+        """Return the slip state at a tangential load (mN), at most the sliding load.
+
+        `near` is an initial guess.
+        """
 
     def dissipated_energy(self, slip: SlipState) -> float:
         """Return the energy (mN µm) that friction dissipates in first loading from rest to a slip state."""
@@ -73,7 +76,9 @@ class TangentialProblem(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotReprMixin):
-    """Onset of sliding of two surfaces: a tangential load grows from 0 at constant normal load. Arrays are read-only.
+    """Onset of sliding of two surfaces: a tangential load grows from 0 at constant normal load.
+
+    Arrays are read-only.
 
     An onset is returned by ``curve.onset(index, mu0=..., tau0=...)`` of a `HalfSpaceCurve`, `LoadCurve` or
     `SurfaceLoadCurve`.
@@ -174,7 +179,9 @@ class Onset(PlotReprMixin):
         return make_read_only(self._spread_over_all_points(self._slips[self._resolve_load_index(index)].traction, 0.0))
 
     def slip_load(self) -> Floats:
-        """Return the smallest tangential load (mN) at which each grid point slips, or NaN if the point never slips.
+        """Return the smallest tangential load (mN) at which each grid point slips.
+
+        Returns NaN if the point never slips.
 
         For asperities, the load at which each contact slides as a whole is returned, in the order of `contacts`.
         """
@@ -227,7 +234,9 @@ class Onset(PlotReprMixin):
         )
 
     def frame(self) -> pandas.DataFrame:
-        """Return the first loading as a table. Each row is a load, and the column names contain units.
+        """Return the first loading as a table.
+
+        Each row is a load, and the column names contain units.
 
         `energy_lost` is the energy loss in a cycle with this amplitude. The table is the backbone of a Masing model.
         """
@@ -291,7 +300,10 @@ class Onset(PlotReprMixin):
         return np.minimum(loads, self.sliding_load)
 
     def _solve_at_load(self, load: float) -> SlipState:
-        """Return the slip state at a tangential load (mN). The solution at the nearest load is the initial guess."""
+        """Return the slip state at a tangential load (mN).
+
+        The solution at the nearest load is the initial guess.
+        """
         nearest_slip = min(self._slips, key=lambda slip: abs(slip.load - load))
         return (
             nearest_slip
@@ -388,7 +400,10 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
 
 
 def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return the fractions of the sliding load that `steps` specifies. An integer n means n equal steps up to 1."""
+    """Return the fractions of the sliding load that `steps` specifies.
+
+    An integer n means n equal steps up to 1.
+    """
     if np.ndim(steps) == 0:
         count = validate_whole_number("steps", steps, minimum=1, maximum=100_000)
         return np.arange(1, count + 1) / count

@@ -261,7 +261,10 @@ class _BodyPair:
 
     @property
     def nominal_area(self) -> float:
-        """Nominal area (µm²) of the pair. A profile counts as 1 µm wide."""
+        """Nominal area (µm²) of the pair.
+
+        A profile counts as 1 µm wide.
+        """
         return math.prod(self.upper.spacings) * self.upper.heights.size
 
     @property
@@ -328,7 +331,10 @@ def _make_cutoff_dataset(
     body_pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a dataset of area, pressure and contact sums at each cutoff. Values are NaN where the solver failed."""
+    """Return a dataset of area, pressure and contact sums at each cutoff.
+
+    Values are NaN where the solver failed.
+    """
     import xarray as xr
 
     gaps = [body_pair.compute_gap(*body_pair.bodies_with_cut_off(length)) for length in lengths]

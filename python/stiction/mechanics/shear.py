@@ -160,7 +160,9 @@ class ShearBox:
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
-        """Return the largest number of strips whose overlaps are at least `min_points` wide, or 0 if no strip fits.
+        """Return the largest number of strips whose overlaps are at least `min_points` wide.
+
+        Returns 0 if no strip fits.
 
         Strips move sideways if the motion is oblique to the grid.
         """
@@ -177,7 +179,9 @@ class ShearBox:
         return int(np.argmin(np.abs(self._motion)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut both faces into strips along the motion. Return one shear test per strip, with unchanged normal stress.
+        """Cut both faces into strips along the motion.
+
+        Return one shear test per strip, with unchanged normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -390,7 +394,10 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return a map of the contact pressure (GPa) at the peak of the shear curve, or None without a peak."""
+        """Return a map of the contact pressure (GPa) at the peak of the shear curve.
+
+        Returns None without a peak.
+        """
         import xarray as xr
 
         if test.attrs["peak_status"] != STATUS_OK:

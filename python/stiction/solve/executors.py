@@ -69,7 +69,9 @@ class _ThreadPool(ThreadPoolExecutor):
 
 @contextlib.contextmanager
 def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Yield a thread pool with one thread per core by default. The pool is closed when the context ends.
+    """Yield a thread pool with one thread per core by default.
+
+    The pool is closed when the context ends.
 
     If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
     if no thread can start.

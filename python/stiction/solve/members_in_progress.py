@@ -201,7 +201,10 @@ class _StoredRecord(SolutionRecord):
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Read the result of a finished step, or return None if this step or an earlier step is not stored."""
+        """Read the result of a finished step.
+
+        Returns None if this step or an earlier step is not stored.
+        """
         result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
         self._is_resuming = result is not None
         return result
@@ -234,7 +237,10 @@ def _encode_result(result: StepResult) -> bytes:
 
 
 def _read_result(path: Path) -> StepResult | None:
-    """Read the result of a finished step from a file, or return None if the file is missing or damaged."""
+    """Read the result of a finished step from a file.
+
+    Returns None if the file is missing or damaged.
+    """
     try:
         with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_BYTES)), allow_pickle=False) as file:
             return dict(file.items())

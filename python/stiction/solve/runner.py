@@ -369,7 +369,10 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Ranges of members that a run still has to compute. Each range lies within one block."""
+    """Ranges of members that a run still has to compute.
+
+    Each range lies within one block.
+    """
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -407,7 +410,8 @@ def _submit_member_ranges(
     tasks.
     """
     # Import the parent of SciPy's packages before tasks start: if two threads imported it at the same time, both
-    # imports could fail. Its packages may be imported by several threads.
+    # imports could fail.
+    # Its packages may be imported by several threads.
     import scipy  # noqa: F401
 
     ranges = iter(unfinished_members)

@@ -213,7 +213,10 @@ class StoredResult:
         )
 
     def first_member(self) -> xarray.Dataset:
-        """Return the first finished member of the result as a dataset. At least one member must be finished."""
+        """Return the first finished member of the result as a dataset.
+
+        At least one member must be finished.
+        """
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
@@ -236,7 +239,10 @@ class StoredResult:
 
     @cached_property
     def _whole_dataset(self) -> xarray.Dataset:
-        """Dataset with all finished members. The arrays are read-only, because all tables and figures share them."""
+        """Dataset with all finished members.
+
+        The arrays are read-only, because all tables and figures share them.
+        """
         return share_read_only(self._read_member_range(0, self.num_finished))
 
     def _read_member_range(self, first: int, last: int, names: Collection[str] | None = None) -> xarray.Dataset:
@@ -428,7 +434,10 @@ _NETCDF_ATTRIBUTES = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIME
 
 
 def _read_attributes(source: h5py.File | h5py.Dataset) -> dict[str, Any]:
-    """Read the attributes of a netCDF file or variable. An array with one element is returned as a scalar."""
+    """Read the attributes of a netCDF file or variable.
+
+    An array with one element is returned as a scalar.
+    """
     names = [name for name in source.attrs if name not in _NETCDF_ATTRIBUTES and not name.startswith("_N")]
     values_by_name = {name: np.asarray(source.attrs[name]) for name in names}
     return {name: value.item() if value.size == 1 else value for name, value in values_by_name.items()}
@@ -477,7 +486,10 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a directory contains block files for all members of a study. The block files are not read."""
+    """Return whether a directory contains block files for all members of a study.
+
+    The block files are not read.
+    """
     return StoredResult(Path(path), study, _list_block_files(Path(path))).num_finished == study.ensemble.repetitions
 
 
@@ -1036,7 +1048,10 @@ def _read_member_array(file: h5py.File, name: str, shape: tuple[int, ...]) -> ND
 
 
 def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = None) -> NDArray[Any]:
-    """Read a variable of an HDF5 file. Variables that are links to other data are rejected."""
+    """Read a variable of an HDF5 file.
+
+    Variables that are links to other data are rejected.
+    """
     import h5py
 
     # These low-level functions of h5py take half the time that its classes would take, which matters for small

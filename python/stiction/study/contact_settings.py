@@ -151,7 +151,10 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a property of both bodies as a pair of values. A single value applies to both bodies."""
+    """Return a property of both bodies as a pair of values.
+
+    A single value applies to both bodies.
+    """
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 

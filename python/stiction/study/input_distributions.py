@@ -106,7 +106,9 @@ class UncertainInput:
 
     @property
     def distribution_text(self) -> str:
-        """Distribution in core units, as in "log-normal 1.059..1.294". It is the same text for every unit of the input.
+        """Distribution in core units, as in "log-normal 1.059..1.294".
+
+        It is the same text for every unit of the input.
 
         Limits are rounded to four digits.
         """
@@ -168,7 +170,10 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse the text of an input, such as a range, to a distribution. Single spaces must separate the words."""
+    """Parse the text of an input, such as a range, to a distribution.
+
+    Single spaces must separate the words.
+    """
     is_rockwell = "HRC" in text and kind == "hardness"
     if match := _RANGE_PATTERN.fullmatch(text):
         is_uniform, first_text, last_text = match.groups()
@@ -280,7 +285,10 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return both limits of a range as texts with a unit. The user may have given the unit for one limit only."""
+    """Return both limits of a range as texts with a unit.
+
+    The user may have given the unit for one limit only.
+    """
     unit_matches = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if unit_matches[0] is None and unit_matches[1] is not None:
         return f"{first_text} {unit_matches[1][0]}", last_text
@@ -442,7 +450,10 @@ class InputValue(Quantity):
     __hash__ = Quantity.__hash__
 
     def __bool__(self) -> bool:
-        """Return False only for an exact 0. A range whose central value is 0 counts as True."""
+        """Return False only for an exact 0.
+
+        A range whose central value is 0 counts as True.
+        """
         return float(self) != 0 or not self.is_exact
 
     @property

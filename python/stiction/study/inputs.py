@@ -113,7 +113,9 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Create inputs from given values instead of a study. The values must include E*.
+        """Create inputs from given values instead of a study.
+
+        The values must include E*.
 
         `bodies` contains Young's modulus and Poisson's ratio of the upper and of the lower body, if they are given.
         """
@@ -125,7 +127,10 @@ class Inputs:
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the distribution of an input, or None if the study does not have this input."""
+        """Return the distribution of an input.
+
+        Returns None if the study does not have this input.
+        """
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
@@ -148,7 +153,10 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of an input (GPa, or dimensionless). Contacts are computed with this value."""
+        """Return the central value of an input (GPa, or dimensionless).
+
+        Contacts are computed with this value.
+        """
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
@@ -215,7 +223,10 @@ def _build_input(name: str, label: str, value: InputValue) -> StudyInput:
 
 
 def find_materials(study: Study) -> tuple[Material, ...]:
-    """Return the materials of both bodies of a study, or an empty tuple if a name is missing or unknown."""
+    """Return the materials of both bodies of a study.
+
+    Returns an empty tuple if a name is missing or unknown.
+    """
     try:
         return tuple(material(name) for name in study.contact.materials or ())
     except ValueError:

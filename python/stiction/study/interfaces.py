@@ -110,8 +110,9 @@ class StrengthFit:
     hardness: Floats  # hardness (GPa) of each sample of mu0; NaN if the tests have different hardnesses
     junction_growth: Floats  # junction growth α of each sample of mu0; NaN if α differs between tests or has no effect
     area_per_load: Floats  # area per load A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
-    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0. Their names
-    # are those of `shared_input_name` and `area_error_name`. Another pair with the same input uses the same scores.
+    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0.
+    # Their names are those of `shared_input_name` and `area_error_name`.
+    # Another pair with the same input uses the same scores.
     scores: Mapping[str, Floats] = field(default_factory=dict)
 
 
@@ -594,7 +595,10 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def fitted_rule(self) -> SlidingRule:
-        """Sliding rule under which mu0 and tau0 were fitted. Old study files do not contain this rule."""
+        """Sliding rule under which mu0 and tau0 were fitted.
+
+        Old study files do not contain this rule.
+        """
         strength = self.load()
         return self.sliding if strength is None else strength.fits[0].sliding
 

@@ -144,7 +144,10 @@ class MeasuredBodySettings(SettingsSection):
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
-        """Compare all keys of two bodies. Bodies in memory are compared by checksum and history."""
+        """Compare all keys of two bodies.
+
+        Bodies in memory are compared by checksum and history.
+        """
         return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
 
     def __hash__(self) -> int:
@@ -350,7 +353,10 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and height maps that the scans of the body contain. Spectra are omitted."""
+        """Profiles and height maps that the scans of the body contain.
+
+        Spectra are omitted.
+        """
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
@@ -371,7 +377,10 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def reading(self) -> FileReading[Any] | None:
-        """Interpretation of the scan file: columns, units and caveats. None for bodies without such a file."""
+        """Interpretation of the scan file: columns, units and caveats.
+
+        None for bodies without such a file.
+        """
         if self.body is not None or is_spectrum_file(Path(self.file)):
             return None
         return _read_scan_file(self._identify_content(self.checksum()))
@@ -402,7 +411,10 @@ class MeasuredBodySettings(SettingsSection):
             raise ValueError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
 
     def file_stamp(self) -> tuple[int, int] | None:
-        """Return modification time (ns) and size (bytes) of the scan file, or None if the file does not exist."""
+        """Return modification time (ns) and size (bytes) of the scan file.
+
+        Returns None if the file does not exist.
+        """
         try:
             file_status = None if self.body else Path(self.file).stat()
         except OSError:
@@ -410,7 +422,10 @@ class MeasuredBodySettings(SettingsSection):
         return file_status and (file_status.st_mtime_ns, file_status.st_size)
 
     def with_absolute_paths(self, directory: Path) -> MeasuredBodySettings:
-        """Return a copy of the body with absolute paths of scan files. `directory` is the base of relative paths."""
+        """Return a copy of the body with absolute paths of scan files.
+
+        `directory` is the base of relative paths.
+        """
         return self._apply_to_scans(
             lambda scan: (
                 scan if scan.body else scan.model_copy(update={"file": str((directory / scan.file).absolute())})
@@ -418,7 +433,10 @@ class MeasuredBodySettings(SettingsSection):
         )
 
     def with_checksums(self) -> MeasuredBodySettings:
-        """Return a copy of the body with the checksums of all scan files. Missing checksums are computed."""
+        """Return a copy of the body with the checksums of all scan files.
+
+        Missing checksums are computed.
+        """
         return self._apply_to_scans(
             lambda scan: scan if scan.sha256 is not None else scan.model_copy(update={"sha256": scan.checksum()})
         )
@@ -448,7 +466,10 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Cache key of a scan file: file name, checksum and reading options. The path of the file is not compared."""
+    """Cache key of a scan file: file name, checksum and reading options.
+
+    The path of the file is not compared.
+    """
 
     settings: MeasuredBodySettings
     path: Path = field(compare=False)

@@ -82,7 +82,10 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the cutoff wavelengths (µm) of the study. A result has one cell per cutoff."""
+        """Return the cutoff wavelengths (µm) of the study.
+
+        A result has one cell per cutoff.
+        """
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:

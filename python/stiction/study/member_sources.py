@@ -95,7 +95,10 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study. Each index gives one member, a pair of bodies."""
+    """Source of the members of a study.
+
+    Each index gives one member, a pair of bodies.
+    """
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member (pair of bodies) with a given index.
@@ -153,7 +156,10 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Cached function that returns a pair of lines. Several members consist of the same pair."""
+        """Cached function that returns a pair of lines.
+
+        Several members consist of the same pair.
+        """
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:

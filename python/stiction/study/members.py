@@ -187,7 +187,9 @@ def pair_of(
 
 
 def _get_grid_properties(body: Any) -> tuple[Any, ...]:
-    """Return type, shape and spacing of a scan. Scans whose properties are equal have equal grids.
+    """Return type, shape and spacing of a scan.
+
+    Scans whose properties are equal have equal grids.
 
     The spacing is rounded, because positions in a file are subject to round-off.
     """
@@ -269,7 +271,10 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Upper and lower filtered scan from which members are cut. The list is empty for a gap and for spectra."""
+        """Upper and lower filtered scan from which members are cut.
+
+        The list is empty for a gap and for spectra.
+        """
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]

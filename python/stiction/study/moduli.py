@@ -31,7 +31,10 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default range of the area loss under shear, or None if E* (GPa) is too large for rubber."""
+    """Return the default range of the area loss under shear.
+
+    Returns None if E* (GPa) is too large for rubber.
+    """
     return ELASTOMER_AREA_LOSS if effective_modulus < MAX_RUBBER_MODULUS else None
 
 

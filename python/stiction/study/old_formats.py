@@ -169,7 +169,10 @@ def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:
 
 
 def _parse_input_or_none(name: str, entry: Any) -> InputValue | None:
-    """Parse an input in an old study file, or return None if the input is invalid."""
+    """Parse an input in an old study file.
+
+    Returns None if the input is invalid.
+    """
     try:
         return parse_input_value(name, entry)
     except ValueError:

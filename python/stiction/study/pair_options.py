@@ -510,7 +510,10 @@ class SurfaceOptions(OptionGroup):
 
 
 class FileReadingOptions(OptionGroup):
-    """Options for reading scan files. An option has one value for both files, or one value per file."""
+    """Options for reading scan files.
+
+    An option has one value for both files, or one value per file.
+    """
 
     title: ClassVar[str] = "Reading files"
 
@@ -800,7 +803,10 @@ class PairOptions(
     title: ClassVar[str] = "Options of a pair"
 
     def option_value(self, name: str) -> object:
-        """Return the value of an option, or None if the user has not given the option."""
+        """Return the value of an option.
+
+        Returns None if the user has not given the option.
+        """
         value: object = getattr(self, name)
         return None if value is False else value
 

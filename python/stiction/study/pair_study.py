@@ -337,7 +337,10 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values of an option, such as mu0, as study inputs. Numbers without a unit are in core units."""
+        """Parse the values of an option, such as mu0, as study inputs.
+
+        Numbers without a unit are in core units.
+        """
         values = [value for value in split_values(self.options.option_value(name)) if value is not None]
         if INPUT_KINDS[name]:
             values = [value if isinstance(value, str) else exact_quantity_text(value, "GPa") for value in values]
@@ -351,7 +354,10 @@ class MeasuredPair:
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
-        """Interface that the user gives instead of mu0 and tau0. None if the user gives no interface."""
+        """Interface that the user gives instead of mu0 and tau0.
+
+        None if the user gives no interface.
+        """
         if self.options.interface is None:
             return None
         if isinstance(self.options.interface, InterfaceStrength):
@@ -837,7 +843,10 @@ class MeasuredPair:
         return {"name": self.contact_law, "yield_strength": strength, "poisson_ratio": ratio}
 
     def _choose_load_steps(self, contacts: list[dict[str, Any]]) -> Floats:
-        """Return the loads (mN) at which contacts are computed. All contact models use the same loads."""
+        """Return the loads (mN) at which contacts are computed.
+
+        All contact models use the same loads.
+        """
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
@@ -909,7 +918,10 @@ def _validate_study(sections: dict[str, Any]) -> Study:
 
 
 def _find_option(key: str) -> str | None:
-    """Return the name of the option that sets a study key such as "friction.mu0[0]". Return None if no option does."""
+    """Return the name of the option that sets a study key such as "friction.mu0[0]".
+
+    Return None if no option does.
+    """
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
     return next(
@@ -929,7 +941,10 @@ def build_study_from_options(options: PairOptions) -> Study:
 
 
 def _split_at_commas(value: Any) -> Any:
-    """Split a text at commas. Other values are returned unchanged."""
+    """Split a text at commas.
+
+    Other values are returned unchanged.
+    """
     return split_values(value) if isinstance(value, str) and "," in value else value
 
 
@@ -969,6 +984,9 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Noi
 
 
 def _sort_unique(values: list[Quantity]) -> list[Quantity]:
-    """Return quantities in ascending order without duplicates. Of equal quantities, the last one is kept."""
+    """Return quantities in ascending order without duplicates.
+
+    Of equal quantities, the last one is kept.
+    """
     by_value = {float(value): value for value in values}
     return [by_value[value] for value in sorted(by_value)]

@@ -36,7 +36,10 @@ type.
 
 
 class DamagedFileError(Exception):
-    """Error raised if the content of a stored file is invalid. The message states the reason."""
+    """Error raised if the content of a stored file is invalid.
+
+    The message states the reason.
+    """
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -592,7 +592,10 @@ class Study(SettingsSection):
         return validate_section(Study, data, "changes")
 
     def to_toml(self) -> str:
-        """Format the study as TOML text with all keys. `Study.from_toml` creates an equal study from this text."""
+        """Format the study as TOML text with all keys.
+
+        `Study.from_toml` creates an equal study from this text.
+        """
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
@@ -658,7 +661,10 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another class. Keys that differ from the default of the old class keep their values."""
+    """Convert a section to another class.
+
+    Keys that differ from the default of the old class keep their values.
+    """
     section_class = type(section)
     changed_keys = {key for key, value in section if value != section_class.model_fields[key].default}
     keys = [key for key, field in target_class.model_fields.items() if key in changed_keys or not field.is_required()]

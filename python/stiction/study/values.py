@@ -53,7 +53,10 @@ read_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format quantities and numbers as text, also inside tuples. Other values are returned unchanged."""
+    """Format quantities and numbers as text, also inside tuples.
+
+    Other values are returned unchanged.
+    """
     if isinstance(value, tuple):
         return tuple(map(format_quantities, value))
     if isinstance(value, Quantity):
@@ -171,14 +174,20 @@ SlidingRules = Annotated[
 
 
 class SettingsSection(BaseModel):
-    """Base class for the sections of a study file. A section declares its keys, and is immutable."""
+    """Base class for the sections of a study file.
+
+    A section declares its keys, and is immutable.
+    """
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, validate_default=True, defer_build=True
     )
 
     def __init__(self, **values: Any) -> None:
-        """Validate the values of the section's keys. An invalid value raises a `StudyError` that names the key."""
+        """Validate the values of the section's keys.
+
+        An invalid value raises a `StudyError` that names the key.
+        """
         try:
             super().__init__(**values)
         except ValidationError as error:
@@ -189,7 +198,10 @@ class SettingsSection(BaseModel):
 
 
 class SettingsSectionVariant(SettingsSection):
-    """Base class of the variants of a section. Each variant is a class with its own keys."""
+    """Base class of the variants of a section.
+
+    Each variant is a class with its own keys.
+    """
 
     place: ClassVar[str]  # name of a section variant in error messages, such as "measured surfaces"
 
@@ -208,7 +220,9 @@ def make_key_error(key: str, message: str) -> PydanticCustomError:
 
 
 def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key that selects the variant of a section. The default is the first name in `cases`.
+    """Return the value of a key that selects the variant of a section.
+
+    The default is the first name in `cases`.
 
     Raises an error if the value is not a name in `cases`.
     """
@@ -348,7 +362,9 @@ MAX_LISTED_FAULTS = 5  # maximum number of errors in a study that one message li
 
 
 class StudyError(ValueError):
-    """Error raised if a study is invalid. Each line of the message names one key and the error in its value.
+    """Error raised if a study is invalid.
+
+    Each line of the message names one key and the error in its value.
 
     Attributes
     ----------

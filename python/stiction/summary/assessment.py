@@ -153,7 +153,10 @@ class LimitCheck(NamedTuple):
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
-        """Return the caveat of a failed check. Its text contains the number that is compared, or a related number."""
+        """Return the caveat of a failed check.
+
+        Its text contains the number that is compared, or a related number.
+        """
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
         return Caveat(
@@ -367,7 +370,10 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit among the contact checks of the named number, or None if no check has this number."""
+    """Return the lowest limit among the contact checks of the named number.
+
+    Returns None if no check has this number.
+    """
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
 
@@ -846,7 +852,10 @@ def _find_area_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _compute_area_fraction(point: xarray.Dataset, study: Study) -> float:
-    """Return the ratio of true to nominal area, or NaN for generated profiles, which have no nominal area."""
+    """Return the ratio of true to nominal area.
+
+    Returns NaN for generated profiles, which have no nominal area.
+    """
     if "contact_area_fraction" in point or study.is_measured or not study.is_areal:
         return mean_over_directions(point, "contact_area_fraction")
     surfaces: Any = study.surfaces

@@ -186,8 +186,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # If the study has a range of fractal dimensions, show only a few, which suffice for a curve. If the study lists
-        # fractal dimensions, show all of them.
+        # If the study has a range of fractal dimensions, show only a few, which suffice for a curve.
+        # If the study lists fractal dimensions, show all of them.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -327,7 +327,10 @@ class Evaluation(MemberSums):
         return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to forces (mN). A load that is given as a pressure is multiplied by the nominal area."""
+        """Convert loads to forces (mN).
+
+        A load that is given as a pressure is multiplied by the nominal area.
+        """
         area = self.nominal_area
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 

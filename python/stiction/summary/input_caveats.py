@@ -90,7 +90,10 @@ def find_input_caveats(
     quoted_cutoff = surfaces.reported_cut_off()
 
     def find_body_caveats(file: MeasuredBodySettings, body: MeasuredBody) -> list[Caveat]:
-        """Return the caveats about all scans of a body. Caveats of one kind are merged and keep the longest cutoff."""
+        """Return the caveats about all scans of a body.
+
+        Caveats of one kind are merged and keep the longest cutoff.
+        """
         caveats_by_kind: dict[str, Caveat] = {}
         for scan_entry, scan in zip(file.scans, (body, *(other.read() for other in file.scans[1:])), strict=True):
             scan_caveats = [
@@ -235,7 +238,10 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat. If it recommends a cutoff above `longest` (µm), return another remedy."""
+    """Return the remedy of a caveat.
+
+    If it recommends a cutoff above `longest` (µm), return another remedy.
+    """
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -258,7 +264,10 @@ def _get_caveat_kind(caveat: Caveat) -> str:
 
 
 def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
-    """Merge the texts of two caveats of the same kind. Where numbers differ, the merged text contains both numbers."""
+    """Merge the texts of two caveats of the same kind.
+
+    Where numbers differ, the merged text contains both numbers.
+    """
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
     def merge_number(own_number: re.Match[str]) -> str:
@@ -301,7 +310,9 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return the caveats about the scans of a study, or an empty tuple if files are missing.
+    """Return the caveats about the scans of a study.
+
+    Returns an empty tuple if files are missing.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -474,7 +485,10 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height that a parabola fits, or 0 if higher orders are large."""
+    """Return the fraction of the mean square height that a parabola fits.
+
+    Returns 0 if higher orders are large.
+    """
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)
     levelled_heights = levelled(body, "line").heights

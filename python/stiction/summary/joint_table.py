@@ -71,7 +71,10 @@ class JointUnits:
         return cls(*text.split(","))
 
     def convert(self, estimate: Estimate) -> Estimate:
-        """Convert an estimate to this unit system. An estimate without a unit is returned unchanged."""
+        """Convert an estimate to this unit system.
+
+        An estimate without a unit is returned unchanged.
+        """
         length, pressure = quantity(f"1 {self.length}", "length"), quantity(f"1 {self.pressure}", "pressure")
         conversions = {
             "um": (self.length, float(length)),

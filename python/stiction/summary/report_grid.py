@@ -104,7 +104,10 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of direction indices. The coefficient of a group is averaged over its directions."""
+        """Groups of direction indices.
+
+        The coefficient of a group is averaged over its directions.
+        """
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions

@@ -172,8 +172,8 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
-# Mean ratio of overlap to radius above which the asperity model is invalid. Indicators that are load fractions have the
-# limit `MAX_AFFECTED_FRACTION` instead.
+# Mean ratio of overlap to radius above which the asperity model is invalid.
+# Indicators that are load fractions have the limit `MAX_AFFECTED_FRACTION` instead.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 STATUSES_OF_GENERATED_SURFACES = (
@@ -236,7 +236,10 @@ def is_shown_in_report(name: str, values: Floats) -> bool:
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the limit above which an indicator makes the asperity model invalid, or infinity for other quantities."""
+    """Return the limit above which an indicator makes the asperity model invalid.
+
+    Returns infinity for other quantities.
+    """
     if QUANTITIES[name].kind != "validity":
         return math.inf
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
@@ -317,6 +320,9 @@ def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Return an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`. A missing dimension gets length 1."""
+    """Return an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`.
+
+    A missing dimension gets length 1.
+    """
     table = table.expand_dims([dim for dim in DIMENSIONS_OF_REPORT_ARRAYS if dim not in table.dims])
     return np.asarray(table.transpose(*DIMENSIONS_OF_REPORT_ARRAYS, ...).values)

@@ -651,7 +651,10 @@ def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict
 
 
 def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
-    """Return the 95 % interval of a quantity, or None if the quantity has no interval."""
+    """Return the 95 % interval of a quantity.
+
+    Returns None if the quantity has no interval.
+    """
     if name not in table:
         return None
     estimate = read_estimate(table[name])
@@ -732,7 +735,9 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the contribution of roughness to a coefficient under the rule "all", or None if it is unknown.
+    """Return the contribution of roughness to a coefficient under the rule "all".
+
+    Returns None if it is unknown.
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also

@@ -47,7 +47,9 @@ class DominantStep(NamedTuple):
 
 
 def measure_parabola_fraction(body: Surface) -> float:
-    """Return the fraction of a map's mean square height that a parabola explains, or 0 if no parabola dominates.
+    """Return the fraction of a map's mean square height that a parabola explains.
+
+    Returns 0 if no parabola dominates.
 
     The heights are measured from the least-squares plane.
     """
@@ -67,7 +69,9 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the height step that explains most of a scan's mean square height, or return None if no step is sharp.
+    """Find the height step that explains most of a scan's mean square height.
+
+    Returns None if no step is sharp.
 
     A step and a plane are fitted together, because levelling by a plane tilts the two sides of a step.
     """

@@ -245,7 +245,10 @@ def _filter_reflected(heights: Floats, cutoffs_in_points: Sequence[float]) -> Fl
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums of heights by the sums of weights. If a sum of weights is too small, keep the height."""
+    """Divide weighted sums of heights by the sums of weights.
+
+    If a sum of weights is too small, keep the height.
+    """
     is_covered = weights > _MIN_WEIGHT_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 

@@ -23,7 +23,9 @@ _MAX_STEP_RATIO = 1 / 3 + 1e-6
 
 
 def find_height_step(heights: Floats) -> float:
-    """Find the step (µm) to which the heights of a scan are rounded, or return 0 if they are not rounded.
+    """Find the step (µm) to which the heights of a scan are rounded.
+
+    Returns 0 if they are not rounded.
 
     The step is also found if a line, a plane or a parabola was subtracted after the rounding.
 

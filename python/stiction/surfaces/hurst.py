@@ -39,7 +39,8 @@ _RELATIVE_MODEL_ERROR = 0.1
 # Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
 # This increase must be large, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes about 1 per bin.
+# Largest accepted deviance per bin of a spectrum from a power law.
+# Random scatter causes about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
@@ -114,7 +115,9 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law to each row of wave numbers, powers and weights. Returns exponents and negative log-likelihoods.
+    """Fit a power law to each row of wave numbers, powers and weights.
+
+    Returns exponents and negative log-likelihoods.
 
     This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
     """

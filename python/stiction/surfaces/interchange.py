@@ -51,7 +51,10 @@ def extract_heights(name: str, other: Any, *, unit: str | None = None) -> Extrac
 
 
 def to_data_array(heights: Floats, history: tuple[str, ...], **positions: Floats) -> xarray.DataArray:
-    """Convert heights and positions (µm) to an xarray.DataArray with units. `extract_heights` is the inverse."""
+    """Convert heights and positions (µm) to an xarray.DataArray with units.
+
+    `extract_heights` is the inverse.
+    """
     import xarray
 
     coordinate_attributes = {"units": "um", "long_name": "position"}

@@ -240,7 +240,10 @@ def power_law_misfit(
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a line, or return None if the line is flat or has no self-affine band."""
+    """Estimate the Hurst exponent of a line.
+
+    Returns None if the line is flat or has no self-affine band.
+    """
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -96,7 +96,10 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
 
 
 def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios. The material ratio of a height is the fraction of higher points."""
+    """Return the heights at given material ratios.
+
+    The material ratio of a height is the fraction of higher points.
+    """
     return np.asarray(np.quantile(heights, 1 - np.asarray(ratios)))
 
 

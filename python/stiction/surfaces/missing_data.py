@@ -314,7 +314,10 @@ def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
 
 
 def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
-    """Return, at each point, the median of the finite numbers in several arrays, or NaN for fewer than `min_count`."""
+    """Return, at each point, the median of the finite numbers in several arrays.
+
+    Returns NaN for fewer than `min_count`.
+    """
     sorted_values = np.stack(_find_smallest(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
     lower_index, upper_index = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)

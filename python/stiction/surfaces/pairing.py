@@ -60,7 +60,10 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines from two scans, or from surrogates of these lines. `paired_lines` describes the options."""
+    """Pairs of lines from two scans, or from surrogates of these lines.
+
+    `paired_lines` describes the options.
+    """
 
     upper: Profile | Surface
     lower: Profile | Surface
@@ -80,7 +83,10 @@ class LinePairs:
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the position (µm) of a pair's upper line on the map, across the lines, or 0 for profiles."""
+        """Return the position (µm) of a pair's upper line on the map, across the lines.
+
+        Returns 0 for profiles.
+        """
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]

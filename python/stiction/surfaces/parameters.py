@@ -182,7 +182,9 @@ ROUGHNESS_PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class RoughnessParameterSet(TextReprMixin):
-    """Set of computed roughness parameters. Each parameter is available as an attribute, such as `Sq`.
+    """Set of computed roughness parameters.
+
+    Each parameter is available as an attribute, such as `Sq`.
 
     Attributes
     ----------

@@ -327,7 +327,10 @@ def on_common_grid(
 
 
 def _count_grid_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm). A point within round-off of the length is included."""
+    """Return the number of grid points from 0 to a length (µm).
+
+    A point within round-off of the length is included.
+    """
     return math.floor(length / spacing + GRID_POSITION_TOLERANCE) + 1
 
 

@@ -217,7 +217,10 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the part of a mask of missing points that an index selects, or None if there is no mask."""
+    """Return the part of a mask of missing points that an index selects.
+
+    Returns None if there is no mask.
+    """
     return None if mask is None else mask[index]
 
 

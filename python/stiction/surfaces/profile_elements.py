@@ -47,7 +47,10 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
 
 
 def mean_profile_element(heights: Floats, peak: float, pit: float) -> tuple[float, float]:
-    """Return the mean spacing (in points) and the mean height of profile elements, or NaN if there are no elements."""
+    """Return the mean spacing (in points) and the mean height of profile elements.
+
+    Returns NaN if there are no elements.
+    """
     spacings, element_heights = profile_elements(heights, peak, pit)
     if not spacings.size:
         return math.nan, math.nan

@@ -138,14 +138,20 @@ The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 135
 
 
 def do_faces_fit(upper: Any, lower: Any) -> bool:
-    """Return whether two facing bodies fit into each other at some shift. Bodies of unequal spacing do not fit."""
+    """Return whether two facing bodies fit into each other at some shift.
+
+    Bodies of unequal spacing do not fit.
+    """
     if upper.is_flat or lower.is_flat or not np.allclose(upper.spacings, lower.spacings):
         return False
     return measure_fit(upper, lower) > MIN_FIT_CORRELATIONS[type(lower)]
 
 
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:
-    """Return the slope correlation of two facing bodies in their present position, or NaN if a body is flat."""
+    """Return the slope correlation of two facing bodies in their present position.
+
+    Returns NaN if a body is flat.
+    """
     if upper.is_flat or lower.is_flat:
         return math.nan
     return float(_correlate_slopes(upper, lower)[(0,) * lower.heights.ndim])
@@ -308,7 +314,9 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the overlapping parts of two faces. The upper part is interpolated at the points of the lower face.
+    """Return the overlapping parts of two faces.
+
+    The upper part is interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -399,7 +407,9 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Estimate the rms noise (µm) of a gap from fourth differences, or return 0 for too few points.
+    """Estimate the rms noise (µm) of a gap from fourth differences.
+
+    Returns 0 for too few points.
 
     Fourth differences of noise that is independent from point to point have 70 times its variance.
     """

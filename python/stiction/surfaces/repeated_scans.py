@@ -228,7 +228,10 @@ def _check_scans(first: Any, second: Any) -> None:
 def _interpolate_outliers(
     first: Profile | Surface, second: Profile | Surface, outliers: Sequence[NDArray[np.bool_]] | None
 ) -> tuple[Profile | Surface, Profile | Surface]:
-    """Interpolate the heights of outliers in both scans. Without `outliers`, return both scans unchanged."""
+    """Interpolate the heights of outliers in both scans.
+
+    Without `outliers`, return both scans unchanged.
+    """
     if outliers is None:
         return first, second
     masks = [np.asarray(mask) for mask in outliers] if isinstance(outliers, (list, tuple, np.ndarray)) else []

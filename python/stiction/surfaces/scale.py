@@ -742,7 +742,10 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values with known variances. Returns the slope and the standard deviation of the slope."""
+    """Fit a straight line to values with known variances.
+
+    Returns the slope and the standard deviation of the slope.
+    """
     weight = 1 / (variance + 0.01)
     x_deviations = x - np.average(x, weights=weight)
     weighted_square_sum = float(weight @ x_deviations**2)
@@ -804,7 +807,10 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin with the lowest density before a strong rise towards short wavelengths, or None without a rise."""
+    """Return the bin with the lowest density before a strong rise towards short wavelengths.
+
+    Returns None without a rise.
+    """
     lowest_density, lowest_bin = math.inf, 0
     for bin_index in np.flatnonzero(chance_variance < 1 / 4):
         if (

@@ -73,7 +73,9 @@ MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
 class ScanDefects:
-    """Defects of a scan: outliers, spikes, noise and tip limit. Each defect is computed on first use.
+    """Defects of a scan: outliers, spikes, noise and tip limit.
+
+    Each defect is computed on first use.
 
     Parameters
     ----------
@@ -112,7 +114,9 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Scan with interpolated outliers. Without interpolation, outliers would resemble white noise in spectra.
+        """Scan with interpolated outliers.
+
+        Without interpolation, outliers would resemble white noise in spectra.
 
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
@@ -166,7 +170,9 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength after a low-pass filter, or None if the tip does not set this limit.
+        """Return the shortest reliable wavelength after a low-pass filter.
+
+        Returns None if the tip does not set this limit.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a

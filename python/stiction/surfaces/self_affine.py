@@ -148,7 +148,9 @@ def _check_wave_numbers_are_finite(spacing: Any, smaller_spacing: float) -> None
 
 
 def _validate_shortest_wavelength(wavelength: Any, finest_wavelength: float, spacing_name: str) -> float:
-    """Check that a grid resolves the shortest wavelength (µm) of a generated surface. Returns the wavelength.
+    """Check that a grid resolves the shortest wavelength (µm) of a generated surface.
+
+    Returns the wavelength.
 
     The default is the shortest wavelength of the grid, which is twice the spacing.
     """

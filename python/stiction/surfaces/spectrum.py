@@ -70,7 +70,9 @@ class PowerSpectrum(PlotReprMixin):
         return float((self.wave_number**order * self.density * self.count).sum() * self.resolution / math.pi)
 
     def in_bins(self, per_decade: int = 10) -> PowerSpectrum:
-        """Average the spectrum over bins of equal width in the logarithm of the wave number. Empty bins are omitted.
+        """Average the spectrum over bins of equal width in the logarithm of the wave number.
+
+        Empty bins are omitted.
 
         Examples
         --------

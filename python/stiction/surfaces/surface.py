@@ -122,7 +122,9 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
 
 
 def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit: str = "um") -> Any:
-    """Convert an array of heights to a profile or a height map. Bodies are returned unchanged.
+    """Convert an array of heights to a profile or a height map.
+
+    Bodies are returned unchanged.
 
     Parameters
     ----------
@@ -163,7 +165,10 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two arrays or bodies with `as_body`. Spacing and unit apply only to arrays."""
+    """Convert two arrays or bodies with `as_body`.
+
+    Spacing and unit apply only to arrays.
+    """
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing must be omitted, because upper and lower have their own spacings")
     upper, lower = (
@@ -174,7 +179,10 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 
 
 def parse_shape(shape: Any, *, min_count: int) -> tuple[int, int]:
-    """Check that a shape has at least `min_count` rows and columns, and at most MAX_POINTS points. Return the shape."""
+    """Check that a shape has at least `min_count` rows and columns, and at most MAX_POINTS points.
+
+    Return the shape.
+    """
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
     rows, columns = (validate_whole_number("shape", size, minimum=min_count, maximum=MAX_POINTS) for size in shape)

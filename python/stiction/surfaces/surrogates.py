@@ -94,7 +94,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Append the mirror image of the profile to remove the jump between the ends. This adds intermediate harmonics.
+        # Append the mirror image of the profile to remove the jump between the ends.
+        # This adds intermediate harmonics.
         # The power of an added harmonic is divided equally between the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])

@@ -398,7 +398,10 @@ def _describe_outliers(count: int) -> str:
 
 
 def to_characterisation(body: Profile | Surface | Characterisation, **options: Any) -> Characterisation:
-    """Return the characterisation of a body. An existing `Characterisation` is returned unchanged."""
+    """Return the characterisation of a body.
+
+    An existing `Characterisation` is returned unchanged.
+    """
     return body if isinstance(body, Characterisation) else Characterisation(body, **options)
 
 

@@ -35,13 +35,19 @@ def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> N
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file. Raises a `ValueError` if the file exists and lacks `file_mark`."""
+    """Write a text file.
+
+    Raises a `ValueError` if the file exists and lacks `file_mark`.
+    """
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def write_new_text_file(path: Path, text: str) -> None:
-    """Write a new text file. Raises a `ValueError` if the file exists or cannot be written."""
+    """Write a new text file.
+
+    Raises a `ValueError` if the file exists or cannot be written.
+    """
     with create_file_atomically(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
@@ -71,7 +77,9 @@ JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json
 
 
 def write_result(result: Evaluation, path: Path) -> None:
-    """Write a result to a new file. The file extension selects the format.
+    """Write a result to a new file.
+
+    The file extension selects the format.
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if the extension is not in `EXPORT_WRITERS`.
     """
@@ -91,7 +99,10 @@ def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAUL
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check file name and units before a joint table is computed. Raises the same errors as `write_joint_table`."""
+    """Check file name and units before a joint table is computed.
+
+    Raises the same errors as `write_joint_table`.
+    """
     _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)

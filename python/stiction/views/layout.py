@@ -26,7 +26,9 @@ class WrappedText:
 
 @dataclass(frozen=True)
 class Table:
-    """Table with aligned columns. Its first row contains the headings.
+    """Table with aligned columns.
+
+    Its first row contains the headings.
 
     Columns that do not fit are moved to further tables, which repeat the first `num_labels` columns.
     """
@@ -145,7 +147,10 @@ def format_table(rows: TextRows, width: int | None = None, *, num_labels: int = 
 
 
 def _wrap_first_cell(row: Sequence[str], width: int) -> list[Sequence[str]]:
-    """Wrap the first cell of a row to a width. Returns the row, and a further row for each further line of the cell."""
+    """Wrap the first cell of a row to a width.
+
+    Returns the row, and a further row for each further line of the cell.
+    """
     lines = textwrap.wrap(row[0], width, subsequent_indent="  ", drop_whitespace=False) if len(row[0]) > width else []
     return [[lines[0].rstrip(), *row[1:]], *([line.rstrip()] for line in lines[1:])] if lines else [row]
 

@@ -34,7 +34,10 @@ def onset_text(onset: OnsetValues) -> str:
 
 
 def onset_rows(onset: OnsetValues) -> list[list[str]]:
-    """Return means and intervals of the onset of sliding as rows of a table. The first row contains the headings."""
+    """Return means and intervals of the onset of sliding as rows of a table.
+
+    The first row contains the headings.
+    """
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     stiffness = onset.stiffness.in_prefixed_unit()
     unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()

@@ -90,7 +90,10 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return a sentence on the omitted coefficients and the command that prints them, or "" if none are omitted."""
+    """Return a sentence on the omitted coefficients and the command that prints them.
+
+    Returns "" if none are omitted.
+    """
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [

@@ -86,7 +86,10 @@ def nominal_area_text(area: float) -> str:
 
 
 def material_names_text(study: Study) -> str:
-    """Return the materials of a pair, as in "mild steel on brass", or "" if no material is given."""
+    """Return the materials of a pair, as in "mild steel on brass".
+
+    Returns "" if no material is given.
+    """
     material_names = study.contact.materials
     return "" if material_names is None else " on ".join(material_names)
 
@@ -98,7 +101,10 @@ def load_text(load: float, nominal_pressure: float) -> str:
 
 
 def point_load_text(point: PointSummary) -> str:
-    """Return the load at a result point with its nominal pressure as text, or "no load" if the load is negligible."""
+    """Return the load at a result point with its nominal pressure as text.
+
+    Returns "no load" if the load is negligible.
+    """
     return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
 
 

@@ -97,7 +97,10 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table of yield wavelengths with one row per hardness, or an empty list without estimates."""
+    """Return a table of yield wavelengths with one row per hardness.
+
+    Returns an empty list without estimates.
+    """
     rows = []
     for estimate in estimates:
         wavelength = estimate.wavelength

@@ -373,7 +373,10 @@ def point_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the parameters b and D_c of rate-and-state friction as JSON, or None if the study has no dwell times."""
+    """Return the parameters b and D_c of rate-and-state friction as JSON.
+
+    Returns None if the study has no dwell times.
+    """
     if not math.isfinite(point.ageing):
         return None
     return {"b": Estimate(point.ageing, name="b").to_record(), "D_c": point.contact_size.to_record()}

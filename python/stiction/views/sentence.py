@@ -44,7 +44,10 @@ DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a clause on the coefficient that finer scans would give, or "" if it is unknown."""
+    """Return a clause on the coefficient that finer scans would give.
+
+    Returns "" if it is unknown.
+    """
     if point.bracket is None or point.hardness is None:
         return ""
     low, high = (f"{end:.3f}" for end in point.bracket)
@@ -99,7 +102,10 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a clause on the sources of uncertainty that the 95 % interval covers, or "" without an interval."""
+    """Return a clause on the sources of uncertainty that the 95 % interval covers.
+
+    Returns "" without an interval.
+    """
     if math.isnan(point.upper - point.lower) or point.members < 2:
         return ""
     inputs = dict.fromkeys(contribution.label for contribution in point.budget) or [
@@ -117,7 +123,10 @@ def point_assessment_text(point: PointSummary) -> str:
 
 
 def roughness_contribution_text(point: PointSummary) -> str:
-    """Return a clause on what roughness contributes to friction, or "" if the contribution is unknown."""
+    """Return a clause on what roughness contributes to friction.
+
+    Returns "" if the contribution is unknown.
+    """
     if point.roughness_contribution is None or not math.isfinite(point.value):
         return ""
     return f"roughness contributes {round(point.roughness_contribution, 3) + 0.0:.3f} of {point.value:.3f}"
@@ -219,7 +228,10 @@ def _interface_text(point: PointSummary) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness in brackets, or "" if the hardness has no range or is not given."""
+    """Return the range of the hardness in brackets.
+
+    Returns "" if the hardness has no range or is not given.
+    """
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -342,7 +354,10 @@ def _scan_count_text(study: Study) -> str:
 
 
 def small_slope_estimate_text(point: PointSummary) -> str:
-    """Return a sentence on the small-slope estimate and on its validity, or "" without an estimate."""
+    """Return a sentence on the small-slope estimate and on its validity.
+
+    Returns "" without an estimate.
+    """
     study = point.study
     rules = [rule for rule in point.rules if math.isfinite(rule.slopes)]
     if not rules:
@@ -392,7 +407,10 @@ def roughness_text(point: PointSummary) -> str:
 
 
 def contributions_text(point: PointSummary) -> str:
-    """Return a sentence on the contributions of mu0, adhesion and slopes to friction, or "" if they are unknown."""
+    """Return a sentence on the contributions of mu0, adhesion and slopes to friction.
+
+    Returns "" if they are unknown.
+    """
     terms = {name: round(contribution, 3) + 0.0 for name, contribution in point.contribution_terms.items()}
     text = ""
     for name, contribution in terms.items():
@@ -416,7 +434,10 @@ def single_test_text(point: PointSummary) -> str:
 
 
 def dwell_time_text(point: PointSummary) -> str:
-    """Return a sentence on friction after dwell times, or "" if the study has no dwell times."""
+    """Return a sentence on friction after dwell times.
+
+    Returns "" if the study has no dwell times.
+    """
     estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
@@ -430,7 +451,10 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return a sentence on the parameters b and D_c of rate-and-state friction, or "" if they are unknown."""
+    """Return a sentence on the parameters b and D_c of rate-and-state friction.
+
+    Returns "" if they are unknown.
+    """
     size = point.contact_size
     if not (math.isfinite(point.ageing) and math.isfinite(size.value)):
         return ""

@@ -89,7 +89,10 @@ _KEY_TABLES: tuple[
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
-    """Return title, description and rows of each key table. Each key has one row."""
+    """Return title, description and rows of each key table.
+
+    Each key has one row.
+    """
     tables = []
     for title, phrases, section_classes, base_classes in _KEY_TABLES:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
@@ -124,7 +127,10 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the classes that have a key. If all subclasses of a base have it, return the base's name."""
+    """Return the names of the classes that have a key.
+
+    If all subclasses of a base have it, return the base's name.
+    """
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
         for item in base_classes

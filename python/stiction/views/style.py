@@ -168,7 +168,10 @@ FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", 
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the file formats of figures without duplicates. Raises a `ValueError` if a format is unknown."""
+    """Return the file formats of figures without duplicates.
+
+    Raises a `ValueError` if a format is unknown.
+    """
     result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
     if not result or not set(result) <= set(FIGURE_FORMATS):
         raise ValueError(

@@ -192,7 +192,10 @@ def preview_text(summary: Summary) -> str:
 
 
 def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> str:
-    """Return a line with the study's mu0 and tau0, or "" if the study has a single mu0 and a single tau0."""
+    """Return a line with the study's mu0 and tau0.
+
+    Returns "" if the study has a single mu0 and a single tau0.
+    """
     friction = study.friction
     assignment_texts = []
     if mu0 and len(friction.mu0) > 1:
@@ -312,7 +315,10 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first surfaces as text, as in "H = 0.9", or "" if all points share them."""
+    """Return the coordinates of the first surfaces as text, as in "H = 0.9".
+
+    Returns "" if all points share them.
+    """
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
@@ -332,7 +338,10 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a list with a sentence on adhesion at zero load, or an empty list if the bodies do not adhere."""
+    """Return a list with a sentence on adhesion at zero load.
+
+    Returns an empty list if the bodies do not adhere.
+    """
     first_point = points[0]
     if first_point.pull_off is None or not first_point.pull_off.force.value > 0:
         return []
@@ -387,7 +396,9 @@ def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficien
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence on grooves, or an empty paragraph if friction does not depend on the axis of motion.
+    """Return a sentence on grooves.
+
+    Returns an empty paragraph if friction does not depend on the axis of motion.
 
     With `verbose`, the sentence is always returned, below a table of the coefficients along each axis.
     """

@@ -81,11 +81,17 @@ class DecodedText:
         return self.line_starts.size - 1
 
     def raw_line(self, line_number: int) -> bytes:
-        """Return the bytes of a line without the line feed. Line numbers count from 0."""
+        """Return the bytes of a line without the line feed.
+
+        Line numbers count from 0.
+        """
         return self.data[self.line_starts[line_number] : self.line_starts[line_number + 1] - 1]
 
     def line(self, line_number: int) -> str:
-        """Return a line of the text without leading and trailing blanks. Line numbers count from 0."""
+        """Return a line of the text without leading and trailing blanks.
+
+        Line numbers count from 0.
+        """
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def nonempty_lines(self, first: int, end: int) -> list[str]:
@@ -93,7 +99,10 @@ class DecodedText:
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
-        """Return line number and first characters of a line, for an error message. `line_number` counts from 0."""
+        """Return line number and first characters of a line, for an error message.
+
+        `line_number` counts from 0.
+        """
         text = " ".join(self.line(line_number).split())
         return (
             f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"
@@ -191,7 +200,10 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
 
 
 def _to_utf8(data: bytes) -> tuple[str, bytes]:
-    """Detect the encoding of a text, and convert the text to UTF-8. Returns the name of the encoding and the bytes."""
+    """Detect the encoding of a text, and convert the text to UTF-8.
+
+    Returns the name of the encoding and the bytes.
+    """
     for byte_order_mark, encoding in ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")):
         if data.startswith(byte_order_mark):
             return encoding.removesuffix("-sig"), data.decode(encoding, "replace").encode()
@@ -223,7 +235,9 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
 
 
 def _detect_utf16(start: bytes) -> str | None:
-    """Return the encoding of UTF-16 text without a byte order mark, or None for other text.
+    """Return the encoding of UTF-16 text without a byte order mark.
+
+    Returns None for other text.
 
     The byte order follows from the positions of zero bytes.
     """

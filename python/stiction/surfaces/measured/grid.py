@@ -109,7 +109,9 @@ def _find_step_and_node_indices(
 
 
 def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
-    """Estimate the grid step of positions that were rounded for output. Each grid node must have a point.
+    """Estimate the grid step of positions that were rounded for output.
+
+    Each grid node must have a point.
 
     Returns None if the positions do not fit a grid.
     """

@@ -384,7 +384,9 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the header line that declares the numbers to be slopes, or an empty string if there is no such line.
+    """Return the header line that declares the numbers to be slopes.
+
+    Returns an empty string if there is no such line.
 
     A line that gives the value of a slope, such as "Rms slope: 0.02", is no such declaration.
     """
@@ -398,7 +400,9 @@ def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
 
 
 def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
-    """Return the units of positions and heights that the header declares, or None without such units.
+    """Return the units of positions and heights that the header declares.
+
+    Returns None without such units.
 
     One line may contain both units, or several lines may contain the same unit.
     """
@@ -444,7 +448,9 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
 
 
 def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) -> str | None:
-    """Return the unit after the name of the heights in a header line ("Z: nm", "z 10 nm"), or None without a unit.
+    """Return the unit after the name of the heights in a header line ("Z: nm", "z 10 nm").
+
+    Returns None without a unit.
 
     The unit may be unknown. Remarks and factors are not units.
     """
@@ -499,7 +505,10 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last header line with letters, without leading comment characters, or None without such a line."""
+    """Return the last header line with letters, without leading comment characters.
+
+    Returns None without such a line.
+    """
     return next((line.lstrip(COMMENT_CHARACTERS) for line in reversed(lines) if any(map(str.isalpha, line))), None)
 
 
@@ -537,7 +546,9 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column contains instead of positions, or None for positions.
+    """Return the quantity, such as "time", that a column contains instead of positions.
+
+    Returns None for positions.
 
     The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
@@ -733,7 +744,10 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after an axis name that may be a unit, or None if these words are a remark or a number."""
+    """Return the words after an axis name that may be a unit.
+
+    Returns None if these words are a remark or a number.
+    """
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:
         return None
@@ -747,7 +761,10 @@ def _is_unit_word(word: str) -> bool:
 
 
 def _find_scaled_unit(name: str) -> str | None:
-    """Return a unit with a factor, such as "1e-6m", from the end of a column name, or None without such a unit."""
+    """Return a unit with a factor, such as "1e-6m", from the end of a column name.
+
+    Returns None without such a unit.
+    """
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
     if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
         return None

@@ -262,7 +262,10 @@ def _make_profile_or_surface(
 
 
 def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]:
-    """Return the user's units of positions and of heights. A single unit applies to both."""
+    """Return the user's units of positions and of heights.
+
+    A single unit applies to both.
+    """
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {short_repr(unit)}")
@@ -301,7 +304,9 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the unit of positions that the caller gives, or None if the unit in the file takes precedence.
+    """Return the unit of positions that the caller gives.
+
+    Returns None if the unit in the file takes precedence.
 
     If the caller gives one unit for all lengths, a unit of positions in the file takes precedence.
     """
@@ -318,7 +323,10 @@ def _to_micrometres(values: _Length, unit: str) -> _Length:
 
 
 def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str, list[FileCaveat], list[str]]:
-    """Convert the heights of a scan file to µm, with NaN at missing points. Also returns unit, caveats and history."""
+    """Convert the heights of a scan file to µm, with NaN at missing points.
+
+    Also returns unit, caveats and history.
+    """
     unit, caveats, steps = _choose_height_unit(raw, options.height_unit)
     numbers = raw.heights
     for code in (*raw.codes, *options.codes):
@@ -394,7 +402,10 @@ def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
 
 
 def _describe_unclear_spacing(raw: RawHeights) -> str:
-    """Return a clause that quotes a header line with a length that may be a spacing, or "" without such a line."""
+    """Return a clause that quotes a header line with a length that may be a spacing.
+
+    Returns "" without such a line.
+    """
     if (unclear := raw.unclear_spacing) is None:
         return ""
     reason = "does not name the axes of its spacings" if len(unclear.lengths) > 1 else "may be another length"

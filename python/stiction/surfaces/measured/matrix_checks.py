@@ -97,7 +97,9 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return the two columns that contain the coordinates of grid points, or None if there are no such columns.
+    """Return the two columns that contain the coordinates of grid points.
+
+    Returns None if there are no such columns.
 
     No point may occur twice, and the points must fill at least half of the grid. Points that do not fill the whole grid
     must be listed line by line. Other columns, such as point numbers or colours, may stand before, between or behind

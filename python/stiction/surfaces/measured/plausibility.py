@@ -307,7 +307,9 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return the number of equal parts into which a list of heights divides, or 1 if the heights do not repeat.
+    """Return the number of equal parts into which a list of heights divides.
+
+    Returns 1 if the heights do not repeat.
 
     The repetitions of a wave with a short period are not counted.
     """

@@ -131,7 +131,10 @@ class DeclaredLength:
 
 @dataclass(frozen=True)
 class UnclearSpacing:
-    """Header line that may declare a spacing. A single length in this line is used as the spacing, with a caveat."""
+    """Header line that may declare a spacing.
+
+    A single length in this line is used as the spacing, with a caveat.
+    """
 
     line: str
     lengths: tuple[float, ...] = ()  # lengths in the header line (µm): one, or one for each axis in unknown order
@@ -271,7 +274,9 @@ _COMPOSITE_UNIT_PATTERN = re.compile(
 
 
 def parse_length_unit(text: str) -> str | None:
-    """Return the symbol of a unit of length, as in `LENGTH_UNITS`, or None if the text is no unit of length.
+    """Return the symbol of a unit of length, as in `LENGTH_UNITS`.
+
+    Returns None if the text is no unit of length.
 
     A unit with a power of ten is accepted if it equals a named unit: ``mm/1000`` is µm, but ``0.1 um`` has no name.
     """

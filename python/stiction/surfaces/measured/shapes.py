@@ -310,7 +310,9 @@ def _describe_column(table: ColumnTable, place: int) -> str:
 
 
 def _find_height_unit(table: ColumnTable, place: int) -> str | None:
-    """Return the unit of a column of heights, or None if the unit is unknown.
+    """Return the unit of a column of heights.
+
+    Returns None if the unit is unknown.
 
     Raises `FormatError` if the column name denotes another quantity.
     """
@@ -486,7 +488,10 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
 
 
 def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
-    """Return the numbers of a table with NaN in rows of missing points. Columns of positions are not changed."""
+    """Return the numbers of a table with NaN in rows of missing points.
+
+    Columns of positions are not changed.
+    """
     masked_values = np.where(missing[:, np.newaxis], np.nan, values)
     for place in places:
         if has_equal_steps(values[:, place]):
@@ -740,7 +745,9 @@ def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
 
 
 def _find_xyz_columns(table: ColumnTable) -> tuple[int, int, int] | None:
-    """Return the indices of the x, y and z columns in a list of points, or None if there are no such columns.
+    """Return the indices of the x, y and z columns in a list of points.
+
+    Returns None if there are no such columns.
 
     The columns are found by their names. Without names, a table must have exactly three columns.
     """

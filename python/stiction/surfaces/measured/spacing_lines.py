@@ -174,7 +174,9 @@ def is_spacing_declaration(line: str) -> bool:
 def _parse_spacing_line(
     line: str,
 ) -> DeclaredLength | tuple[DeclaredLength, DeclaredLength] | float | UnclearSpacing | None:
-    """Parse a header line that begins with the name of a spacing, or return None for any other line.
+    """Parse a header line that begins with the name of a spacing.
+
+    Returns None for any other line.
 
     Returns a spacing, a pair (Δy, Δx) if the line is about both axes, a number without unit, an `UnclearSpacing`, or
     None for a line about something else.
@@ -272,7 +274,10 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse a spacing without a unit, or return None if the number is not a possible spacing."""
+    """Parse a spacing without a unit.
+
+    Returns None if the number is not a possible spacing.
+    """
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:  # ignore an invalid length, because headers often contain unused lengths
@@ -280,7 +285,10 @@ def _parse_bare_number(number: str) -> float | None:
 
 
 def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength | None:
-    """Parse a length with a unit in a header line, or return None if the unit is not a unit of length."""
+    """Parse a length with a unit in a header line.
+
+    Returns None if the unit is not a unit of length.
+    """
     if unit is None or parse_length_unit(unit) is None:
         return None
     try:

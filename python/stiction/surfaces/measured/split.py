@@ -40,7 +40,10 @@ LineNumbers = NDArray[np.int64]
 
 
 def split_cells(line: str, separator: str | None) -> list[str]:
-    """Split a line into cells at a separator. Empty cells at the end of the line are kept."""
+    """Split a line into cells at a separator.
+
+    Empty cells at the end of the line are kept.
+    """
     if separator is None:
         return line.replace('"', " ").split()
     if '"' in line:
@@ -64,7 +67,10 @@ class Dialect:
         return names[self.separator]
 
     def split_line(self, line: str) -> list[str]:
-        """Split a line into cells. Empty cells at the end of the line, which some programs append, are omitted."""
+        """Split a line into cells.
+
+        Empty cells at the end of the line, which some programs append, are omitted.
+        """
         cells = split_cells(line, self.separator)
         if self.pairs and len(cells) % 2 == 0:
             cells = [
@@ -161,7 +167,10 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
-    """Return the first and the last line of each run of number lines. Blank lines do not end a run."""
+    """Return the first and the last line of each run of number lines.
+
+    Blank lines do not end a run.
+    """
     kinds = text.line_kinds
     nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
     is_number_line = kinds[nonblank_lines] == NUMBER_LINE_CODE

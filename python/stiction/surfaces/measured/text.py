@@ -30,7 +30,10 @@ def parse_content(text: DecodedText) -> ReaderResult:
 
 
 def find_layout(text: DecodedText) -> TextLayout | None:
-    """Return the first instrument layout that recognises a text, or None if no layout recognises the text."""
+    """Return the first instrument layout that recognises a text.
+
+    Returns None if no layout recognises the text.
+    """
     # A file written by stiction is not an instrument's file, even if the history looks like an instrument's header.
     if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None

@@ -255,7 +255,10 @@ def contacts_and_pressure_figure(
 
 
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
-    """Draw the heights of the lower body in grey, with a colour bar. `box` contains the sides of the map (µm)."""
+    """Draw the heights of the lower body in grey, with a colour bar.
+
+    `box` contains the sides of the map (µm).
+    """
     in_nanometres = np.ptp(heights) < _MAX_HEIGHT_RANGE_IN_NANOMETRES
     scaled_heights = heights * (1000 if in_nanometres else 1)
     lowest_height, highest_height = np.quantile(scaled_heights, [0.01, 0.99])
@@ -268,7 +271,10 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 
 
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
-    """Label the axes of a map in µm, or in mm for large maps. `box` contains the sides of the map (µm)."""
+    """Label the axes of a map in µm, or in mm for large maps.
+
+    `box` contains the sides of the map (µm).
+    """
     left, right, bottom, top = box
     in_millimetres = max(right - left, top - bottom) >= MIN_LENGTH_IN_MILLIMETRES
     for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):

@@ -89,7 +89,10 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
 
 
 def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) -> Floats:
-    """Interpolate friction over the direction (degrees) by a periodic cubic spline. Negative values become 0."""
+    """Interpolate friction over the direction (degrees) by a periodic cubic spline.
+
+    Negative values become 0.
+    """
     from scipy.interpolate import CubicSpline
 
     closed_degrees = np.append(degrees, degrees[0] + 360)

@@ -162,7 +162,10 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
 
 
 def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: bool) -> None:
-    """Format the axis of the fractal dimension. Only panels in the last row have an axis label."""
+    """Format the axis of the fractal dimension.
+
+    Only panels in the last row have an axis label.
+    """
     axes.locator_params("x", nbins=4, steps=[1, 2, 5, 10])
     if last:
         is_classical = points["fractal_dimension"].attrs.get("convention") == "classical"
@@ -276,7 +279,10 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]) -> None:
-    """Hatch the cells of a chart that a mask selects. The colours of the cells remain visible."""
+    """Hatch the cells of a chart that a mask selects.
+
+    The colours of the cells remain visible.
+    """
     vertices: list[tuple[float, float]] = []
     for row, column in np.argwhere(is_hatched):
         left, right, bottom, top = x[column], x[column + 1], y[row], y[row + 1]

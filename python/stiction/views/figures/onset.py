@@ -130,7 +130,10 @@ _MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a conta
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset dataset contains the map for `slip_figure`. Only areal contacts have such a map."""
+    """Return whether an onset dataset contains the map for `slip_figure`.
+
+    Only areal contacts have such a map.
+    """
     return bool("slip" in onset or "contact_slip" in onset)
 
 

@@ -33,7 +33,9 @@ from stiction.views.style import COLOUR_RANGE_QUANTILES
 def generated_report_content(
     data: GeneratedReportData, values: GeneratedReportValues | None, name: str
 ) -> ReportContent:
-    """Return the content of a report on generated surfaces. The default title is the name of the study.
+    """Return the content of a report on generated surfaces.
+
+    The default title is the name of the study.
 
     `values` is None if no pair is in contact.
     """

@@ -47,7 +47,10 @@ if TYPE_CHECKING:
 
 
 def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
-    """Return the content of a report on measured surfaces. The title contains the file names."""
+    """Return the content of a report on measured surfaces.
+
+    The title contains the file names.
+    """
     pair_name = data.description.name
     name = f"{pair_name} ({name})" if name else pair_name
     histories = [_history_markup(side, history) for side, history in data.bodies.items()]

@@ -56,7 +56,10 @@ class HtmlPage:
         )
 
     def save(self, path: Path) -> None:
-        """Write the page to a file. Raises a `ReportError` if the file exists and is not a report."""
+        """Write the page to a file.
+
+        Raises a `ReportError` if the file exists and is not a report.
+        """
         with replace_file_atomically(path, REPORT_FILE_SIGNATURE.encode(), ReportError) as partial:
             partial.write_bytes(self.html().encode("utf-8", "replace"))
 

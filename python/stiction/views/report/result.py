@@ -76,7 +76,9 @@ The number of coefficients is the product of the numbers of mu0, tau0, loads, ce
 def save_report(
     result: Evaluation | xarray.Dataset, path: str | Path, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> None:
-    """Write the report of a result to a file. An older report is replaced as soon as the new report is complete.
+    """Write the report of a result to a file.
+
+    An older report is replaced as soon as the new report is complete.
 
     Parameters
     ----------
@@ -214,7 +216,10 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return notices on missing and unsolved members as HTML, or "" if all members are solved."""
+    """Return notices on missing and unsolved members as HTML.
+
+    Returns "" if all members are solved.
+    """
     num_repetitions, notices = data.study.ensemble.repetitions, []
     if data.num_members < num_repetitions:
         notices.append(

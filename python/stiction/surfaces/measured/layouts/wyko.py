@@ -35,7 +35,10 @@ _FIRST_LINE_START = "Wyko ASCII Data File"
 
 
 def _find_block_name(text: DecodedText, index: int) -> str | None:
-    """Return the name of the block of heights that begins at line `index`, or None if no such block begins there."""
+    """Return the name of the block of heights that begins at line `index`.
+
+    Returns None if no such block begins there.
+    """
     line = text.line(index)
     return next((name for name in _HEIGHT_BLOCK_NAMES if re.match(rf"{name}(?:\t|\s{{2,}}|$)", line)), None)
 
