@@ -53,7 +53,7 @@ def test_report_of_a_result_that_is_too_large_is_rejected(monkeypatch, generated
 
 
 def test_report_of_a_result_without_finished_pairs_is_rejected(generated_dataset):
-    with pytest.raises(ReportError, match="must have a member"):
+    with pytest.raises(ReportError, match="must have at least one member that is solved at every load"):
         report_page(generated_dataset.isel(repetition=[]))
 
 
