@@ -73,7 +73,8 @@ __all__ = sorted(_MODULES_BY_PUBLIC_NAME)
 
 
 def __getattr__(name: str) -> object:
-    from importlib import import_module  # import this module only on demand, because many commands use no public name
+    # Most commands use no public name, so `importlib` is imported only on demand.
+    from importlib import import_module
 
     if name not in _MODULES_BY_PUBLIC_NAME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

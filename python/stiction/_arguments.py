@@ -26,7 +26,8 @@ def split_values(value: Any) -> list[Any]:
 def _count_dimensions(value: Any) -> int | None:
     try:
         return np.ndim(value)
-    except ValueError:  # rows of different lengths do not form an array
+    except ValueError:
+        # NumPy raises ValueError if the rows have different lengths.
         return None
 
 
@@ -119,7 +120,7 @@ def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantit
     """
     reject_decimal_commas(name, value)
     load_kinds = ("force", "pressure")
-    if isinstance(value, str) and value.strip() == "0":  # zero needs no unit
+    if isinstance(value, str) and value.strip() == "0":
         load, kind = parse_quantity(name, 0.0, "force"), "force"
     elif not isinstance(value, str):
         load, kind = parse_quantity(name, value, "force"), "force"

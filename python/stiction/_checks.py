@@ -33,14 +33,14 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         array = np.asarray(values)
         if array.dtype.kind not in "iuf" and array.size:
             raise TypeError
-        # a long double may overflow to infinity, which the check below rejects
+        # A long double may overflow to infinity in the conversion; the check below then rejects the array.
         with np.errstate(over="ignore"):
             array = array.astype(np.float64, order="C", copy=False)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # Test the sum first, which is faster than testing each element: if the sum is finite, all elements are finite.
+    # If the sum is finite, all elements are finite. One sum is faster to check than all elements.
     with np.errstate(over="ignore", invalid="ignore"):
         array_sum = array.sum()
     if not np.isfinite(array_sum) and (is_nonfinite := ~np.isfinite(array)).any():
@@ -136,7 +136,8 @@ def parse_path(name: str, value: Any) -> Path:
     path = Path(value)
     try:
         is_possible = b"\0" not in os.fsencode(path)
-    except UnicodeEncodeError:  # a lone surrogate cannot be part of a file name
+    except UnicodeEncodeError:
+        # Lone surrogate characters cannot be encoded, so they cannot be part of a file name.
         is_possible = False
     if not is_possible:
         raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")

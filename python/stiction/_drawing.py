@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # height range (µm) below which heights are drawn in nm
-_MAX_SCALE_BAR_FRACTION = 0.25  # maximum length of a scale bar, as a fraction of the map's width
+# A map is drawn in nm instead of µm if its heights span less than this range (µm).
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
+_MAX_SCALE_BAR_FRACTION = 0.25
 PRESSURE_COLOUR_MAP = "inferno"
-MAX_LEGEND_LINES = 12  # maximum number of curves in a figure with a legend
+MAX_LEGEND_LINES = 12
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
@@ -53,7 +54,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # Limit the density axis, which would otherwise mainly show harmonics whose density is only round-off.
+    # Harmonics whose density is only round-off would otherwise take up most of the density axis.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")

@@ -13,17 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
 
-# maximum number of significant digits of a printed number, even if its interval is very narrow
+# A printed number has at most this number of significant digits, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
-INFINITE_LIMIT_TEXT = "\N{INFINITY}"  # text that is printed for an infinite upper limit
-# Ratio of upper limit to value above which the limit is printed with one digit.
+INFINITE_LIMIT_TEXT = "\N{INFINITY}"
+# An upper limit that exceeds the value by more than this factor is printed with one digit.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-DECIMALS_CODE_OF_NO_INTERVAL = (
-    -128
-)  # code that is stored as the number of decimals of the upper limit if no interval is printed
-# Code that is stored as the number of decimals of an upper limit printed with one digit and an exponent ("5e+09").
+# These codes are stored instead of the number of decimals of an upper limit.
+DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# Largest number of decimals, and largest number of digits before the decimal point that rounding may replace by 0.
+# No number has more decimals, and rounding replaces at most this many digits before the decimal point by 0.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
@@ -259,10 +257,10 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Return the number of decimals of values rounded to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # Convert the rounded digits to an integer, such as 1234 for 0.01234 with four digits.
+        # For example, 0.01234 with four digits gives the integer 1234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # Find trailing zeros by comparing quotients, because remainders take ten times as long.
+        # Quotients find trailing zeros ten times as fast as remainders.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 
@@ -272,7 +270,7 @@ def _find_decimal_exponents(value: Floats) -> Floats:
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))
-    # Correct exponents that are too small because of round-off in the logarithm of a power of ten.
+    # For a power of ten, round-off in the logarithm may give an exponent that is too small by 1.
     return np.asarray(np.where(size >= 10.0 ** (exponents + 1), exponents + 1, exponents))
 
 

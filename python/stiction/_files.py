@@ -23,13 +23,14 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# Age (s) above which a partial file from another machine counts as abandoned.
+# A partial file from another machine counts as abandoned after this time (s).
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a directory claim, short enough that the claim survives a few failed refreshes.
+# Time (s) between two refreshes of a directory claim. It is short, so that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-_PROCESS_TOKEN = secrets.token_hex(4)  # random text that identifies this run, because process ids are reused
-# Number of bytes at the start and at the end of a file that are searched for the bytes `mark`.
+# This random text identifies the run, because the operating system reuses process numbers.
+_PROCESS_TOKEN = secrets.token_hex(4)
+# The reader searches this number of bytes at both ends of a file for the bytes that mark the file type.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -43,7 +44,7 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
     An existing file is not replaced.
     """
     check_creatable(path, error_type)
-    # Use `os.link`, which never replaces a file, instead of `os.rename`.
+    # Unlike `os.rename`, `os.link` never replaces an existing file.
     with _translate_os_errors(path, error_type), _open_partial_file(path, os.link) as partial_path:
         yield partial_path
 
@@ -53,7 +54,8 @@ def check_creatable(path: Path, error_type: type[ValueError]) -> None:
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
-        os.stat(os.path.join(path.parent, ""))  # raises an error if the parent directory is missing or is a file
+        # The trailing slash makes `os.stat` raise an error if the parent is missing or is a file.
+        os.stat(os.path.join(path.parent, ""))
 
 
 @contextmanager
@@ -91,11 +93,13 @@ def create_atomically(path: Path, content: bytes) -> None:
     if os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
     try:
-        with _open_partial_file(path, os.link) as partial_path:  # `os.link` never replaces a file
+        # Unlike `os.rename`, `os.link` never replaces an existing file.
+        with _open_partial_file(path, os.link) as partial_path:
             partial_path.write_bytes(content)
     except FileExistsError:
         raise
-    except OSError:  # the disk is full, or the file system has no hard links
+    except OSError:
+        # The disk is full, or the file system has no hard links.
         if os.path.lexists(path):
             raise
         write_atomically(path, content)
@@ -114,7 +118,8 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
     After success, `move_file` moves the file to `path`. After an error, the file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
-    try:  # create the file inside `try`, so that it is removed even if Ctrl-C follows immediately
+    # The file is created inside `try`, so that it is removed even if Ctrl-C follows immediately.
+    try:
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
         move_file(partial_path, path)
@@ -162,7 +167,7 @@ class DirectoryClaim:
     def _refresh_regularly(self) -> None:
         while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
             with suppress(OSError):
-                # Create the claim file again in case another machine has removed it as abandoned.
+                # Another machine may have removed the claim file as abandoned.
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
@@ -196,7 +201,8 @@ def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], boo
         entries = list(iterator)
     for entry in entries:
         match = PARTIAL_FILE_NAME_PATTERN.fullmatch(entry.name)
-        with suppress(FileNotFoundError):  # the file is missing if another process has completed it in the meantime
+        # Another process may have completed and renamed the partial file in the meantime.
+        with suppress(FileNotFoundError):
             if match and entry.is_file(follow_symlinks=False):
                 yield entry, _is_stale_partial_file(entry, *match.groups())
 

@@ -24,7 +24,7 @@ _PREFIXED_UNITS = {
 _NO_PREFIXES = ((0.0, 1.0, ""),)
 
 
-# Limits outside of which numbers may be printed with an exponent.
+# Numbers outside these limits may be printed with an exponent.
 MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NOTEBOOK_IMAGE_DPI = 110  # resolution (dots per inch) of images in a notebook
-NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # width and height (inches) of images in a notebook
-# Maximum width (inches) of a one-column figure, whose image has a higher resolution in a notebook.
+NOTEBOOK_IMAGE_DPI = 110  # dots per inch
+NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
+# A figure up to this width (inches) fills one column, and gets a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
-# zlib compression level. It takes half the time of level 6, and makes images of maps 10 % larger.
+# Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
 
 _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}

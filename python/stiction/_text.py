@@ -6,11 +6,11 @@ import math
 import os
 import unicodedata
 
-MAX_PATH_LENGTH = 300  # maximum number of characters of a file path in a message
-MAX_WORD_LENGTH = 80  # maximum number of characters of a key, version or name in a message
-MAX_QUOTED_LINE_LENGTH = 1000  # maximum number of characters of a line of a file in a message
+MAX_PATH_LENGTH = 300  # characters
+MAX_WORD_LENGTH = 80  # characters
+MAX_QUOTED_LINE_LENGTH = 1000  # characters
 
-# Unicode categories of the characters that are escaped: control, format, surrogate, and line separator characters.
+# Characters of these Unicode categories are escaped: control, format, surrogate, and line separator characters.
 _UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 

@@ -96,7 +96,7 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(
             f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
         )
-    # Use decimal arithmetic, so that "100 nm" and "0.1 um" give the same number.
+    # Decimal arithmetic gives the same number for "100 nm" and "0.1 um".
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
 
@@ -151,7 +151,8 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            return float(f"{quantity(value, kind) * factor:.12g}")  # remove digits that are due to round-off
+            # Twelve digits drop the round-off of the unit conversion.
+            return float(f"{quantity(value, kind) * factor:.12g}")
         except ValueError:
             continue
     raise ValueError(f'{name} must be a force or a pressure with its unit, as in "10 mN" or "10 MPa", got {value!r}')
@@ -182,11 +183,10 @@ def short_repr(value: object) -> str:
     """Return the `repr` of an argument for a message, shortened to a single line."""
     try:
         text = repr(value)
-    except (
-        ValueError,
-        RecursionError,
-    ):  # `repr` fails for integers with thousands of digits and for deeply nested containers
+    except (ValueError, RecursionError):
+        # `repr` raises an error for integers of thousands of digits and for deeply nested containers.
         text = type(value).__name__
-    if "\n" in text:  # the `repr` of an array or a result has several lines
+    # The `repr` of an array or of a result has several lines, which would break up the message.
+    if "\n" in text:
         text = " ".join(text.split())
     return text if len(text) <= 40 else text[:37] + "..."

@@ -274,7 +274,8 @@ def pair(
     result_directory = (
         Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     )
-    if directory is None:  # remove the temporary directory when Python exits
+    # Python removes the temporary directory when it exits.
+    if directory is None:
         atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:
         with convert_validation_errors():
@@ -333,7 +334,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        # Store the interface in a file, whose name the study file contains.
+        # The study file contains the name of the file in which the interface is stored.
         if isinstance(interface, InterfaceStrength):
             options = options.model_copy(update={"interface": store_interface(interface, result_directory)})
         study = build_study_from_options(options)

@@ -28,18 +28,22 @@ from stiction.app.form import find_first_option_name, replace_option_names, repl
 from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
-POLL_INTERVAL = 0.4  # time (s) between two checks of the progress of a command
-# Time (s) for which a stopped command may still write results before it is killed.
+POLL_INTERVAL = 0.4  # s
+# A stopped command is killed after this time (s), in which it can still write results.
 MAX_SHUTDOWN_TIME = 5.0
-KILLED_PROCESS_TIMEOUT = 1.0  # time (s) that the app waits for a killed process to end
+# The app waits at most this time (s) for a killed process to end.
+KILLED_PROCESS_TIMEOUT = 1.0
 MAX_WAITING_JOBS = 8
-MAX_OUTPUT_BYTES = 2**25  # maximum number of bytes that a command of the app may print
-JOB_MEMORY_FRACTION = 0.5  # fraction of the machine's memory that a running command may use
-# Fraction of the machine's memory that a preview may use, and each of the two short processes that may run at once.
+MAX_OUTPUT_BYTES = 2**25
+# A running command may use this fraction of the machine's memory.
+JOB_MEMORY_FRACTION = 0.5
+# Memory limit of a preview, and of each of the two short processes that may run at once, as a fraction of the machine's
+# memory.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-END_OF_JSON_RECORD = b"\n}\n"  # end of the JSON record that a command prints before it draws figures
-# Files that the user can save after each command, each with the name under which the command writes it.
+# A command prints this end of its JSON record before it draws figures.
+END_OF_JSON_RECORD = b"\n}\n"
+# Files that the user can save after each command. The keys are the offered names, the values the names on disk.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -68,19 +72,25 @@ class Job:
 
     number: int
     title: str
-    arguments: list[str]  # arguments of a `stiction` command
+    # Arguments of a `stiction` command.
+    arguments: list[str]
     directory: Path
     # Scans and options for a preview with the asperity model, or None for a command without a preview.
     preview: tuple[list[str], Any] | None = None
-    state: str = "waiting"  # state of a job: "waiting", "running", "done", "stopped" or "failed"
-    file_stem: str = ""  # name without extension that saved files of the result get
+    # "waiting", "running", "done", "stopped" or "failed".
+    state: str = "waiting"
+    # Files that the user saves get this name, with their own extension.
+    file_stem: str = ""
     activity: str = ""
-    scope: str = ""  # description of the members of an intermediate result; empty for the final result
+    # Description of the members in an intermediate result. It is empty for the final result.
+    scope: str = ""
     finished: int = 0
     total: int = 0
     versions: int = 0
-    files: Path | None = None  # directory with the files that the user can save
-    record: Any = None  # coefficients and caveats that the page shows
+    # Directory of the files that the user can save.
+    files: Path | None = None
+    # Coefficients and caveats shown on the page.
+    record: Any = None
     error: str = ""
     is_ending: bool = False
     task: asyncio.Task[None] | None = None
@@ -145,7 +155,7 @@ class JobQueue:
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        # Jobs other than `shear` share a stored result if they differ only in mu0 and tau0.
+        # Jobs that differ only in mu0 and tau0 share a stored result, except for `shear`.
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]
@@ -178,7 +188,8 @@ class JobQueue:
         for job in self.jobs_by_number.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                job.task.cancel()  # the task of a stopped job may still be reading its result
+                # The task of a stopped job may still be reading its result.
+                job.task.cancel()
         await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
     async def _run_job(self, job: Job) -> None:
@@ -192,7 +203,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Ignore errors, which occur if no result is stored yet, or if the surfaces do not touch.
+            # Reading fails if no result is stored yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -249,7 +260,8 @@ class JobQueue:
     async def _show_preview(self, job: Job) -> None:
         """Show a preview of the result while the command of a job computes, unless the command finishes earlier."""
         job.activity = "computing a preview"
-        with suppress(*REPORTED_EXCEPTIONS):  # ignore errors of the preview, because the command reports them, too
+        # The command itself reports the same errors as its preview.
+        with suppress(*REPORTED_EXCEPTIONS):
             await self._read_result(
                 job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
             )
@@ -259,7 +271,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the coefficients in its JSON record."""
         files = self._choose_directory()
-        # The thread that copies files does not change the job, because the thread may outlast a job that is stopped.
+        # The thread that copies files must not change the job, because it may outlast a stopped job.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show_result(_read_shown_values(job, record), files, counts=counts)
 
@@ -280,10 +292,10 @@ class JobQueue:
 
     async def _monitor_progress(self, job: Job) -> None:
         """Monitor the progress of a command, and read its result each time the number of members has doubled."""
-        num_reported = 2  # number of members in the last result that was read, or 2 before the first result
+        num_reported = 2
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # Ignore errors, which occur while no result is stored, or if the surfaces do not touch.
+            # Reading fails while no result is stored, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -300,10 +312,10 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        # a preview gets less memory, because the command of the job runs at the same time
+        # A preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # the command has no preview, or the page shows a result of the command already
+        # There is no preview, or the page already shows a result of the command itself.
         if response is None or (source and job.versions):
             return
         job.show_result(
@@ -429,7 +441,8 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            with suppress(TimeoutError):  # wait, so that the connection to the process closes before the event loop
+            # If the process did not end first, the event loop would close with an open connection to it.
+            with suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
 

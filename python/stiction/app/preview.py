@@ -26,10 +26,10 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
-# Maximum number of rows or columns in the preview of a map.
-# The preview of a profile may have three times as many points.
+# Maximum number of rows or columns in the preview of a map. The preview of a profile may have three times as many
+# points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Colours of the lower and the upper profile, which are visible both on light and on dark backgrounds.
+# Both colours are visible on light and on dark backgrounds.
 PROFILE_COLOURS = ("#7a8490", "#8a63c7")
 
 
@@ -125,7 +125,7 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
 
 def main() -> None:
     """Print the preview of a scan, or the comparison of two scans, as JSON."""
-    # Convert lists to tuples, which `read_measurement` requires but JSON does not have.
+    # `read_measurement` requires tuples, which JSON can store only as lists.
     files, options = sys.argv[1::2], [
         {name: tuple(value) if isinstance(value, list) else value for name, value in json.loads(text).items()}
         for text in sys.argv[2::2]

@@ -23,9 +23,11 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 SERVER_IDLE_TIMEOUT = 90.0
 """Time (s) without a request after which the server exits; hidden windows send only one request per minute."""
 
-FIRST_WINDOW_TIMEOUT = 600.0  # time (s) within which the first browser window must connect to the app
+# The first browser window must connect to the app within this time (s).
+FIRST_WINDOW_TIMEOUT = 600.0
 
-REQUEST_HEADER_TIMEOUT = 20.0  # time (s) within which a browser must send the headers of a request
+# A browser must send the headers of a request within this time (s).
+REQUEST_HEADER_TIMEOUT = 20.0
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head. Beyond it, the oldest connection is closed."""
 
@@ -40,7 +42,7 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # Count the idle connections after the next turn of the event loop, when the requests that have arrived are
+            # Idle connections are counted one turn of the event loop later, when the requests that have arrived are
             # read.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
@@ -89,7 +91,7 @@ def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool 
             timeout_graceful_shutdown=2,
             h11_max_incomplete_event_size=2**14,
         )
-        # Hide Uvicorn's warning about malformed requests, because any program on this machine can send such requests.
+        # Any program on this machine can send malformed requests, so Uvicorn's warning about them is of no use.
         logging.getLogger("uvicorn.error").setLevel(logging.ERROR)
         http_server = uvicorn.Server(config)
         print_message(f"{address}\nThis address works once, in one browser. Press Ctrl-C to stop the server.")
@@ -108,7 +110,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Disable Uvicorn's signal handlers, which would raise the signal again before the app's directory is removed.
+    # Uvicorn's signal handlers would raise the signal again before the app's directory is removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

@@ -49,18 +49,22 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# maximum size (bytes) of an uploaded scan, which is the limit for text files in the readers
+# The limit (bytes) is the same as for text files in the readers of measured surfaces.
 MAX_SCAN_BYTES = 300_000_000
-MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # maximum size (bytes) of all uploaded scans together
-MAX_REQUEST_BYTES = 2**16  # maximum size (bytes) of a request that is not an upload of a scan
-MAX_REQUEST_TIME = 120.0  # maximum time (s) that a request and its response may take
-MAX_CONCURRENT_REQUESTS = 64  # maximum number of simultaneous requests; a browser sends at most six
-MAX_SCAN_NAME_LENGTH = 60  # maximum number of characters of the name of a scan in the app
-MAX_LISTED_RESULTS = 100  # maximum number of results that the app lists
-MAX_PREVIEWED_SCAN_POINTS = 2**21  # maximum number of points of a scan with a preview
+MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
+# Maximum size (bytes) of a request other than an upload of a scan.
+MAX_REQUEST_BYTES = 2**16
+# A request and its response may take at most this time (s).
+MAX_REQUEST_TIME = 120.0
+# A browser sends at most six requests at the same time.
+MAX_CONCURRENT_REQUESTS = 64
+MAX_SCAN_NAME_LENGTH = 60  # characters
+MAX_LISTED_RESULTS = 100
+# A scan with more points gets no preview.
+MAX_PREVIEWED_SCAN_POINTS = 2**21
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# Paths for which a request needs no access key, because they contain nothing private.
+# The files at these paths contain nothing private, so requests for them need no access key.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {
@@ -82,7 +86,7 @@ RESPONSE_HEADERS = {
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "cache-control": "no-store", "x-content-type-options": "nosniff", "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin", "cross-origin-resource-policy": "same-origin",
-    "connection": "close",  # the server closes the connection after each response
+    "connection": "close",
 }  # fmt: skip
 SERVER_ENDED_RESPONSE = PlainTextResponse("The server has ended.\n", 503)
 BUSY_RESPONSE = PlainTextResponse(f"The server already has {MAX_CONCURRENT_REQUESTS} requests; try again later.\n", 503)
@@ -172,7 +176,8 @@ class Server:
         finally:
             self._running_requests.discard(task)
         if rejection is not None:
-            with suppress(RuntimeError):  # sending fails if the response has started already
+            # Sending an error raises RuntimeError if the response has already started.
+            with suppress(RuntimeError):
                 await rejection(scope, receive, send_with_headers)
 
     def _rejection_response(self, request: Request) -> Response | None:
@@ -268,14 +273,16 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            scan_identifier = digest.hexdigest()[:16]  # a checksum, so that identical scans get the same identifier
+            # Identical scans get the same identifier, because it is their checksum.
+            scan_identifier = digest.hexdigest()[:16]
             path = self.root / "files" / scan_identifier / name
             path.parent.mkdir(parents=True, exist_ok=True)
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            with suppress(RuntimeError):  # reading fails if the request has ended already
-                # Read the rest of the upload, or else the browser would not receive the error message.
+            # Reading raises RuntimeError if the request has already ended.
+            with suppress(RuntimeError):
+                # The browser shows the error message only after the whole upload has been read.
                 async for _ in request.stream():
                     pass
             raise RejectedRequestError(f"the scan cannot be stored: {error.strerror}") from None
@@ -452,8 +459,7 @@ def _stored_result_list_entry(name: str, directory: Path) -> dict[str, Any]:
 
 
 def _read_package_file(name: str) -> str:
-    # Read the file with `resources.files`, because importing `stiction.views.report` would import Matplotlib and
-    # pandas.
+    # `resources.files` avoids the import of `stiction.views.report`, which would load Matplotlib and pandas.
     return (resources.files("stiction") / name).read_text("utf-8")
 
 

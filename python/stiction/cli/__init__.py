@@ -24,11 +24,11 @@ A command with a short computation allocates fewer objects, most of them in impo
 def main() -> None:
     """Run a command, and exit with status 0 after success, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # Limit OpenBLAS to one thread: all matrices are small, and waiting threads would occupy the processor for 0.1 s.
+    # All matrices are small, and further threads of OpenBLAS would occupy the processor for 0.1 s while they wait.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Disable plugins of pydantic, which would otherwise read the metadata of all installed packages.
+    # Pydantic would otherwise read the metadata of all installed packages to find its plugins.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    # Prevent xarray from importing Dask, because the import takes 0.3 s and only computations on clusters use Dask.
+    # Xarray would otherwise import Dask, which takes 0.3 s and is needed only for computations on clusters.
     sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     _redirect_closed_streams()
     if (address_space := _address_space_limit()) < MIN_ADDRESS_SPACE:
@@ -41,17 +41,19 @@ def main() -> None:
         sys.exit(EXIT_BAD_INPUT)
     try:
         with exit_on_interrupt():
-            # import the application here, so that Ctrl-C during its import is handled, too
+            # The application is imported inside `try`, so that Ctrl-C is handled during its import, too.
             from stiction.cli.application import run_command_line
         status = run_command_line()
-    except KeyboardInterrupt:  # Ctrl-C was pressed during the import of libraries
+    except KeyboardInterrupt:
+        # Ctrl-C was pressed during the import of libraries.
         status = EXIT_INTERRUPTED
-    if status == EXIT_INTERRUPTED:  # exit without waiting for threads that are still computing
+    # The process ends without waiting for threads that are still computing.
+    if status == EXIT_INTERRUPTED:
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(status)
-    # Keep Python from searching all objects of imported libraries for unused cycles at the exit, which takes 0.2 s.
+    # At the exit, Python would otherwise search all objects of imported libraries for unused cycles, which takes 0.2 s.
     gc.freeze()
     sys.exit(status)
 
@@ -62,7 +64,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # opening the null device assigns the lowest free descriptor, which is that of the closed stream
+            # The null device gets the lowest free file descriptor, which is that of the closed stream.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 
@@ -74,7 +76,8 @@ def _address_space_limit() -> float:
     """
     try:
         import resource
-    except ImportError:  # the module `resource` is missing on Windows
+    except ImportError:
+        # Windows has no module `resource`.
         return math.inf
     soft_limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     return math.inf if soft_limit == resource.RLIM_INFINITY else soft_limit

@@ -43,19 +43,22 @@ def print_message(text: str, kind: str = "") -> None:
     try:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
-    except OSError:  # standard error is closed, or its disk is full
+    except OSError:
+        # Standard error is closed, or its disk is full.
         _redirect_to_null_device(sys.stderr)
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
     """Redirect a stream to the null device after a failed write, because the flush at exit would fail again."""
-    with suppress(OSError):  # the stream may have no file descriptor
+    # A stream such as `io.StringIO` has no file descriptor.
+    with suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def report_interruption(detail: str = "") -> typer.Exit:
     """Print that the command was interrupted, and return an exception that exits with status 130."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C would only print a traceback
+    # A second Ctrl-C would only print a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
 
@@ -144,10 +147,11 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Matches a default that is described by text, which typer prints in parentheses.
+# Typer prints a default that is described by text in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")  # matches the type that typer appends to the name of an option
+# Typer appends the type to the name of an option.
+_OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")
 
 
 SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
@@ -163,12 +167,13 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _CommandWithHelpPanels(TyperCommand):
     """Command whose help lists the options in panels, without their types and ranges."""
 
-    common: Collection[str] = ()  # options in the short help of a command that has many options
+    # Options in the short help of a command that has many options.
+    common: Collection[str] = ()
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         argument_values = [text.partition("=")[2] if text.startswith("--") and "=" in text else text for text in args]
         remainder = super().parse_args(ctx, args)
-        # Reject an empty path, because Path("") is the current directory.
+        # An empty path must be rejected, because Path("") is the current directory.
         if "" in argument_values and "." not in argument_values:
             for parameter in cast("list[Any]", self.params):
                 value = ctx.params.get(parameter.name)
@@ -177,7 +182,8 @@ class _CommandWithHelpPanels(TyperCommand):
         return remainder
 
     def invoke(self, ctx: Any) -> Any:
-        with exit_on_interrupt():  # OpenBLAS sends SIGINT if it cannot start its threads
+        # OpenBLAS sends SIGINT to its own process if it cannot start its threads.
+        with exit_on_interrupt():
             import_module("numpy")
         return super().invoke(ctx)
 
@@ -226,11 +232,12 @@ class _LazyCommandGroup(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:  # print a message, because typer would exit without one
+        except KeyboardInterrupt:
+            # Typer would exit without a message.
             raise report_interruption() from None
 
 
-# Disable rich markup, because importing rich takes half of the time in which the help is printed.
+# Rich would take half of the time in which the help is printed, so its markup is disabled.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -250,8 +257,8 @@ app = typer.Typer(
     **(_TYPER_OPTIONS | {"add_completion": True}),
 )
 
-_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}  # typer application of each command, by name
-_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}  # options in the short help of each command
+_COMMAND_APPLICATIONS: dict[str, typer.Typer] = {}
+_SHORT_HELP_PARAMETERS: dict[str, Collection[str]] = {}
 
 
 def command(name: str, *lines: str, common: Collection[str] = ()) -> Callable[[Function], Function]:
@@ -272,7 +279,7 @@ def _option_name(argument: str) -> str:
     """Return the command-line option that corresponds to an argument of a Python function."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
-    # Import the module of the options only here, so that the help needs no numeric package.
+    # The module of the options is imported only here, so that the help needs no numeric package.
     pair_options = import_module("stiction.study.pair_options")
     return str(pair_options.format_command_line_name(argument))
 
@@ -281,17 +288,19 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # print "?" for characters that the encoding lacks
+            # Characters that the encoding lacks are printed as "?".
+            stream.reconfigure(errors="replace")
     warnings.showwarning = print_warning
     _ALREADY_PRINTED_WARNINGS.clear()
-    # Suppress NumPy's warnings about NaN, because the output explains missing results.
+    # The output explains missing results, so NumPy's warnings about NaN are of no use.
     warnings.filterwarnings("ignore", category=RuntimeWarning)
     sys.unraisablehook = _handle_unraisable
     try:
         with _reraise_hidden_interrupts():
             status = int(app(standalone_mode=False, prog_name="stiction") or 0)
             with suppress(BrokenPipeError):
-                sys.stdout.flush()  # typer prints the help text without flushing
+                # Typer prints the help text without flushing the stream.
+                sys.stdout.flush()
             return status
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":
@@ -301,7 +310,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Replace pydantic's wording for numbers that are out of range.
+            # Pydantic words its messages about numbers out of range differently from this package.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _add_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
@@ -316,12 +325,13 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # Raised if a thread cannot start, or if a library runs out of memory.
+    # A thread could not start, or a library ran out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
-    except SystemExit:  # raised by typer if the pipe that reads the help text is closed
+    except SystemExit:
+        # Typer exits if the pipe that reads the help text is closed.
         return 0
     finally:
         _discard_unwritable_output()

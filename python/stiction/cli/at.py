@@ -248,7 +248,7 @@ def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> 
             if result.nominal_area is None:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
             force *= result.nominal_area
-        # Round forces as in `pair`, so that equal loads compare equal.
+        # Twelve digits, as in `pair`, make equal loads compare equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 

@@ -30,7 +30,8 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    if sys.modules.get("dask") is None:  # allow the import of Dask, which `main` has prevented
+    # At the start, `main` has set this entry to None to prevent the import of Dask.
+    if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
 
@@ -93,7 +94,8 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         detail = ""
-        with contextlib.suppress(StoreError):  # there may be no stored result yet
+        # No result may be stored yet.
+        with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"

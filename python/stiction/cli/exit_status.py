@@ -9,8 +9,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-EXIT_INTERRUPTED = 130  # exit status after Ctrl-C, as in shells
-EXIT_BAD_INPUT = 2  # exit status after an invalid input
+# Shells also return this status after Ctrl-C.
+EXIT_INTERRUPTED = 130
+EXIT_BAD_INPUT = 2
 
 
 @contextmanager
@@ -29,7 +30,8 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield  # keep a custom handler, or a setting that ignores SIGINT as in a background job
+        # A custom handler stays in place, and so does a setting that ignores SIGINT, as in a background job.
+        yield
         return
     try:
         signal.signal(signal.SIGINT, exit_process)

@@ -156,8 +156,9 @@ def pair(
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
-    find_body_attributes(studies[0])  # raises an error about the surfaces before a file is written
-    # Leave out the first remark if it is the source of the elastic constants, which is printed with the result.
+    # An error about the surfaces is raised here, before any file is written.
+    find_body_attributes(studies[0])
+    # The first remark may be the source of the elastic constants, which is printed with the result.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
@@ -230,7 +231,8 @@ def submit_preview(study: Study | None, executor: Executor) -> None:
     """Compute a preview of a study in one worker, and print it, unless there is no study or no terminal."""
 
     def print_preview(future: Future[str]) -> None:
-        if not future.cancelled() and future.exception() is None:  # the preview fails if the surfaces do not touch
+        # The preview fails if the surfaces do not touch.
+        if not future.cancelled() and future.exception() is None:
             print_message(future.result())
 
     if study is not None and is_stderr_terminal():

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# Maximum number of lines with caveats, so that the output of `pair` and `run` fits in 24 lines.
+# With at most this number of caveat lines, the output of `pair` and `run` fits on a screen of 24 lines.
 MAX_CAVEAT_LINES = 5
 
-VERBOSE_OPTION = "--verbose"  # option that prints all result points and all caveats
+VERBOSE_OPTION = "--verbose"
 
 
 def complete_output_command(result: Result) -> str:
@@ -85,7 +85,7 @@ def _summarize(result: Result) -> Summary:
     import xarray
 
     try:
-        # Ignore the warning about a large tau0, which was printed when the study was created.
+        # The warning about a large tau0 was already printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
             return result.summary()
     except StoreError:
@@ -114,18 +114,20 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
-MAX_OUTPUT_ATTEMPTS = 4  # maximum number of attempts to write files while another run changes the study
+# Another run may change the study while files are written. This number of attempts is made to write them.
+MAX_OUTPUT_ATTEMPTS = 4
 
 
 def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    with contextlib.suppress(ValueError):  # the same error is raised again when the report is computed
-        # Evaluate the quantities at all loads before two processes draw report and figure, because both need them.
+    # The report raises the same error again.
+    with contextlib.suppress(ValueError):
+        # The quantities at all loads are evaluated before two processes draw report and figure, because both need them.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
-        # Imported here, because the import of Matplotlib would delay the evaluation.
+        # An earlier import of Matplotlib would delay the evaluation.
         from stiction.views.figures import draw_figures
 
         replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])

@@ -125,7 +125,7 @@ def table_command(
     )
     if interface is not None:
         study = study.with_changes({"contact.sliding": rules})
-    # First bytes of each file that this command writes. Only files that start with these bytes are replaced.
+    # An existing file is replaced only if it starts with these bytes, which this command writes.
     signatures = {
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
