@@ -27,7 +27,8 @@ from stiction.study.interfaces import (
     SLIDING_RULES,
 )
 
-MIN_SLIDING_TESTS = 3  # minimum number of tests with sliding from which the errors of the tests are estimated
+# Fewer tests with sliding do not suffice to estimate the errors of the tests from their scatter.
+MIN_SLIDING_TESTS = 3
 
 
 def calibrate(
@@ -114,7 +115,7 @@ def calibrate(
         raise ValueError(f"mu0 and tau0 must not be negative, got mu0 {short_repr(mu0)} and tau0 {short_repr(tau0)}")
     available_rules = [rule for rule in SLIDING_RULES if all(rule in list_sliding_rules(test.result) for test in tests)]
     if all(isinstance(test.result, Ball) for test in tests) and sliding == "both":
-        # a ball has one contact, for which both sliding rules give the same friction
+        # A ball has one contact, for which both sliding rules give the same friction.
         available_rules = available_rules[:1]
     rules = available_rules if sliding == "both" else [sliding]
     if not available_rules:

@@ -30,32 +30,33 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit, 
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# number of nuisance points (samples of all nuisance parameters together) in each adaptation of the proposal
+# Each adaptation of the proposal evaluates this number of nuisance points, each a sample of all nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
-MAX_NUISANCE_POINTS = 8192  # maximum number of nuisance points in the final importance sampling
-# initial number of points in the final sampling: first number · 2**(nuisance parameters), at most the second number
+# The final importance sampling stops at this number of nuisance points.
+MAX_NUISANCE_POINTS = 8192
+# The final sampling starts with 2**k times the first number for k nuisance parameters, but at most the second number.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-MAX_NORMAL_SCORE = 5.0  # largest absolute value of a nuisance parameter, in standard deviations
-MAX_PROPOSAL_ROUNDS = 8  # maximum number of adaptations of the proposal distribution
+# Nuisance parameters are limited to this number of standard deviations from their mean.
+MAX_NORMAL_SCORE = 5.0
+MAX_PROPOSAL_ROUNDS = 8
 # The proposal is adapted until the effective sample size exceeds this fraction of the number of nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # The final sampling doubles its number of nuisance points until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
-NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31  # numbers of cells of the probability grid, along tau0 and along mu0
-NUM_STRENGTH_PAIRS = 4000  # number of pairs of mu0 and tau0 that a fit returns as samples
-# Increase of -2 ln(density) from the maximum of the density to the edge of the grid (5.8 standard deviations).
+# The probability grid of tau0 and mu0 has these numbers of cells.
+NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
+# A fit returns this number of samples of mu0 and tau0.
+NUM_STRENGTH_PAIRS = 4000
+# The grid ends where -2 ln(density) exceeds its minimum by this value, which is 5.8 standard deviations.
 MAX_GRID_DEVIANCE = 34.0
-# degrees of freedom of Student's t distribution, from which nuisance points are drawn
+# Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
-# degrees of freedom of Student's t distribution of the errors if tests may be outliers
+# Degrees of freedom of Student's t distribution of the errors, used if tests may be outliers.
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
-MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = (
-    0.10  # median of the relative standard deviation between runs, under its half-Cauchy prior
-)
+MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
-# maximum number of nuisance points that are evaluated together if contacts grow under shear
+# At most this number of nuisance points is evaluated together if contacts grow under shear, to limit the memory.
 MAX_GROWTH_BATCH_POINTS = 256
-# names of the nuisance parameters for the common gain of all tests, and for the deviations between runs
 GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"
 
 
@@ -64,27 +65,34 @@ class _BestFit:
     """Least-squares fit to friction tests: mu0, tau0, nuisance parameters and residuals of the best fit."""
 
     mu0: float
-    tau0: float  # tau0 (GPa) of the best fit
-    scores: Floats  # nuisance parameters of the best fit, as normal scores (mean 0, standard deviation 1)
-    residuals: Floats  # residuals of the tests that slid, divided by the errors of the tests
-    # derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters
+    tau0: float  # GPa
+    # Normal scores of the nuisance parameters, with mean 0 and standard deviation 1.
+    scores: Floats
+    # Differences between fit and tests that slid, each divided by the error of the test.
+    residuals: Floats
+    # Derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters.
     jacobian: Floats
-    robust_factors: Floats  # square root of each test's weight, which is smaller for an outlier
-    scale: float  # factor by which the fit multiplies assumed errors of the tests
+    # Square root of each test's weight, which is smaller for an outlier.
+    robust_factors: Floats
+    # The fit multiplies assumed errors of the tests by this factor.
+    scale: float
 
 
 @dataclass(frozen=True)
 class _GridLimits:
     """Limits of the grids of mu0 and tau0, one grid per sample of the nuisance parameters."""
 
-    triangular_factors: Floats  # (points, 3, 3) triangular factors of the QR decomposition of the test equations
+    # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
+    triangular_factors: Floats
     deviance_range: float
-    # Lower and upper limit of tau0 (GPa) for each nuisance point.
+    # Lower and upper limit of tau0 (GPa) at each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # mu0 of the best fit, with the shape (points, tau0), if contacts grow under shear; None if no contact grows.
+    # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). It is None if no contact grows under
+    # shear.
     best_mu0: Floats | None = None
-    width_below: Any = None  # half widths of the range of mu0 below and above the best fit; shape (points, tau0)
+    # Half widths of the range of mu0 below and above the best fit, with the shape (points, tau0).
+    width_below: Any = None
     width_above: Any = None
 
 
@@ -93,7 +101,8 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, one per sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
-    # ln(probability) of the tests, without the prior of the nuisance parameters; shape (points, tau0, mu0).
+    # ln(probability) of the tests, with the shape (points, tau0, mu0). It excludes the prior of the nuisance
+    # parameters.
     log_probability: Floats
 
 
@@ -133,7 +142,9 @@ class CalibrationProblem:
         self.has_errors = tests[0].uncertainty is not None
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
-        else:  # if the tests have no given errors, assume errors proportional to the measured coefficients of friction
+        else:
+            # Tests without given errors are assumed to have errors proportional to the measured coefficients of
+            # friction.
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         area_errors: dict[str, float] = {}
         for equation in self._friction:
@@ -177,7 +188,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Cache the area factors for each equation and, if contacts grow, for each measured coefficient.
+        # Each equation has its area factors and, if contacts grow, so has each measured coefficient.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -189,14 +200,14 @@ class CalibrationProblem:
                     self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
                 )
                 if key not in cached_factors:
-                    # The area of sliding contacts depends only on the ratio of friction force and normal force.
+                    # The area of sliding contacts depends only on the ratio of friction force to normal force.
                     law = (
                         FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
                     )
                     area, fraction = equation.area_factor.onset_area_and_friction_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Exclude strengths at which the softer body would shear, because no test measures them.
+                    # The softer body shears at these strengths, which no friction test can measure.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -374,7 +385,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + difference_step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # A step that makes the interface stronger than the softer body gives infinite residuals.
+                # Residuals are infinite for a step that makes the interface stronger than the softer body.
                 test_rows = np.nan_to_num(
                     (step_residuals[1:] - step_residuals[0]).T / difference_step, posinf=0.0, neginf=0.0
                 )
@@ -411,7 +422,8 @@ class CalibrationProblem:
                 and not np.isfinite(residuals(x)).all()
                 and x[: len(free_indices)].max() > 1e-9
             ):
-                x[: len(free_indices)] /= 2  # halve the fitted mu0 and tau0 while the interface seizes
+                # The interface seizes at these mu0 and tau0, so both are halved until it slides.
+                x[: len(free_indices)] /= 2
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower_bounds, np.inf), xtol=1e-9, ftol=1e-9).x
             misfit = residuals(x)[: len(central_equations)] / robust_factors[self.slid]
@@ -457,8 +469,8 @@ class CalibrationProblem:
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
-        # The scores of a pair's area error state that the tests contain all errors of its scans.
-        # This is only certain if no other contact was tested: another contact could determine mu0 and tau0 alone.
+        # A score of a pair's area error is stored only if no other contact was tested. Another contact could determine
+        # mu0 and tau0 alone, so that the tests need not contain all errors of the pair's scans.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
         scores_by_name = {
@@ -611,7 +623,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / test_error[:, np.newaxis, np.newaxis]
             )
-        # For each nuisance point, the prior of the strengths is uniform in mu0 and in tau0 A/F.
+        # At each nuisance point, the prior of the strengths is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -628,7 +640,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
-        # `log_volume` is infinite or NaN if the interface seizes in all cells.
+        # If the interface seizes in all cells, `log_volume` is infinite or NaN.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -660,7 +672,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test gives an upper limit of tau0: the tau0 for mu0 = 0, the smallest possible mu0.
+            # Each test limits tau0 to the value that explains the test with mu0 = 0, the smallest possible mu0.
             test_errors = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -726,9 +738,8 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            weight_exponent = (
-                1.0  # exponent of the weights; exponents below 1 reduce the influence of a few large weights
-            )
+            # An exponent below 1 reduces the influence of a few large weights.
+            weight_exponent = 1.0
             while (
                 weight_exponent > 1e-3
                 and _compute_effective_sample_size(weight_exponent * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
@@ -807,7 +818,7 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # `log_excess` is NaN for a grid in which the interface seizes in all cells.
+        # If the interface seizes in all cells of a grid, `log_excess` is NaN.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
@@ -919,7 +930,8 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
-    curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2  # coefficient of tau0² in -2 ln(density) at mu0 = 0
+    # This is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
+    curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     unbounded_best, best_at_bound = (
         second_row[:, 2] / second_row[:, 1],
         (second_row[:, 1] * second_row[:, 2] + first_row[:, 1] * first_row[:, 2]) / curvature,
@@ -927,7 +939,8 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        mu0 = first_row[:, 2] - first_row[:, 1] * tau0  # a positive multiple of the best mu0 at this tau0
+        # This is a positive multiple of the best mu0 at each tau0.
+        mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
     min_deviance = np.min(

@@ -61,17 +61,18 @@ class Ball:
     """
 
     radius: float | str
-    effective_modulus: float | str | None = field(default=None, compare=False)  # balls are compared by `moduli` instead
+    # Balls are compared by `moduli` instead of the given modulus.
+    effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
     # Balls with equal `lost_fraction` count as equal, whatever area loss was given.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
-    # Elastic constants of ball and flat, computed from the central values of their moduli.
+    # The elastic constants belong to the central values of both moduli.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
-    moduli: UncertainModulus = field(init=False, repr=False, hash=False)  # moduli of both bodies with their uncertainty
-    lost_fraction: InputValue = field(init=False, repr=False)  # area loss with its uncertainty
+    moduli: UncertainModulus = field(init=False, repr=False, hash=False)
+    lost_fraction: InputValue = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Convert the radius to core units, and derive the elastic constants from the arguments."""
@@ -114,8 +115,10 @@ class _FrictionTestSums:
     """Contact sums of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
-    scatter: float = 0.0  # relative standard error of the true area in a test
-    surfaces: str = ""  # checksum of the surfaces; tests with equal checksums have the same error of the area
+    # Relative standard error of the true area in a test.
+    scatter: float = 0.0
+    # Checksum of the surfaces. Tests with equal checksums have the same error of the area.
+    surfaces: str = ""
     hardness: float = math.nan
     area_factor: AreaFactor | None = None
 
@@ -126,7 +129,8 @@ class AreaFactor:
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
-    surfaces: str  # checksum of the surfaces; tests with equal checksums have the same area loss
+    # Checksum of the surfaces. Tests with equal checksums have the same area loss.
+    surfaces: str
 
     def nuisance_name(self, name: str) -> str:
         """Return the name of the nuisance parameter for an input.
@@ -169,7 +173,8 @@ class _BallAreaFactor(AreaFactor):
     """
 
     moduli: UncertainModulus
-    area_loss: float  # central value of the relative loss of contact area under shear
+    # Central value of the relative loss of contact area under shear.
+    area_loss: float
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
@@ -372,7 +377,8 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules for which a result has coefficients."""
-    if isinstance(result, Ball):  # a ball has one contact, for which both sliding rules give the same friction
+    # A ball has one contact, for which both sliding rules give the same friction.
+    if isinstance(result, Ball):
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):
         return (str(getattr(result, "sliding", "all")),)

@@ -8,10 +8,12 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of values of tau0 in one search for the range of tau0, and number of searches, each in a smaller range.
+# The range of tau0 is found by this number of searches, each with this number of values in a smaller range.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
-NUM_NEWTON_STEPS = 3  # number of Gauss-Newton steps in the fit of mu0 for a given tau0
-MU0_DERIVATIVE_STEP = 1e-4  # step of mu0 in numerical derivatives, divided by 0.1 + mu0
+# The fit of mu0 for a given tau0 makes this number of Gauss-Newton steps.
+NUM_NEWTON_STEPS = 3
+# Numerical derivatives use this step of mu0, multiplied by 0.1 + mu0.
+MU0_DERIVATIVE_STEP = 1e-4
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function of mu0 and tau0 in GPa (points, ...) that returns residuals in units of the errors (points, tests, ...).

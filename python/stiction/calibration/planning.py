@@ -15,8 +15,10 @@ from stiction.mechanics.friction import FrictionLaw
 from stiction.study.input_distributions import Z_95
 from stiction.study.interfaces import ValueWithLimits, round_median_strength
 
-DEFAULT_RELATIVE_ERROR = 0.05  # relative error of planned tests if the errors of the present tests are unknown
-BALL_LOAD_RANGE = 100.0  # ratio of the largest to the smallest load of planned tests on a ball
+# Relative error of the planned tests, used if the errors of the present tests are unknown.
+DEFAULT_RELATIVE_ERROR = 0.05
+# The loads of planned tests on a ball span this factor.
+BALL_LOAD_RANGE = 100.0
 
 
 class PlannedTests(NamedTuple):

@@ -74,7 +74,7 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(test, fit.sliding)
 
         def draw_scores(name: str) -> Floats:
-            # If the parameter also affects the tests of the fit, use its samples from the fit.
+            # A parameter that also affects the tests of the fit takes its samples from the fit.
             return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
 
         area_samples = np.exp(test_sums.scatter * draw_scores(area_error_name(test_sums.surfaces)))
@@ -97,7 +97,7 @@ class Interface(InterfaceStrength):
         is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured
         if is_measured_pair:
             combined = predict_coefficient(MemberSums.of(result), float(test.load), self)
-            # The mean over a single position has no interval. Then return the interval of the fit.
+            # The mean over a single position has no interval, so the interval of the fit is returned.
             if not any(map(math.isnan, combined)):
                 return combined
 

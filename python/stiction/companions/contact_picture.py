@@ -38,10 +38,11 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-MAX_PICTURE_SIDE_POINTS = 512  # maximum number of rows or columns of a stored contact map
-# loads in the figure of an adhesive loading cycle, as multiples of the pull-off force
+# A stored contact map has at most this number of rows or columns.
+MAX_PICTURE_SIDE_POINTS = 512
+# Loads in the figure of an adhesive loading cycle, as multiples of the pull-off force.
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Side length of a map, divided by the side length of the magnified window around the contact with the largest load.
+# Ratio of the side lengths of a map and of the magnified window around the contact with the largest load.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -59,7 +60,7 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# Suffix with the unit of a dimension, which is appended to its name in the column title of a table.
+# A column title of a table ends with one of these suffixes, which states the unit of the dimension.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
@@ -170,7 +171,7 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "member": AttributeSpec(dtype=int, bounds=(0, ANY_STORED_VALUE[1])),
     "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE),
-    # The shift is NaN for surrogates, which have no position.
+    # The shift of a map is NaN for surrogates, which have no position.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),
 }

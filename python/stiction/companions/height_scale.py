@@ -50,7 +50,7 @@ HEIGHT_SCALE_DIRECTORY = "height_scale"
 HEIGHT_FACTOR_EXPONENT_STEP = 0.5
 """Largest difference of log2(factor) between two computed height factors that allows interpolation between them."""
 
-NUM_FACTOR_DIGITS = 6  # number of significant digits to which a height factor is rounded
+NUM_FACTOR_DIGITS = 6
 
 ScaledBodies = Literal["both", "upper", "lower"]
 """Bodies whose heights are multiplied by a height factor: both bodies, the upper body or the lower body."""
@@ -219,7 +219,8 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
         try:
             factor = float(directory.name.removeprefix(f"{scaled}-"))
             factor_sums = find_factor_study(result.study, result.path, factor, scaled).open()
-        except ValueError:  # a subdirectory whose name is not a height factor raises a ValueError
+        except ValueError:
+            # The name of this subdirectory is not a height factor.
             continue
         if factor_sums is not None:
             results[factor] = factor_sums
@@ -357,7 +358,8 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        if "statistic" in unscaled_point[name].dims:  # the last dimension of every variable that has it
+        # The statistic is the last dimension of every variable that has it.
+        if "statistic" in unscaled_point[name].dims:
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
         variables[name] = (("height_scale", *unscaled_point[name].dims), interpolated, unscaled_point[name].attrs)

@@ -41,20 +41,19 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-# first bytes of an onset table, by which a file of an earlier run is recognised
+# A file that starts with these bytes is recognised as an onset table of an earlier run.
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-ONSET_TO_SOLUTION_TIME_RATIO = (
-    8  # computing time of an onset curve, divided by the computing time of a contact solution
-)
+# An onset curve takes about this many times as long to compute as a contact solution.
+ONSET_TO_SOLUTION_TIME_RATIO = 8
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""
 
-# relative tolerance of tractions, which gives displacements with a relative error of about 1e-7
+# With this relative tolerance of tractions, displacements have a relative error of about 1e-7.
 TRACTION_TOLERANCE = 1e-5
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
@@ -178,7 +177,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
             member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
-    # Replace the name "tangential load at the onset of sliding", because the curve also has smaller tangential loads.
+    # The curve also contains smaller tangential loads than the load at the onset of sliding.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -216,9 +215,11 @@ def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
     try:
         iwan = fit_iwan(displacement, load, sliding_load=sliding_load, stiffness=float(curve["stiffness"]))
         lugre = fit_lugre(displacement, load, sliding_load=sliding_load)
-    except ValueError:  # a free half-plane has no displacements, so no model can be fitted
+    except ValueError:
+        # A free half-plane has no displacements to which a presliding model could be fitted.
         return {}
-    chi = round(iwan.chi, 12) + 0.0  # adding 0.0 turns -0 into 0
+    # Adding 0.0 turns -0 into 0.
+    chi = round(iwan.chi, 12) + 0.0
     parameters_by_model = {
         "iwan": (sliding_load, iwan.stiffness, chi, iwan.beta, float(np.abs(iwan.residual).max() / sliding_load)),
         "lugre": (lugre.stiffness, float(np.abs(lugre.residual).max() / sliding_load)),
@@ -271,11 +272,14 @@ _LOAD_INTERVAL_KIND = "load_interval_kind"
 class OnsetCurvePoint:
     """Displacement, slip and dissipated energy at one tangential load of the mean onset curve, with 95 % intervals."""
 
-    tangential_load: Estimate  # tangential load (mN)
-    displacement: Estimate  # tangential displacement (µm)
-    slipped_area: Estimate  # slipping fraction of the contact area
-    slipped_load: Estimate  # fraction of the normal load on slipping contacts
-    energy_lost: Estimate  # energy (mN µm) dissipated in a load cycle whose amplitude is the tangential load
+    tangential_load: Estimate  # mN
+    displacement: Estimate  # µm
+    # Slipping fraction of the contact area.
+    slipped_area: Estimate
+    # Fraction of the normal load on slipping contacts.
+    slipped_load: Estimate
+    # Energy (mN µm) dissipated in a load cycle whose amplitude is the tangential load.
+    energy_lost: Estimate
 
 
 @dataclass(frozen=True)
@@ -286,18 +290,23 @@ class OnsetValues:
     coefficient.
     """
 
-    load: float  # normal load (mN)
+    load: float  # normal load, mN
     mu0: float
-    tau0: float  # adhesive shear strength (GPa)
-    num_members: int  # number of members over which the onset is averaged
-    poisson_ratio: tuple[float, ...]  # Poisson's ratios of both bodies
-    is_poisson_ratio_given: bool  # False if the default Poisson's ratio was assumed
-    sliding_load: Estimate  # tangential load at which the bodies slide (mN)
-    displacement_at_sliding: Estimate  # tangential displacement at which the bodies slide (µm)
-    stiffness: Estimate  # initial tangential stiffness (mN/µm)
-    unloading_stiffness: Estimate  # normal stiffness during unloading (mN/µm)
-    curve: dict[float, OnsetCurvePoint]  # points of the onset curve, by tangential load divided by sliding load
-    models: dict[str, dict[str, float]]  # fitted parameters of each presliding model; empty if the fit failed
+    tau0: float  # GPa
+    num_members: int
+    poisson_ratio: tuple[float, ...]  # of both bodies
+    # False if the default Poisson's ratio was assumed.
+    is_poisson_ratio_given: bool
+    sliding_load: Estimate  # tangential load, mN
+    displacement_at_sliding: Estimate  # µm
+    # Initial tangential stiffness (mN/µm).
+    stiffness: Estimate
+    # Normal stiffness during unloading (mN/µm).
+    unloading_stiffness: Estimate
+    # Points of the onset curve. The keys are tangential loads divided by the sliding load.
+    curve: dict[float, OnsetCurvePoint]
+    # Fitted parameters of each presliding model. The dict is empty if the fit failed.
+    models: dict[str, dict[str, float]]
 
 
 def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
@@ -332,7 +341,8 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-_BOUNDS_WITH_INFINITY = (-math.inf, math.inf)  # bounds of stored numbers that may be infinite, such as stiffnesses
+# Stored numbers such as stiffnesses may be infinite.
+_BOUNDS_WITH_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),

@@ -42,12 +42,17 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-CUTOFF_STUDY_DIRECTORY = "resolution"  # name of the subdirectory of a result directory that contains the cutoff study
-NUM_AREAL_MEMBERS = 4  # maximum number of members in the cutoff study of height maps
-NUM_LINE_MEMBERS = 16  # maximum number of members in the cutoff study of profiles
-MAX_CUTOFFS = 4  # maximum number of cutoffs above 0 in a cutoff study; each is twice the one before
-FOUR_DIGIT_ROUNDING_ERROR = 5e-4  # largest relative error of a number that is rounded to four digits
-MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30  # largest cutoff in a cutoff study, as a fraction of the shortest side of the scans
+# Subdirectory of a result directory that contains the cutoff study.
+CUTOFF_STUDY_DIRECTORY = "resolution"
+# The cutoff study uses at most this number of members for height maps, which take much longer than profiles.
+NUM_AREAL_MEMBERS = 4
+NUM_LINE_MEMBERS = 16
+# The cutoffs above 0 form a geometric sequence with ratio 2 of at most this length.
+MAX_CUTOFFS = 4
+# Rounding to four digits changes a number by at most this fraction.
+FOUR_DIGIT_ROUNDING_ERROR = 5e-4
+# No cutoff exceeds this fraction of the shortest side of the scans.
+MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
 def build_cutoff_study(study: Study) -> Study | None:
@@ -72,7 +77,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Round lengths up, so that no cutoff is shorter than two grid spacings, the shortest wavelength of a grid.
+    # Lengths are rounded up, so that no cutoff is shorter than two grid spacings, the shortest wavelength of a grid.
     rounded_cutoffs = [
         cutoffs[0],
         *(
@@ -127,7 +132,8 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
         return None
     try:
         cutoff_study = find_cutoff_study(study, result.path)
-    except ValueError:  # a scan file is missing
+    except ValueError:
+        # A scan file is missing.
         return None
     cutoff_sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if cutoff_sums is None:
@@ -147,12 +153,17 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
-    shortest: float  # shortest resolved wavelength (µm): the cutoff, or two grid spacings
-    two_points: float  # two grid spacings, the shortest wavelength of unfiltered scans (µm)
-    longest: float  # longest side of the pressed bodies (µm)
-    gradient: float  # rms gradient of the gap of the first member
+    # Shortest resolved wavelength (µm): the cutoff, or two grid spacings.
+    shortest: float
+    # Two grid spacings, the shortest wavelength of unfiltered scans (µm).
+    two_points: float
+    # Longest side of the pressed bodies (µm).
+    longest: float
+    # Rms gradient of the gap of the first member.
+    gradient: float
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # fit of the gap's Hurst exponent, or None if no band is self-affine
+    # Fit of the gap's Hurst exponent, or None if no band is self-affine.
+    estimate: HurstEstimate | None
 
     @property
     def shortest_octave_fraction(self) -> float:
@@ -238,7 +249,8 @@ class YieldWavelengthEstimate:
     """Cutoff wavelength (µm) at which the elastic pressure reaches a given hardness H, and friction mu0 + tau0/H."""
 
     hardness: float
-    wavelength: Estimate  # cutoff wavelength (µm); NaN if the pressure reaches the hardness at no cutoff
+    # Cutoff wavelength (µm). It is NaN if the pressure does not reach the hardness at any cutoff.
+    wavelength: Estimate
     friction: float
 
 
@@ -247,9 +259,11 @@ class CutoffResult:
     """Friction, roughness, area fraction and pressure of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    values: dict[str, float]  # friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff
+    # Friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff.
+    values: dict[str, float]
     contact_status: str
-    cutoffs: ScanCutoffs  # cutoffs (µm) of all upper and all lower scans
+    # Cutoffs (µm) of all upper and all lower scans.
+    cutoffs: ScanCutoffs
 
 
 @dataclass(frozen=True, eq=False)

@@ -119,7 +119,8 @@ def at_load(
         # `load_definition_effect` compares the coefficient at an elastic load with the coefficient at an equal normal
         # load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Neglect growth and loss of area under shear in the compared coefficient, because ensemble means neglect both.
+        # Ensemble means neglect growth and loss of area under shear, so the compared coefficient must neglect both,
+        # too.
         other_result = (
             result
             if load_definition != "mean"
@@ -128,7 +129,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point["mean_friction"].sel(statistic="mean")
-        # a coefficient of 0 would give the quotient 0/0
+        # A coefficient of 0 would give the quotient 0/0.
         coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable

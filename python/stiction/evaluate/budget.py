@@ -55,7 +55,8 @@ if TYPE_CHECKING:
 MAX_BUDGETED_COEFFICIENTS = 100
 """Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
 
-MAX_NAMED_SHARED_INPUTS = 2  # maximum number of inputs that the label of an interface names
+# The label of an interface names at most this number of inputs.
+MAX_NAMED_SHARED_INPUTS = 2
 
 INTERVALS_COVERING_ALTERNATIVES = (
     "friction_combined",
@@ -66,7 +67,6 @@ INTERVALS_COVERING_ALTERNATIVES = (
 )
 """Names of the coefficient's intervals that also cover results for alternative preparations of the scans."""
 
-# attributes that mark the intervals of a dataset's variables as combined intervals
 COMBINED_INTERVAL_ATTRIBUTES = {INTERVAL_KIND_ATTRIBUTE: "combined"}
 
 _INTERVAL_VARIABLES = (
@@ -119,7 +119,8 @@ def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[Altern
     if alternatives is None:
         values = _evaluate_alternatives_uncached(result, at)
         alternatives = {name: share_read_only(dataset) for name, dataset in values.items()}
-        if alternatives:  # do not cache missing results, because they may be computed later
+        # Missing results are not cached, because they may be computed later.
+        if alternatives:
             cache.clear()
             cache[points] = alternatives
     return alternatives
@@ -140,7 +141,8 @@ def _evaluate_alternatives_uncached(
     }
 
 
-_Tables = dict[str, tuple[tuple[str, ...], Floats]]  # dimensions and array of each variable, by its name
+# Dimensions and array of each variable, by its name.
+_Tables = dict[str, tuple[tuple[str, ...], Floats]]
 
 
 def is_tested_pair(study: Study, strength: InterfaceStrength | None) -> bool:
@@ -272,7 +274,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # Widen the percentiles of friction at the first cutoff so that they enclose the percentiles at all other cutoffs.
+    # The percentiles of friction at the first cutoff must enclose the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
@@ -299,7 +301,7 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-# uncertain inputs by name, and joint samples of mu0 and tau0
+# Uncertain inputs by name, and joint samples of mu0 and tau0.
 _SampledInputs = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
@@ -386,8 +388,8 @@ class _QuantitiesWithCombinedIntervals:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not vary along a dimension has one interval for all indices of this dimension:
-            # extend the interval only once, at index 0.
+            # A quantity that does not vary along a dimension has one interval for all indices of this dimension, which
+            # is computed once, at index 0.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -443,7 +445,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs for all mu0 and tau0, cached by the index along the other dimensions.
+    # Quantities at the central inputs for all mu0 and tau0. The keys are the indices along the other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -600,10 +602,10 @@ def _get_combined_coefficients(
     combined_friction = at["mean_friction"].transpose(*dims, "statistic").values.copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)
-    # An interval with an infinite upper limit counts as computed.
+    # An interval counts as computed even if its upper limit is infinite.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined_friction[is_known] = known_intervals[is_known]
-    # Widen the interval at the first cutoff so that it includes the intervals at all other cutoffs.
+    # The interval at the first cutoff must include the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         by_cutoff = np.moveaxis(combined_friction, dims.index("cut_off"), 0)
         by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])

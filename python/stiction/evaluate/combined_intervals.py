@@ -34,8 +34,9 @@ UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
-INTERFACE_INPUT_NAME = "interface"  # name under which mu0 and tau0 of a calibrated interface count as one input
-# Quantiles at which the uncertainty budget fixes an input, in order to average the remaining interval widths.
+# The mu0 and tau0 of a calibrated interface count as one input with this name.
+INTERFACE_INPUT_NAME = "interface"
+# The uncertainty budget fixes an input at these quantiles, and averages the remaining interval widths.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
@@ -44,13 +45,13 @@ FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 Design codes use the lowest percentile as a minimum.
 """
 
-# Largest ln(coefficient of a single test / mean coefficient), which prevents an overflow of the exponential.
+# This limit of ln(coefficient of a single test / mean coefficient) prevents an overflow of the exponential.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
-MAX_CACHED_AREAS = 64  # maximum number of cached samples of the true area
-# maximum number of cached samples of the yield pressure, enough for all mu0 and tau0 of a report
+MAX_CACHED_AREAS = 64
+# The cache is large enough for all mu0 and tau0 of a report.
 MAX_CACHED_PRESSURES = 256
 
 
@@ -116,7 +117,8 @@ def compute_quantity_ratios(
     )
     area_ratio = values.area / central.area
     loading, unloading, closure_loading, closure_unloading = response.stiffness_ratios(inputs, values.area)
-    with np.errstate(invalid="ignore"):  # at seizure, the areas at the onset of sliding are infinite
+    # The areas at the onset of sliding are infinite if the contacts seize.
+    with np.errstate(invalid="ignore"):
         onset_area_ratio = values.area_at_onset / central.area_at_onset
     return {
         "area": area_ratio, "area_at_onset": onset_area_ratio, "pressure": 1 / area_ratio,
@@ -134,8 +136,10 @@ class _InputSamples:
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    modulus: Floats | float  # samples of the effective modulus E*, divided by the E* of the study
-    creep: Floats | None  # exponents of indentation creep, one per sample
+    # Samples of the effective modulus E*, divided by the E* of the study.
+    modulus: Floats | float
+    # Exponents of indentation creep, one per sample.
+    creep: Floats | None
 
 
 class InputSampler:
@@ -148,7 +152,7 @@ class InputSampler:
         self._areas: dict[Any, AreasBeforeShear] = {}
         self._pressures: dict[Any, Any] = {}
         self._closures: tuple[Any, Floats] = (None, np.empty(0))
-        self.intervals: dict[Any, Interval] = {}  # cached intervals of coefficients
+        self.intervals: dict[Any, Interval] = {}
 
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
@@ -238,12 +242,12 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        # mean coefficient of friction, and limits of the interval of the mean
+        # Mean coefficient of friction, and limits of the interval of the mean.
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # The first element of `strengths` contains samples of both mu0 and tau0.
-        # In each further element, mu0 or tau0 is 0.
+        # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
+        # is 0.
         self.strengths = strengths
         self.is_tested = any(each.area_scores is not None for each in strengths)
         self.area_error = area_error
@@ -251,7 +255,8 @@ class CombinedIntervals:
         self._central = central
         self._scan_mean = scan_mean
         value, lower, upper = self.sampling_estimate.tolist()
-        if study.is_gap:  # two faces that form a gap have a single relative position
+        # Two faces that form a gap have a single relative position.
+        if study.is_gap:
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
@@ -271,7 +276,7 @@ class CombinedIntervals:
         )
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
-        # An interface that was calibrated on this pair contains the errors of its true area.
+        # An interface that was calibrated on this pair already contains the errors of the pair's true area.
         sources = (*self.standard_errors, *self.drifts, *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()))
         self.names = (
             *self.inputs,
@@ -478,7 +483,8 @@ class CombinedIntervals:
         coefficients.
         """
         response = self.response
-        # Round the coefficient for the cache key, because its round-off depends on the coefficients evaluated with it.
+        # The round-off of a coefficient depends on the coefficients evaluated with it, so the cache key uses 12
+        # decimals.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time
@@ -653,7 +659,7 @@ def compute_quantiles(
             "specify narrower ranges"
         )
 
-    # Do not interpolate quantiles between infinite samples.
+    # Interpolation between two infinite samples would give NaN.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
     if upper_values is None or upper_values is values or not np.isinf(upper_values).any():
         return _find_quantiles(probabilities, values, axis, method)

@@ -162,9 +162,12 @@ class AreaFunction:
 class _SolvedAreas:
     """True areas (µm²) that a result stores, averaged over members, as arrays (cutoffs, loading steps)."""
 
-    all_members: Floats  # true areas, averaged over all members
-    elastic_members: Floats  # true areas, averaged over the members whose elastic area is stored
-    elastic: Floats  # elastic areas, averaged over the same members or estimated; NaN if the study needs none
+    # True areas, averaged over all members.
+    all_members: Floats
+    # True areas, averaged over the members whose elastic area is stored.
+    elastic_members: Floats
+    # Elastic areas, averaged over the members whose elastic area is stored, or estimated. NaN if the study needs none.
+    elastic: Floats
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
@@ -191,7 +194,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             member_counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = area_sums / member_counts
-    # An unfinished result may lack all members with a stored elastic area. Estimate their elastic areas.
+    # An unfinished result may lack all members with a stored elastic area.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
@@ -229,7 +232,8 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
             functions.append(
                 AreaFunction(*known_points, nominal_area, hardness, exponent, attractions, indent, known_depths)
             )
-        else:  # the solver failed for every member
+        else:
+            # The solver failed for every member.
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
 
@@ -338,7 +342,8 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
         # In complete contact, round-off may raise the elastic area above the nominal area.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    for cell_factors in factors:  # Interpolate the factor at loads without an elastic area.
+    # At loads without an elastic area, the factor is interpolated.
+    for cell_factors in factors:
         is_known = np.isfinite(cell_factors)
         if is_known.any():
             log_loads = np.log(loads)

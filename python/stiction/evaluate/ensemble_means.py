@@ -29,7 +29,8 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-MIN_STIFFNESS_STEPS = 3  # minimum number of approaches or loads that a normal stiffness requires
+# A normal stiffness requires at least this number of approaches or loads.
+MIN_STIFFNESS_STEPS = 3
 
 
 def average_ensemble(
@@ -45,7 +46,7 @@ def average_ensemble(
     ratio_names = [name for name in RATIO_QUANTITIES if is_requested(name, names)]
     evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_ratios=bool(ratio_names))
     quantities = [name for name in _list_ensemble_quantities(head) if is_requested(name, names)]
-    # Area and stiffness at a normal load depend slightly on mu0 and tau0, because friction contributes to that load.
+    # Friction contributes to the normal load, so area and stiffness at this load depend slightly on mu0 and tau0.
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
         means = evaluate(["friction_coefficient", *quantities], all_directions)
@@ -150,7 +151,7 @@ def compute_ensemble_friction(
         for name in LOAD_SUM_NAMES
     }
     law = FrictionLaw(mu0[:, np.newaxis], tau0)
-    # Stack normal and tangential loads in an array of shape (2, members, ..., mu0, tau0).
+    # The array has the shape (2, members, ..., mu0, tau0), with normal loads first and tangential loads second.
     member_loads = np.stack([law.load("normal", sums), law.load("tangential", sums)])
     load_sums = member_loads.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -19,15 +19,18 @@ import stiction._core as _core
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-# labels along the dimension `statistic` of datasets: a mean and the limits of its interval
+# Labels along the dimension `statistic` of datasets: a mean and the limits of its interval.
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 # The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
 NUM_SLOPE_FIT_STEPS = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-NUM_BATCH_VALUES = 2**17  # maximum number of values in a batch; larger batches are not faster
-MIN_SAMPLE_SIZE = 3  # minimum number of repetitions that an interval requires
-MIN_NEIGHBOURING_VALUES = 8  # minimum number of neighbouring positions that an interval of the mean requires
+# Batches of more values are not evaluated faster.
+NUM_BATCH_VALUES = 2**17
+# An interval requires at least this number of repetitions.
+MIN_SAMPLE_SIZE = 3
+# An interval of the mean requires at least this number of neighbouring positions.
+MIN_NEIGHBOURING_VALUES = 8
 MIN_RELATIVE_CHANGE = -1 + 1e-12
 """Relative change of a mean on leaving out one repetition, above which the mean certainly keeps its sign.
 
@@ -40,8 +43,10 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-_MAX_SYMMETRIC_SKEWNESS = 1e-9  # largest skewness of a sample whose interval is computed as symmetric
-MAX_DEGREES_OF_FREEDOM = 1e6  # number of degrees of freedom above which Student's t distribution counts as normal
+# A sample up to this skewness gets a symmetric interval.
+_MAX_SYMMETRIC_SKEWNESS = 1e-9
+# Student's t distribution with more degrees of freedom counts as normal.
+MAX_DEGREES_OF_FREEDOM = 1e6
 
 
 def student_quantile(freedom: ArrayLike) -> Floats:
@@ -58,11 +63,15 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # index of the first step at or above each load; shape (..., loads)
-    fraction: Floats  # position of each load between two steps, from 0 to 1; shape (..., loads)
-    reached: NDArray[np.bool_]  # True for loads that the curve reaches; shape (..., loads)
-    below: NDArray[np.bool_]  # True for loads below the first step; shape (..., loads)
-    # Loads of the curves and requested loads, if the ratio of a quantity to the load is interpolated, or else None.
+    # Index of the first step at or above each load, with the shape (..., loads).
+    index: NDArray[np.intp]
+    # Position of each load between two steps, from 0 to 1, with the shape (..., loads).
+    fraction: Floats
+    # True for loads that the curve reaches, with the shape (..., loads).
+    reached: NDArray[np.bool_]
+    # True for loads below the first step, with the shape (..., loads).
+    below: NDArray[np.bool_]
+    # Loads of the curves and requested loads if the ratio of a quantity to the load is interpolated, otherwise None.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -85,7 +94,8 @@ class LoadCrossings:
                 log_crossings.below,
                 (curve, loads),
             )
-        is_at_least_load = curve[..., np.newaxis] >= loads  # shape (..., k, l)
+        # The shape is (..., k, l) for k steps and l loads.
+        is_at_least_load = curve[..., np.newaxis] >= loads
         starts_at_load = curve[..., :1, np.newaxis] == loads
         is_crossing = np.concatenate(
             [starts_at_load, ~is_at_least_load[..., :-1, :] & is_at_least_load[..., 1:, :]], axis=-2
@@ -131,8 +141,8 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
-        # Interpolated quantities may also be infinite, such as the stiffness at complete contact.
+        # The quantity may be NaN at the previous step if a load equals a loading step exactly. It may also be infinite,
+        # such as the stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:
@@ -445,7 +455,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
-    # Sum each row separately, so that its round-off does not depend on the other rows.
+    # Each row is summed separately, so that its round-off does not depend on the other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -466,7 +476,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     """
     from scipy.special import stdtr
 
-    # Divide deviations from the mean by their standard deviation, because squares of large values would overflow.
+    # Deviations from the mean are divided by their standard deviation, because squares of large values would overflow.
     value_count, deviations = values.shape[1], values - mean[:, np.newaxis]
     standard_deviation = np.sqrt(np.square(deviations).sum(axis=1) / (value_count - 1))
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
@@ -515,8 +525,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Replace the values on each line by one number such that the mean of these numbers equals the mean over
-        # positions.
+        # Each line gets one number, such that the mean of these numbers equals the mean over positions.
         position_counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         line_sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(line_sums, index, values)
@@ -538,9 +547,12 @@ class ScanPairMean:
     mean: float
     # Variances of the mean that are due to upper scans, lower scans and positions.
     variances: tuple[float, ...]
-    freedom: float  # degrees of freedom of the variance of the mean (Satterthwaite, 1946)
-    test: float  # standard deviation of a single new test about the mean
-    test_freedom: float  # degrees of freedom of the variance of a single new test
+    # Degrees of freedom of the variance of the mean (Satterthwaite, 1946).
+    freedom: float
+    # Standard deviation of a single new test about the mean.
+    test: float
+    # Degrees of freedom of the variance of a single new test.
+    test_freedom: float
 
     @property
     def half_width(self) -> float:
@@ -587,7 +599,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # Weights of the mean squares in the variance, in which the residual is subtracted once per unpooled mean square.
+    # The residual variance is subtracted once for each mean square that is not pooled with it.
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )

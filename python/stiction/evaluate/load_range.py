@@ -14,7 +14,8 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-NUM_DEFAULT_LOADS = 3  # number of loads that are evaluated if the study specifies none
+# This number of loads is evaluated if the study specifies none.
+NUM_DEFAULT_LOADS = 3
 
 
 def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) -> Floats:

@@ -32,11 +32,12 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of points of load curves that are in memory together for one result cell.
+# For one result cell, at most this number of points of load curves is in memory at the same time.
 MAX_VALUES_IN_MEMORY = 2**18
-# Dimensions whose combinations are the cells of a result: one roughness or one cutoff each.
+# Each combination of these dimensions is a cell of a result, which has one roughness or one cutoff.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
-MOTION_DIMENSIONS = ("sliding", "direction")  # dimensions of results for several sliding rules or directions
+# Only results for several sliding rules or directions have these dimensions.
+MOTION_DIMENSIONS = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
 _VARIABLES_BY_QUANTITY = {
@@ -269,8 +270,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which mean loads reach the requested loads.
-    # The second pass computes the intervals at these loading steps.
+    # The first pass over the members finds the loading steps at which mean loads reach the requested loads. The second
+    # pass computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -300,7 +301,8 @@ def evaluate_ensemble_quantities(
                     means_by_cell[cell_index].add_repetitions(normal_load, values)
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
-            del piece, piece_sums  # release memory before the next piece is read
+            # The memory is released before the next piece is read.
+            del piece, piece_sums
         return quantities.build_datasets(means_by_cell, averages, ratio_operands, pool)
 
 
@@ -323,7 +325,8 @@ class _EnsembleQuantities:
         """Return the names of the stored variables from which the quantities are computed."""
         variables = [name for quantity in self.names for name in _list_required_variables(quantity)]
         if "normal_stiffness" in self.names and self.step_dimension == "load":
-            variables.append("approach")  # the stiffness is the derivative of the load with respect to the approach
+            # The stiffness is the derivative of the load with respect to the approach.
+            variables.append("approach")
         return tuple(dict.fromkeys([*variables, *self.ratio_sum_names]))
 
     def compute_curves(
@@ -507,7 +510,8 @@ def _average_sums(
         ] if total_sums else piece_sums  # fmt: skip
         for name in operand_names:
             total_operands[name] = total_operands[name] + _get_values_or_nan(piece, name, step_dimension).sum(axis=-1)
-        del piece  # release memory before the next piece is read
+        # The memory is released before the next piece is read.
+        del piece
     averages = [total.apply(lambda values: values / max(count, 1)) for total in total_sums]
     return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 

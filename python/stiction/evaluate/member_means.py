@@ -22,7 +22,7 @@ from stiction.study.study import Study
 if TYPE_CHECKING:
     import xarray
 
-# quantiles of the coefficients of single members, stored as `spread_low` and `spread_high`
+# Quantiles of the coefficients of single members, stored as `spread_low` and `spread_high`.
 SPREAD_QUANTILES = (0.1, 0.9)
 FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
@@ -88,8 +88,8 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # A mean over directions has no meaning if the body slides by itself in one direction.
-    # If mu0 and tau0 are 0, the coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions has no meaning if the body slides by itself in one direction. If mu0 and tau0 are 0, the
+    # coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -296,7 +296,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # The limits of an interval are NaN if there are few members; comparisons with NaN are False.
+    # The limits of an interval are NaN if there are few members. Comparisons with NaN are False.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
@@ -356,7 +356,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Evaluate all columns in which the same members are missing together, because most columns miss no member.
+        # Columns in which the same members are missing are evaluated together. Most columns miss no member.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

@@ -298,7 +298,8 @@ class _MemberForces:
     normal: Floats
     tangential: Floats
     is_reached: NDArray[np.bool_]
-    is_below: NDArray[np.bool_]  # True for each load below the first loading step
+    # True for each load below the first loading step.
+    is_below: NDArray[np.bool_]
 
     @classmethod
     def at_elastic_loads(
@@ -315,7 +316,7 @@ class _MemberForces:
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Interpolate normal and tangential loads of members at given normal loads (mN)."""
-        # Move the loading steps to the last axis, along which loads are interpolated.
+        # The loading steps become the last axis, along which loads are interpolated.
         normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
         normal_load = np.broadcast_to(normal_load, tangential_load.shape)
         with np.errstate(invalid="ignore"):
@@ -480,7 +481,7 @@ def _interpolate_by_stiffness(
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
     """Return pull-off force (mN), whether it is a lower bound, and friction at zero load (mN) of each member."""
-    # Store 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
+    # The value is 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
@@ -510,7 +511,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # For a missing coefficient, store the status of the first loading step at or above the load, unless that is
+        # A missing coefficient gets the status of the first loading step at or above the load, unless that status is
         # "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
@@ -530,7 +531,7 @@ def _find_load_crossings(
     """Return the contact sums of members, and the crossings at which their load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Access variables instead of data arrays, which is much faster because variables have no coordinates.
+    # Variables are much faster to access than data arrays, because they have no coordinates.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (

@@ -36,14 +36,20 @@ class SlidingRuleCoefficient(Estimate):
     """
 
     _: KW_ONLY
-    rule: str  # sliding rule, that is, the contacts at which friction acts: "all" or "opposing"
-    status: str = STATUS_OK  # "ok", or the status of a direction without a coefficient
-    interval_of_mean: Interval = UNKNOWN_INTERVAL  # interval of the mean coefficient over positions
-    # interval that contains the coefficient of one more test in one direction
+    # Sliding rule, that is, the contacts at which friction acts: "all" or "opposing".
+    rule: str
+    # "ok", or the status of a direction without a coefficient.
+    status: str = STATUS_OK
+    # Interval of the mean coefficient over positions.
+    interval_of_mean: Interval = UNKNOWN_INTERVAL
+    # Interval that contains the coefficient of one more test in one direction.
     prediction_interval: Interval = UNKNOWN_INTERVAL
-    low: float = math.nan  # 10 % quantile of the coefficients of single members
-    high: float = math.nan  # 90 % quantile of the coefficients of single members
-    slopes: float = math.nan  # small-slope estimate of the coefficient (`gentle_friction`); NaN for generated bodies
+    # 10 % quantile of the coefficients of single members.
+    low: float = math.nan
+    # 90 % quantile of the coefficients of single members.
+    high: float = math.nan
+    # Small-slope estimate of the coefficient (`gentle_friction`). It is NaN for generated bodies.
+    slopes: float = math.nan
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
     # Coefficients with intervals of the mean, by direction of motion in degrees: along the axes, and in every
@@ -76,8 +82,10 @@ SLIDING_RULE_ORDER = ("all", "opposing")
 The first rule is reported. It lets friction act at all contacts, because mu0 is measured on smooth faces.
 """
 
-CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")  # dimensions of a study besides load, mu0 and tau0
-MEAN_AND_LIMITS = ("mean", "lower", "upper")  # a mean and the limits of its 95 % interval
+# Dimensions of a study besides load, mu0 and tau0.
+CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
+# Labels of a mean and of the limits of its 95 % interval.
+MEAN_AND_LIMITS = ("mean", "lower", "upper")
 
 
 def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
@@ -136,8 +144,9 @@ class PointQuantities:
     """
 
     estimates: dict[str, Estimate]
-    numbers: dict[str, float]  # quantities of a result that have no interval
-    # quantiles of each distribution, by their probability
+    # Quantities of a result that have no interval.
+    numbers: dict[str, float]
+    # Quantiles of each distribution, by their probability.
     distributions: dict[str, dict[float, Estimate]]
 
 
@@ -152,7 +161,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
     for name in map(str, point.data_vars):
         variable = point.variables[name]
         indices = {"sliding": rule_index} if "sliding" in variable.dims else {}
-        if variable.sizes.get("direction") == 1:  # the result has a single direction
+        if variable.sizes.get("direction") == 1:
             indices["direction"] = 0
         variable = variable.isel(indices)
         if variable.dims == ("statistic",):
@@ -174,7 +183,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """
     if name not in point.variables:
         return math.nan
-    # Index the NumPy array, which is much faster than a selection from an `xarray.DataArray`.
+    # Indexing a NumPy array is much faster than a selection from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:

@@ -30,8 +30,9 @@ class PullOffValues:
     force: Estimate
     pressure: Estimate
     friction: Estimate
-    is_bound: bool  # True if the pull-off force of some members is only known to exceed a lower bound
-    # labels of the uncertain inputs that affect friction at zero load only through the area
+    # True if the pull-off force of some members is only known to exceed a lower bound.
+    is_bound: bool
+    # Labels of the uncertain inputs that affect friction at zero load only through the area.
     area_inputs: tuple[str, ...] = ()
 
     @property

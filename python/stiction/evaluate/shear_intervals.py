@@ -27,8 +27,10 @@ from stiction.study.interfaces import InterfaceStrength
 if TYPE_CHECKING:
     import xarray as xr
 
-MIN_INPUT_SAMPLES = 2**10  # minimum number of input samples, regardless of the number of displacements
-MAX_CURVE_VALUE_COUNT = 2**21  # maximum product of the numbers of samples and displacements, which limits the memory
+# At least this number of input samples is drawn, even for many displacements.
+MIN_INPUT_SAMPLES = 2**10
+# The product of the numbers of samples and displacements is limited, because it determines the memory.
+MAX_CURVE_VALUE_COUNT = 2**21
 INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -39,7 +41,8 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-_Samples = dict[str, Floats]  # array of each quantity, with samples or strips on the first axis
+# Array of each quantity, with samples or strips on the first axis.
+_Samples = dict[str, Floats]
 
 
 @dataclass(frozen=True)
@@ -305,7 +308,7 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # all peaks are at one computed displacement, but the true peaks may be between two displacements
+            # All peaks are at one computed displacement, but the true peaks may be between two displacements.
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
