@@ -434,6 +434,40 @@ def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script
     assert table in [text.partition("\n")[2] for text in shown_outputs]
 
 
+@pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
+def test_page_about_the_model_shows_the_computed_numbers_of_its_two_contacts():
+    page = (ROOT / "docs/explanation/theory.md").read_text(encoding="utf-8")
+    section = " ".join(page.partition("### Two contacts in numbers\n")[2].partition("\n## Asperity")[0].split())
+    force, area = stiction.hertz_sphere(0.020, 50, 115)
+    mu0, tau0, angle = 0.2, 0.1, np.radians(5)
+    friction = mu0 * force + tau0 * area
+    force_z, force_x = force * np.cos(angle), force * np.sin(angle)
+    friction_z, friction_x = friction * np.sin(angle), friction * np.cos(angle)
+    climbed = (force_z - friction_z, force_x + friction_x)
+    descended = (force_z + friction_z, friction_x - force_x)
+    all_contacts = np.add(climbed, descended)
+    opposing = (climbed[0] + force_z, climbed[1])
+    alone = stiction.slope_friction(angle, mu0=mu0, tau0=tau0, mean_pressure=force / area)
+    mean_friction = friction / force
+    small_slope = (mean_friction / 2 + np.tan(angle) / 2) / (1 - mean_friction * np.tan(angle) / 2)
+    assert climbed[1] / climbed[0] == pytest.approx(alone)
+    assert all_contacts[1] / all_contacts[0] == pytest.approx(mean_friction)
+    assert opposing[1] / opposing[0] == pytest.approx(small_slope)
+    for text in (
+        f"F = {force:.3f} mN, A = {area:.3f} µm², and the friction force μ0 F + τ0 A = {friction:.3f} mN",
+        f"so μ0 + τ0 A/F is {mean_friction:.3f}",
+        f"| {force_z:.3f} − {friction_z:.3f} = {climbed[0]:.3f} "
+        f"| {force_x:.3f} + {friction_x:.3f} = {climbed[1]:.3f} | alone {alone:.3f} |",
+        f"| {force_z:.3f} + {friction_z:.3f} = {descended[0]:.3f} "
+        f"| −{force_x:.3f} + {friction_x:.3f} = {descended[1]:.3f} |",
+        f"| {all_contacts[0]:.3f} | {all_contacts[1]:.3f} | **{mean_friction:.3f}** |",
+        f"| {climbed[0]:.3f} + {force_z:.3f} = {opposing[0]:.3f} | {opposing[1]:.3f} | **{small_slope:.3f}** |",
+        f"carries its {force_z:.3f} mN",
+        f"m = {mean_friction:.3f} and 2S = tan 5° also give {small_slope:.3f}",
+    ):
+        assert text in section
+
+
 @pytest.mark.docs
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
 def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, monkeypatch):
