@@ -1,4 +1,4 @@
-"""Reference for intervals of means at given loads: the jackknife of docs/explanation/uncertainty.md, in loops."""
+"""Reference for intervals of means at given loads: the jackknife of docs/explanation/intervals.md, in loops."""
 
 import math
 

@@ -235,7 +235,7 @@ class LoadCrossings:
 class MeansAtLoads:
     """Means of quantities at given mean normal loads, with jackknife intervals.
 
-    The method is described in docs/explanation/uncertainty.md. Let v be the quantity and n the normal load of each
+    The method is described in docs/explanation/intervals.md. Let v be the quantity and n the normal load of each
     repetition at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is omitted,
     the logarithm of the mean at the load changes by the change of ln mean(v) minus e times the change of ln mean(n). If
     the mean is zero, or if its sign changes when a repetition is omitted, the interval is a symmetric first-order
