@@ -1,4 +1,4 @@
-// Amplitude of a profile: height statistics, measures of amplitude, and scaling to a given amplitude.
+// Height statistics of a profile, and scaling of the profile to a given amplitude.
 #pragma once
 
 #include "stiction/values.hpp"
@@ -10,31 +10,28 @@
 
 namespace stiction {
 
-/// Measure of the amplitude of a profile. `height` is the height of the highest point above the lowest point.
-/// `ra` is the mean absolute deviation of the heights from their mean, and `rq` the root-mean-square deviation.
+/// Measure of the amplitude of a profile: peak-to-valley height, arithmetic mean deviation Ra, or rms deviation Rq.
 enum class AmplitudeMeasure { height, ra, rq };
 
-/// Parse the name of an amplitude measure: "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
+/// Return the amplitude measure named "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
 AmplitudeMeasure amplitude_measure(std::string_view name);
 
-/// Mean height, smallest height and largest height of a profile [µm].
+/// Mean, smallest and largest height of a profile [µm].
 struct HeightStatistics {
   double mean;
   double min;
   double max;
 };
 
-/// Accumulator of the height statistics of a profile. The profile is added in chunks, from left to right.
-/// Each SIMD lane has its own sum, minimum and maximum of the heights that the lane processes.
+/// Accumulator of the height statistics of a profile whose heights arrive in chunks, from left to right.
 /// The statistics do not depend on the chunk sizes if every chunk except the last has a multiple of `lanes` heights.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
 
   HeightAccumulator();
-  /// Add the next chunk of heights [µm].
   void add(Values heights);
-  /// Return the statistics of all heights that have been added.
+  /// Return the statistics of all heights added so far.
   HeightStatistics statistics() const;
 
  private:
@@ -50,8 +47,7 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that gives a profile the amplitude `amplitude` [µm].
-/// Returns nothing for a flat profile, because no factor changes its amplitude.
+/// Return the scaling that gives a profile the amplitude `amplitude` [µm], or nothing if the profile is flat.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
@@ -59,7 +55,7 @@ std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, 
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
 /// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.
-/// Returns false for a flat profile, which cannot be scaled.
+/// Returns false without writing if the profile is flat, because no factor changes its amplitude.
 /// Throws std::invalid_argument if `heights` and `scaled` differ in length.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 

@@ -3,19 +3,18 @@
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
 // The approach [µm] is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
-// At a minimum of the gap, both surfaces have the same slope, which defines the contact normal.
-// The contact normal stays constant as the overlap grows, because its rotation is of second order in overlap/radius.
+// At a minimum of the gap, the tangent planes of both surfaces are parallel, so they share a contact normal.
+// The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
-// The force and the area of a contact at the edge of the map never decrease with the approach.
-// If a valley is longer than the map, only its part inside the map carries load.
+// The force and the area of a contact at the edge of the map never decrease when the approach grows.
 //
-// Without special rules, round-off would decide whether nearly level points are contacts.
-// The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps.
+// Without special rules, round-off would decide whether nearly level minima of the gap are contacts.
+// With these rules, the result does not change if the pair of maps is rotated, mirrored, swapped or shifted:
 // - A slope or a curvature of the gap counts as zero if it is below 2^-26 of the gap range per grid spacing.
-// - A minimum that is not curved upwards in every direction is a level valley or plateau.
-// A level valley or plateau is not a contact, because it has no lowest point.
-// Grid points of a level plateau count as minima of the grid at which the spline has no minimum.
+// - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
+// - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
+// - Grid points on a level plateau count as grid minima without a minimum of the spline.
 // - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
@@ -42,17 +41,17 @@ struct SurfacePair {
   Vector2 spacing;  ///< (Δx, Δy): distance between columns, and distance between rows [µm]
 };
 
-/// Contact normal at a point where two surfaces have the same slope p, and principal curvatures of the gap there.
-/// `xx, xy, yy` [1/µm] is the Hessian matrix of the gap at the contact point.
-/// The principal curvatures of the gap are the eigenvalues of the Hessian, divided by q = sqrt(1 + p²).
-/// The eigenvalues of the Hessian are computed in the metric I + p pᵀ of the tangent plane.
+/// Contact normal at a point where two surfaces have the same slope p, and principal radii of the gap there.
+/// `xx, xy, yy` [1/µm] are the elements of the Hessian matrix of the gap at the contact point.
+/// With q = sqrt(1 + p²), the principal curvatures of the gap are the eigenvalues of the Hessian matrix, divided by q.
+/// The eigenvalues of the Hessian matrix are computed in the metric I + p pᵀ of the tangent plane.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
   Vector3 along;   ///< unit vector in the tangent plane, in the direction of the larger radius
 };
 
-/// Compute the contact geometry from the slope and from a positive definite Hessian.
+/// Compute the contact geometry from the slope of the surfaces and from a positive definite Hessian matrix of the gap.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
 /// Local minimum of the gap. The surfaces touch at this minimum if the approach is larger than `gap`.
@@ -60,8 +59,8 @@ struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap [µm] at the minimum when the approach of the surfaces is zero.
-  /// The gap is slightly negative if the spline dips below the grid points.
+  /// Gap [µm] at the minimum if the approach of the surfaces is zero.
+  /// Negative gaps are possible, because the spline may dip slightly below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
   Vector3 normal;
@@ -75,9 +74,9 @@ struct ArealCandidate {
 /// Contact candidates of two maps, valid for all approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
-  /// Gaps [µm] at grid points where no neighbour has a smaller gap, in ascending order.
+  /// Gaps [µm] at grid points where no neighbouring grid point has a smaller gap, in ascending order.
   std::vector<double> grid_minima;
-  /// Gaps [µm] at grid minima in whose four adjacent cells the spline of the gap has no minimum.
+  /// Gaps [µm] at those grid minima in whose four adjacent cells the spline of the gap has no minimum.
   std::vector<double> unanswered;
   double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
@@ -91,14 +90,14 @@ inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
 /// A height difference between neighbouring points counts as zero if it is below 2^-26 of the gap range.
-/// The tolerance limits the accuracy with which a minimum is located to about 1e-8 of a grid spacing.
+/// With a tolerance of 2^-26, a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
-/// Find all contact candidates with a gap of at most `deepest` [µm] >= 0.
-/// The curvature rule `convex` requires both surfaces to be summits; `signed_` requires only a minimum of the gap.
+/// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.
+/// The curvature rule `convex` requires that both surfaces are summits; `signed_` requires only a minimum of the gap.
 /// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
-/// The gap between the two maps must not be the same at all points.
-/// Throws std::invalid_argument if shapes, heights or gap do not meet these requirements.
+/// The gap between the maps must vary.
+/// Throws std::invalid_argument if the maps do not meet these requirements.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
@@ -109,13 +108,13 @@ struct ArealSums : Sums {
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
-  /// Number of grid minima: points whose gap is within the approach and not larger than any neighbour's gap.
+  /// Number of grid points whose gap is within the approach and not larger than the gap of any neighbour.
   Index grid_minimum_count = 0;
-  /// Number of those grid minima in whose four adjacent cells the spline of the gap has no minimum.
+  /// Number of grid minima (see `grid_minimum_count`) without a minimum of the spline in their four adjacent cells.
   Index unanswered_count = 0;
 };
 
-/// Name, unit and description of a member of `ArealSums` that is not a member of `Sums`.
+/// Name, unit and description of a member that `ArealSums` adds to `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;
@@ -123,7 +122,6 @@ struct ArealQuantity {
   std::variant<Index ArealSums::*, double ArealSums::*> member;
 };
 
-/// Descriptions of the members of `ArealSums` that are not members of `Sums`.
 inline constexpr std::array areal_quantities{
     ArealQuantity{"lateral_elastic", "mN", "lateral load of the elastic forces of sliding contacts",
                   &ArealSums::lateral_elastic},
@@ -139,12 +137,12 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// Return the contacts at one approach [µm] >= 0, in the order of the candidates.
-/// The index of a contact is row · columns + column.
+/// List the contacts at one approach [µm] >= 0, in the order of the candidates.
+/// The index of a contact is row · columns + column of its map cell.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 
-/// Compute the contact sums for every direction and approach. The results are ordered by direction, then by approach.
+/// Compute the contact sums for every direction and approach, ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
 /// The law HertzSphere is applied to the contact ellipse. Other laws are applied to a sphere of the mean radius.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.

@@ -12,7 +12,7 @@ namespace stiction {
 /// Body to which a profile belongs. The lower body lies below its profile, and the upper body lies above its profile.
 enum class Side { lower, upper };
 
-/// Parse the name of a side: "lower" or "upper". Throws std::invalid_argument for any other name.
+/// Return the side named "lower" or "upper". Throws std::invalid_argument for any other name.
 Side side(std::string_view name);
 
 /// Osculating sphere of a profile at one point.
@@ -20,12 +20,11 @@ struct Asperity {
   Vector3 normal;  ///< unit normal that points out of the solid, (n_x, 0, n_z)
   double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
 
-  /// Return the sphere centre relative to the point on the profile [µm].
-  /// The sphere centre is not finite where the curvature is zero.
+  /// Return the sphere centre relative to the point on the profile [µm]; not finite where the curvature is zero.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
-/// Compute the asperity at a point with slope f' [-] and curvature f'' [1/µm].
+/// Compute the asperity at a point of a profile with slope f' [-] and curvature f'' [1/µm].
 /// With q = sqrt(1 + f'²), the lower surface has the normal (-f', 0, 1)/q and the radius R = -q³/f''.
 /// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
@@ -40,7 +39,7 @@ struct Asperities {
   std::vector<Vector3> centre;
 };
 
-/// Compute the asperities of a profile from its heights [µm] and its spacing [µm] > 0.
+/// Compute the asperities of a profile from its heights [µm] and its grid spacing [µm] > 0.
 Asperities asperities(Values heights, double spacing, Side side);
 
 }  // namespace stiction

@@ -2,7 +2,6 @@
 // Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
-// Code for all types of asperity pairs uses only `contact_at` and `is_separated`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
 // `gap` [µm] is the vertical distance between the two facing points when the surfaces first touch.
@@ -18,13 +17,13 @@
 namespace stiction {
 
 /// Principal radii [µm] of the relative curvature of two surfaces at a point.
-/// For two spheres, both radii equal the effective radius R, with 1/R = 1/R_u + 1/R_l.
+/// For two spheres of radii R_u and R_l, both principal radii equal the effective radius R, with 1/R = 1/R_u + 1/R_l.
 struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the radius of the sphere that has the Gaussian curvature 1/(major minor).
-  /// If the radii are equal, no square root is computed, so that the radius of a sphere stays exact.
+  /// Return the radius of the sphere that has the Gaussian curvature 1/(major · minor).
+  /// For equal radii, the function returns this radius itself, without the round-off of a square root.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -32,19 +31,19 @@ struct Radii {
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
-  /// Overlap of the asperities along the normal [µm]. The overlap is zero or negative if the asperities are separated.
+  /// Overlap of the asperities along the normal [µm], zero or negative if the asperities are separated.
   double overlap;
 };
 
 /// Rule that selects pairs of asperities by their curvatures. `convex` requires both surfaces to be convex.
-/// `signed_` also allows a convex sphere inside a larger concave sphere.
+/// The rule `signed_` also allows a convex sphere inside a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
-/// With the penetration p = δ - gap, the vector between the centres is X = -p e_z + R_l n_l - R_u n_u.
+/// At the penetration p = δ - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
-/// If a surface is nearly flat, the difference R_u + R_l - |X| of two large numbers has no correct digits.
-/// The overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|), which avoids cancellation.
+/// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
+/// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
@@ -59,16 +58,16 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether the overlap at an approach is zero or negative, without computing a division or a square root.
+  /// Return whether the overlap is zero or negative, without the division and square root that `contact_at` needs.
   bool is_separated(double approach) const;
-  /// Return the numerator of the overlap: (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
+  /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
     return sign * (misalignment + penetration * (2.0 * separation.z() - penetration));
   }
 };
 
-/// A sphere and a flat. The flat is the limit of a sphere of infinite radius.
-/// The contact normal of a sphere and a flat is the normal of the flat.
+/// Pair of a sphere and a flat. The flat is the limit of a sphere of infinite radius.
+/// The contact normal of a sphere on a flat is the normal of the flat.
 struct SphereOnFlat {
   Vector3 normal;        ///< normal of the flat, pointing upwards
   Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]
@@ -84,7 +83,7 @@ struct SphereOnFlat {
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
 /// Return the asperity pair of two spheres, or nothing if spheres of these curvatures cannot form a contact.
-/// The effective radius must be positive and finite, and the curvature rule must allow both curvatures.
+/// The effective radius must be positive and finite, and the rule `allowed` must permit both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
 /// Return the asperity pair of a sphere and a flat, or nothing if the radius of the sphere is not positive and finite.
@@ -94,12 +93,12 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_s
 Radii radii(const AsperityPair& asperity_pair);
 
 /// Class of a contact point.
-/// `crossed` means that the normal does not point upwards, because the sphere centres have passed each other.
+/// The class `crossed` means that the normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
 /// Classify a contact point by its overlap, its normal and the position of the contact centre.
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).
-/// With an infinite `half_cell`, the position of the centre is not restricted.
+/// With an infinite `half_cell`, the contact centre may lie anywhere.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {
   if (!(contact_point.overlap > 0.0 && contact_point.centre.x() >= -half_cell &&
         contact_point.centre.x() < half_cell)) {

@@ -6,11 +6,11 @@
 namespace stiction {
 
 /// Minimum number of rows of a map, and minimum number of columns.
-/// A natural cubic spline has zero curvature at its end points, so it requires at least two inner points.
+/// The natural cubic spline has zero curvature at both ends, so only the inner points can be curved; two are required.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
-/// The heights are the inner elements of the array, at least 4 by 4. The outermost rows and columns are outputs only.
+/// The heights are the inner elements of `coefficients`. Its outermost rows and columns are outputs only.
 /// The round-off of the coefficients is about 1e-16 of the largest height.
 /// Throws std::invalid_argument for fewer than 4 by 4 heights.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
@@ -33,8 +33,8 @@ struct Jet {
 };
 
 /// Evaluate the spline in the cell between rows `row`, `row + 1` and columns `column`, `column + 1`.
-/// u and v are the positions in the cell along x and y, as fractions of the cell size.
-/// u and v may lie slightly outside [0, 1]; the polynomial of the cell is then extrapolated.
+/// The numbers u and v are the positions in the cell along x and y, as fractions of the cell size.
+/// If u or v lies slightly outside [0, 1], the polynomial of the cell is extrapolated.
 Jet bicubic_at(const MatrixView& coefficients, Index row, Index column, double u, double v);
 
 }  // namespace stiction

@@ -5,7 +5,7 @@
 
 namespace stiction {
 
-/// Build information.
+/// Information about the compiled library.
 struct Build {
   std::string compiler;  ///< name and version of the compiler
   /// Instruction set that the loader selected for hot loops: "AVX-512", "AVX2, FMA", "SSE2" or "NEON".
@@ -13,7 +13,6 @@ struct Build {
   std::string gsl;  ///< version of the linked GNU Scientific Library
 };
 
-/// Return the build information. Results of different builds may differ by round-off.
 Build build();
 
 }  // namespace stiction

@@ -6,16 +6,15 @@
 
 namespace stiction {
 
-/// Callback that can cancel a calculation by throwing an exception.
+/// Callback by which the caller can cancel a calculation: it throws an exception, which the caller receives.
 /// The library calls the callback at least every few milliseconds.
-/// The caller receives the exception that the callback throws.
 /// A default-constructed CancellationCheck never cancels a calculation.
 class CancellationCheck {
  public:
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback only on every 32nd call of the operator, because the callback may take longer than a step.
+  /// Run the callback on every 32nd call only, because the callback may take longer than a step of the calculation.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

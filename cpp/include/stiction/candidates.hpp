@@ -2,7 +2,7 @@
 //
 // Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
 // The approach is zero when the first grid points come into contact.
-// A profile counts as a flat of infinite radius if its points lie on a straight line to within round-off.
+// A profile whose points lie on a straight line to within round-off counts as a flat of infinite radius.
 // The normal of a flat profile is the normal of the straight line through its points.
 #pragma once
 
@@ -23,7 +23,7 @@ namespace stiction {
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
-/// Parse a detection method ("cell" or "gap-minimum") and a curvature rule ("convex" or "signed").
+/// Return the detection method ("cell" or "gap-minimum") or the curvature rule ("convex" or "signed") of a name.
 /// Throws std::invalid_argument for any other name of a method or rule.
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
@@ -36,20 +36,20 @@ struct ProfilePair {
 };
 
 /// Two asperities that face each other.
-/// The two asperities touch if the approach is at least `gap` and the rules of `classify` are met.
+/// The two asperities touch if the approach is at least `gap` and `classify` returns `ContactClass::contact`.
 struct Candidate {
   /// Index of the grid point at the candidate or, with `gap_minimum`, to the left of the minimum of the gap.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap [µm] at the candidate when the approach of the profiles is zero.
-  /// The gap is negative if a minimum between grid points is lower than all grid points.
+  /// Gap [µm] at the candidate if the approach of the profiles is zero.
+  /// Negative gaps occur where the gap has a minimum between grid points that is lower than at all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
-/// Call visit(candidate) for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
+/// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, candidates that cannot touch within their cells at approaches up to `deepest` may be omitted.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument if the profiles do not meet these requirements.
@@ -60,7 +60,7 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
 /// Compute the smallest gap in each block of points. Throws std::invalid_argument if the profiles differ in length.
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// Call visit(candidate) for every candidate. `prefilter` is the result of `run_prefilter` for the same profiles.
+/// Call `visit(candidate)` for every candidate. `prefilter` is the result of `run_prefilter` for the same profiles.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

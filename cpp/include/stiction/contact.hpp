@@ -1,6 +1,6 @@
 // Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
-// The contacts at an approach are the candidates that touch at this approach.
-// A contact law gives the force and area of each contact.
+// The contacts at an approach are the contact candidates that touch at this approach.
+// The contact law gives the force and the area of each contact.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -23,7 +23,7 @@ struct ContactModel {
   Sliding sliding = Sliding::opposing;
 };
 
-/// A single contact. Positions are in the frame of the lower surface.
+/// A single contact of two surfaces. Positions are in the frame of the lower surface.
 struct Contact {
   Index index;      ///< index of the candidate
   Vector3 centre;   ///< centre of the contact [µm]
@@ -40,7 +40,7 @@ struct Contact {
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid.
 /// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
-/// Also throws if an approach exceeds the largest approach `deepest` for which candidates were collected.
+/// Also throws std::invalid_argument if the approach exceeds the member `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,

@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Contacts between two bodies at one load, with the distribution of the pressure.
+/// Contacts between two bodies at one load, with the distribution of the contact pressure.
 struct ContactTable {
   Values force;                   ///< normal force on each contact [mN]
   Values area;                    ///< projected area of each contact [µm²]
@@ -21,7 +21,7 @@ struct ContactTable {
   Values weight;                  ///< weight of each pressure, proportional to the area with this pressure
 };
 
-/// Statistics of the contacts at one load. The fractions are fractions of the load on all contacts.
+/// Statistics of the contacts at one load. Each fraction is relative to the load on all contacts.
 struct ContactStatistics {
   double fraction_on_largest = 0.0;        ///< load fraction on the contact with the largest force
   double fraction_at_edge = 0.0;           ///< load fraction on contacts that reach the edge of the grid
@@ -31,10 +31,10 @@ struct ContactStatistics {
 };
 
 /// Compute the statistics of the contacts that are listed in `table`.
-/// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` cells.
+/// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
-/// Each weight occupies an interval of the cumulative weight.
-/// Pressure quantiles are interpolated between the centres of these intervals.
+/// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
+/// Each pressure is assigned to the centre of the interval by which its weight increases the cumulative weight.
 /// Throws std::invalid_argument if lengths differ, or if there are no contacts or pressures.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 

@@ -1,4 +1,4 @@
-// Elastic half-space: displacements of a few points of a grid, from the matrix of their influence coefficients.
+// Displacements of a few points of an elastic half-space, from the matrix of their influence coefficients.
 #pragma once
 
 #include "stiction/elastic_kernel.hpp"
@@ -16,7 +16,7 @@ namespace stiction {
 class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
-  /// `influence` must outlive this object. The grid indices in `points` are not checked.
+  /// `influence` must outlive the DenseKernel. The constructor does not check that `points` are on the grid.
   /// Throws std::invalid_argument for 2³¹ grid points or more, and unless `influence` has one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
@@ -28,8 +28,7 @@ class DenseKernel {
   /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 
-  /// Compute the displacements of the points in single precision.
-  /// The first call computes the matrix, and later calls reuse the matrix.
+  /// Compute the displacements of the points in single precision. The first call computes and stores the matrix.
   void displacement(std::span<const float> pressure, std::span<float> displacements);
 
  private:

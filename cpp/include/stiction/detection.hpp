@@ -30,23 +30,21 @@ struct Prefilter {
   void add(Values upper, Values lower);
 };
 
-/// Compute the smallest gap of two profiles in each block of points.
 Prefilter run_prefilter(Values upper, Values lower);
 
-/// Range of indices from `begin` to `end`, excluding `end`.
 struct IndexRange {
   std::size_t begin;
   std::size_t end;
 };
 
-/// Return index ranges that contain all grid points at which contact is possible. The ranges are in increasing order.
+/// Return index ranges, in increasing order, that contain all grid points at which contact is possible.
 /// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound on the dip of the spline is 3/8 of the largest second difference of the gap between successive points.
-/// The second derivative f'' of a natural spline is at most 3/Δx² times the largest second difference.
-/// A cubic dips below its end points by at most Δx² / 8 times the largest |f''| of the cubic.
+/// The bound is 3/8 of the largest second difference D of the gap between successive points, for two reasons:
+/// The second derivative f'' of a natural spline is at most 3 D/Δx².
+/// Between grid points, a cubic dips below its end points by at most Δx²/8 times the largest |f''|.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.
@@ -63,20 +61,20 @@ struct Derivatives {
 
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// All points at which contact is possible are marked. Points at which contact is impossible may be marked too.
+/// Points at which contact is impossible may be marked too.
 /// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
-/// `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
+/// The argument `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
 /// Mark intervals [x_i, x_(i+1)) in which the spline of the gap may have a minimum.
-/// The signs of the derivatives at both ends of an interval show whether a minimum is possible.
+/// The signs of slope and curvature at both ends of an interval show whether a minimum is possible.
 /// `size` intervals have size + 1 ends, so `derivatives` must contain size + 1 elements.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
-/// Inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// The slope of the gap is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
+/// The inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
+/// The slope of the gap is quadratic in the interval, and the minimum is its root at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -88,7 +86,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   if (slope == 0.0 && curvature > 0.0 && !at_first_point) {
     return 0.0;
   }
-  // The slope of the gap at the distance t from the left end is slope + curvature t + half_rate t².
+  // The slope of the gap at the distance t from the left end of the interval is slope + curvature t + half_rate t².
   const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
   const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
   if (!(discriminant > 0.0)) {
@@ -96,11 +94,10 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   }
   const double root = std::sqrt(discriminant);
   // At a minimum of the gap, the slope increases through zero, which selects one root of the quadratic equation.
-  // The sign of the curvature selects the form of the quadratic formula that subtracts no numbers of similar size.
+  // The sign of the curvature selects the form of the quadratic formula that avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // The signs of the slope at both ends of an interval guarantee a minimum in the interval.
-    // Only round-off can place the computed minimum outside the interval.
+    // If the slope changes sign from - to +, the interval contains a minimum, and only round-off can place t outside.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

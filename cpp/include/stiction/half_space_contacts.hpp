@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Half-space contact at one load: points under pressure with their patches, approach, error and iteration count.
+/// Half-space contact at one load.
 struct HalfSpaceContact {
   Patches patches;
   double approach = 0.0;        ///< approach [µm]
@@ -25,17 +25,17 @@ enum class StepQuantity {
   approach        ///< approach [µm]
 };
 
-/// Progress callback with the index of the step, the iteration number and the error.
+/// Progress callback with the index of the step, the iteration number and the relative error.
 using StepProgress = std::function<void(std::size_t, std::int64_t, double)>;
 
-/// Solve the contact at each step, starting from the pressures at the step before it.
-/// `near` may be the pressures before the first step. The hardness [GPa] may be infinite; see `patches_of`.
+/// Solve the contact at each step. Each step starts from the pressures of the step before it.
+/// The first step starts from the pressures `near`, which may be empty. The hardness [GPa] may be infinite.
 /// The calculation ends after a contact whose error exceeds the tolerance of the solver.
 std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, StepQuantity quantity, Values steps,
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});
 
-/// Elastic response of a fixed set of contact points to the pressures that displace all points of the set equally.
+/// Elastic response of a fixed set of contact points to the pressures that displace all these points equally.
 /// The pressures are scaled so that their sum is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact

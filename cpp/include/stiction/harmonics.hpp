@@ -2,8 +2,7 @@
 //
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
-// Only the weights w_n depend on the fractal dimension.
-// The group profiles G_n are evaluated only once, however many fractal dimensions are requested.
+// Only the weights w_n depend on the fractal dimension D, so the group profiles G_n are evaluated once for all D.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -25,14 +24,14 @@ struct HarmonicGrid {
 };
 
 /// Compute the amplitudes w_n [µm], n = 1..frequencies: L^H ln γ γ^(-(n-1) H) for the Hurst exponent H [-].
-/// H = 4 - 2D for a dimension D as defined in the paper. H = 2 - D for the usual definition.
+/// For a fractal dimension D as defined in the paper, H = 4 - 2D. For the usual definition of D, H = 2 - D.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
 /// Write Σ_n weights(d, n) G_n(x_j) [µm], with the group profiles G_n, to row d, column j of `profiles`.
 /// `profiles` has one row for each row of `weights`, and one column for each grid point.
-/// The shape of phases [rad] is (directions M, frequencies N). The shape of weights [µm] is (any number of rows, N).
-/// Phases are stored as 64-bit fractions of a turn, which wrap exactly for any number of turns.
-/// The only error of an aliased harmonic's phase is the round-off of wavenumber times position in long double.
+/// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
+/// Phases are stored as 64-bit fractions of a turn, so that any number of whole turns is removed exactly.
+/// An error in the phase of a harmonic comes only from the round-off of wavenumber times position in long double.
 /// Returns the height statistics of each row, so that the caller needs no further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
@@ -57,7 +56,7 @@ struct HarmonicArea {
 
 /// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
-/// All harmonics of a frequency have the same weight w_n [µm].
+/// All harmonics of frequency n have the same weight w_n [µm].
 /// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
 /// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,

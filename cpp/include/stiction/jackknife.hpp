@@ -1,10 +1,10 @@
 // Power sums of jackknife values, from which the interval of an ensemble mean at a given mean load is computed.
 //
-// At a step at which the mean normal load of R repetitions is F, one repetition has the value v and the normal load n.
-// Without one repetition, the mean value changes by dv = (mean(v) - v) / (R - 1).
-// Without one repetition, the mean load changes by dn = (F - n) / (R - 1).
+// Consider R repetitions of an ensemble at a load step at which their mean normal load is F.
+// Leaving out one repetition with the value v changes the mean value by dv = (mean(v) - v) / (R - 1).
+// Leaving out one repetition with the normal load n changes the mean load by dn = (F - n) / (R - 1).
 // With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
-// The logarithm of the mean value changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
+// The logarithm of the mean value at the load F changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
 #pragma once
 
 #include "stiction/array.hpp"
@@ -33,9 +33,9 @@ struct CurvePoints {
 /// Number of rows of the table of power sums and minima that `jackknife_sums` writes.
 inline constexpr Index jackknife_sum_rows = 10;
 
-/// Write power sums and minima over the repetitions to `sums` (`jackknife_sum_rows`, points).
-/// With c the change of ln(mean value), rows 0 to 3 contain the sums of c, c², c³ and c⁴.
-/// With d = dv - s dn, rows 4 to 7 contain the sums of d, d², d³ and d⁴.
+/// Write power sums and minima over the repetitions to `sums`, of shape (`jackknife_sum_rows`, points).
+/// Rows 0 to 3 contain the sums of c, c², c³ and c⁴, where c is the change of the logarithm of the mean value.
+/// Rows 4 to 7 contain the sums of d, d², d³ and d⁴, where d = dv - s dn is the change of the mean value.
 /// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
 /// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,

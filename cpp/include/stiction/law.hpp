@@ -25,8 +25,8 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// Parameter of a law. Its value must be finite and between `low` and `high`.
-/// The values `low` and `high` themselves are allowed only if `inclusive` is true.
+/// Parameter of a law. The parameter must be finite and between `low` and `high`.
+/// The bounds `low` and `high` themselves are valid only if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -38,7 +38,7 @@ struct Parameter {
 };
 
 /// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap.
-/// Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Exact for a << R.
+/// Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Hertz theory is exact for a << R.
 struct HertzSphere {
   double effective_modulus;  ///< E* [GPa] > 0
 
@@ -51,9 +51,9 @@ struct HertzSphere {
 };
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
-/// The overlap a²/R is the overlap of the undeformed circles; 2a is the contact width.
-/// Source: Johnson, Contact Mechanics (1985), eq. 4.45. For a << R, the force at a given half-width a is exact.
-/// In a line contact, the approach of distant points is unbounded, so it cannot define the overlap.
+/// The overlap is defined as a²/R, the overlap of the undeformed circles with the contact width 2a.
+/// For a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), eq. 4.45.
+/// The approach of distant points cannot define the overlap, because this approach is unbounded in a line contact.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< width w [µm] > 0 along the cylinders
@@ -83,7 +83,7 @@ struct JacksonGreen {
   }
   ForceArea operator()(double overlap, const Radii& radii) const;
   Vector2 semi_axes(double overlap, const Radii& radii) const;
-  /// Check conditions that involve several parameters.
+  /// Check the conditions that involve several parameters. Throws std::invalid_argument if a condition is not met.
   void check() const;
 };
 

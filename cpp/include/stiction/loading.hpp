@@ -15,13 +15,12 @@ namespace stiction {
 /// Function that is evaluated at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find the arguments at which a function crosses given levels from below.
-/// For each level, returns the first argument found at which the function is not below the level.
-/// The function is below the level at the argument `left`, and not below the level at the argument `right`.
+/// Find the argument at which a function first reaches each level from below.
+/// The function must be below the level at the argument `left`, and at or above the level at `right`.
 /// The tolerance of the search is relative to the argument.
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The search combines inverse quadratic interpolation and bisection.
-/// Chandrupatla, Advances in Engineering Software 28 (1997) 145.
+/// Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145.
 /// Each call of the function serves all levels, because a call with many arguments takes hardly longer than with one.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);

@@ -1,4 +1,4 @@
-// Local minima of a bicubic spline. The spline may be the gap between two maps, for example.
+// Local minima of a bicubic spline, such as the spline of the gap between two maps.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -13,7 +13,7 @@ namespace stiction {
 struct Minimum {
   Index row;     ///< row of the first grid point of the cell
   Index column;  ///< column of the first grid point of the cell
-  /// Position in the cell along x, in units of the spacing. The position is at least -1e-6 and below 1 - 1e-6.
+  /// Position in the cell along x, in units of the grid spacing. The position is at least -1e-6 and below 1 - 1e-6.
   double u;
   double v;  ///< position in the cell along y, in units of the spacing
   /// Value and derivatives of the spline at the minimum. The first derivatives are zero to within round-off.
@@ -30,13 +30,13 @@ struct CellRange {
 
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
 /// The spline is specified by its coefficients (see natural_bicubic).
-/// The result does not include minima above `max_value` [µm] and minima on the edge of the map.
-/// The result does not include valleys whose curvature is only round-off.
+/// Minima above `max_value` [µm] and minima on the edge of the map are left out.
+/// Valleys whose curvature is only round-off are left out too.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
-/// A minimum at the edge of the range of cells may belong to a cell outside the range.
+/// A minimum at the edge of the range of cells may therefore belong to a cell outside the range.
 ///
-/// The search is exhaustive. Each cell is subdivided until the signs of the Bernstein coefficients classify every part.
-/// The signs of the coefficients either exclude a minimum in a part of a cell, or show that the spline is convex there.
+/// The search is exhaustive: each cell is subdivided until each part is known to have no minimum or to be convex.
+/// The signs of the Bernstein coefficients prove that a part has no minimum, or that the spline is convex there.
 /// In a convex part of a cell, Newton's method finds the only possible minimum.
 /// Parts with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.
@@ -46,7 +46,6 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
 /// Evaluate a different spline at the position of a minimum, in the cell that contains this position.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
-/// Return whether two minima of one cell are equal except for round-off.
 bool is_same(const Minimum& first, const Minimum& second);
 
 }  // namespace stiction

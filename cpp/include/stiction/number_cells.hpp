@@ -24,7 +24,7 @@ TextRows find_rows(std::string_view text, char separator);
 /// Returns the indices of the cells that cannot be converted.
 /// Each cell ends at `separator`, at a line feed, or at the end of the text.
 /// Empty cells and cells that cannot be converted become NaN.
-/// A cell is converted if it contains "nan", "inf" or a decimal number in the range of a double.
+/// A cell can be converted if it contains "nan", "inf" or a decimal number in the range of a double.
 /// The decimal mark is a point in every locale. Up to `threads` threads convert a long text.
 /// Throws std::invalid_argument if the text does not have `values.size()` cells.
 std::vector<std::size_t> convert_cells(std::string_view text, char separator, std::span<double> values,

@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Grid points under pressure and their patches. The points are in increasing order of their indices.
+/// Grid points under pressure and their contact patches. The points are in increasing order of their indices.
 struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< pressure at each point [GPa]
@@ -24,15 +24,14 @@ struct Patches {
 /// Find the connected patches formed by the points under pressure.
 /// On maps, a point is connected to its eight neighbours. On profiles, a point is connected to its two neighbours.
 /// On a periodic grid, points are also connected across the edges.
-/// A side of a cell under pressure is open if the adjacent cell carries no pressure.
+/// A side of a cell under pressure is open if the adjacent cell is on the grid and carries no pressure.
 /// Each open side of a cell reduces its contact fraction by 0.19 on profiles, and by (π - 1 + ln 2)/24 on maps.
-/// Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
-/// The contact fraction is at least pressure/hardness, both in GPa. The hardness may be infinite.
-/// A side of a cell at the edge of the grid does not count as open.
+/// Source: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
+/// The contact fraction of a cell is at least pressure/hardness, both in GPa. The hardness may be infinite.
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// View of a contact: pressures and the arrays of Patches, which the view does not own.
+/// View of a contact: the arrays of `Patches`, which the view does not own.
 struct ContactView {
   std::span<const std::int64_t> points;
   Values pressure;
@@ -42,7 +41,7 @@ struct ContactView {
 
 /// Sums over each patch of several contacts. The contacts may be contacts of the same bodies at successive loads.
 /// Patches are stored contact by contact, in one array.
-/// Sums that depend on the direction are matrices of shape (directions, patches).
+/// Sums that depend on the direction of motion are matrices of shape (directions, patches).
 struct PatchSums {
   std::vector<double> force;              ///< Σ F n_z [mN]
   std::vector<double> area;               ///< contact area along the deformed interface [µm²]
@@ -58,8 +57,8 @@ struct PatchSums {
 /// Compute the sums over the grid points of each patch of each contact.
 /// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
 /// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
-/// Throws std::invalid_argument if lengths differ or a contact has no points.
-/// Also throws if a point is not on the grid or a patch number is below 1.
+/// Throws std::invalid_argument if lengths differ, or if a contact has no points.
+/// Also throws std::invalid_argument if a point is not on the grid, or if a patch number is below 1.
 PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions);
 

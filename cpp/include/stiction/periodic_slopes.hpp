@@ -5,9 +5,9 @@
 
 namespace stiction {
 
-/// Compute slopes at every point of a map that continues periodically, exactly for each wave below the Nyquist limit.
+/// Compute slopes at every point of a periodic map. The slopes are exact for each wave below the Nyquist limit.
 /// If there are several rows, slopes along the columns (y) are computed too. `spacing` is (Δx, Δy) [µm].
-/// A wave with a wavelength of two points has the slope 0 at all points.
+/// The slope of a wave at the Nyquist limit, with two points per wavelength, is 0 at all points.
 /// The round-off is about 1e-16 of the largest height per spacing. Throws std::invalid_argument if the map is empty.
 void periodic_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                      Eigen::Ref<Matrix> along_y);

@@ -21,7 +21,7 @@ namespace stiction {
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
-/// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2.
+/// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2 at the wavenumber k.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation, whose stiffness on each block is PS1.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
@@ -30,7 +30,7 @@ class Preconditioner {
   /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
-  /// Arrays on the grid. A later preconditioner can reuse their memory.
+  /// Arrays on the grid, whose memory a later preconditioner can reuse.
   struct Arrays {
     std::vector<float> result;
     std::vector<float> remainder;
@@ -40,15 +40,14 @@ class Preconditioner {
   static Grid block_grid(const Grid& area);
 
   /// Create the preconditioner. `stencil` applies to the points of the area, and `blocks` is the kernel of its blocks.
-  /// The elastic kernel must outlive the preconditioner.
+  /// The elastic kernel `blocks` must outlive the preconditioner.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
   /// The preconditioner reuses the memory of `arrays`, whose values are ignored.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays = {});
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
   /// The indices of the free points must be in increasing order.
-  /// Displacements must be 0 at all points that are not free.
-  /// The returned pressures at points that are not free are unspecified.
+  /// Displacements must be 0 at all points that are not free. Pressures at these points are unspecified.
   /// The returned pressures are valid until the next call of this operator.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
@@ -57,8 +56,7 @@ class Preconditioner {
   Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
-  /// Apply the stencil at each free point to values on the grid.
-  /// Beyond the edges of the grid, the values are continued periodically.
+  /// Apply the stencil at each free point to values on the grid, which continue periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Sum the result of the stencil over each block, using the bilinear weights.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
@@ -67,7 +65,7 @@ class Preconditioner {
   /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
-  // Weights of the linear interpolation between blocks along an axis.
+  // Indices and weight of the linear interpolation between two blocks along an axis.
   struct Interpolation {
     std::int32_t low;
     std::int32_t high;

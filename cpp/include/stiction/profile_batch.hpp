@@ -18,7 +18,6 @@ struct ProfileBatch {
   std::span<const HeightStatistics> statistics;
 };
 
-/// Amplitudes [µm] > 0 to which profiles are scaled, and the measure of these amplitudes.
 struct Amplitudes {
   Values values;
   AmplitudeMeasure measure;
@@ -29,7 +28,7 @@ struct Amplitudes {
 /// The results are ordered by row, amplitude, model and approach. The heights are overwritten.
 /// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
 /// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
-/// Throws the same exceptions as `press`. Also throws if shapes do not match or a profile is flat.
+/// Throws the same exceptions as `press`. Also throws std::invalid_argument if shapes differ or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,
                                         std::span<const ContactModel> models, Eigen::Ref<Matrix> scratch,

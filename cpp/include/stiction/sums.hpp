@@ -3,8 +3,8 @@
 //
 // The upper surface is about to move along a horizontal unit vector s.
 // A contact with normal n opposes the motion if s·n < 0.
-// Sliding contacts transmit friction along the tangent t, which is -s + (s·n) n, normalised.
-// Sliding contacts also contribute the horizontal component of their normal force.
+// A sliding contact transmits friction along the tangent t, which is the normalised vector -s + (s·n) n.
+// A sliding contact also contributes the horizontal component of its normal force to the tangential load.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -23,7 +23,7 @@ namespace stiction {
 /// With `all`, contacts whose slope assists the motion push the upper surface forward.
 enum class Sliding { opposing, all };
 
-/// Parse a sliding rule: "opposing" or "all". Throws std::invalid_argument for any other name.
+/// Return the sliding rule named "opposing" or "all". Throws std::invalid_argument for any other name.
 Sliding sliding(std::string_view name);
 
 /// Sums over the contacts at one approach.
@@ -38,18 +38,18 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Sums that show whether the assumptions of the model are met. R is the mean radius of a contact.
+  // Sums that show whether the contacts meet the assumptions of the model. R is the mean radius of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
   Index crossed_count = 0;         ///< number of pairs rejected because their sphere centres have crossed
 
   /// Add the contributions of a contact with the given geometry, force and area.
-  /// The upper surface moves along `direction`, and the grid spacing is Δx [µm].
+  /// The upper surface moves along `direction`, and `spacing` is the grid spacing Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the direction-independent contributions of a contact. Returns the load F n_z [mN].
+  /// Add the contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -61,7 +61,6 @@ struct Quantity {
   std::variant<Index Sums::*, double Sums::*> member;
 };
 
-/// Descriptions of all members of `Sums`.
 inline constexpr std::array quantities{
     Quantity{"contact_count", "1", "number of contacts", &Sums::contact_count},
     Quantity{"contact_area", "um^2", "true contact area", &Sums::contact_area},
@@ -95,7 +94,6 @@ struct SlidingFactors {
   double drag;  ///< -s·t, the length of the part of n perpendicular to s
 };
 
-/// Compute the force factors of a sliding contact from its normal and the direction of motion.
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
 /// Return the normal load F_N or the tangential load F_T [mN] for mu0 [-] and tau0 [GPa].
@@ -103,7 +101,7 @@ SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Status of the coefficient of friction. `no_contact` means that the surfaces have no contact.
+/// Status of the coefficient of friction. `no_contact` means that the surfaces do not touch.
 /// `self_locked` means that friction alone holds the surfaces together (F_N <= 0).
 enum class Status { ok, no_contact, self_locked };
 
@@ -122,7 +120,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
     // If the contact normal lies in the plane of s and z, as on profiles, the tangent needs no normalisation.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // Components of the friction tangent along the motion s, across s and upwards.
+  // The tangent is computed from its components along the motion s, across s and upwards.
   // At a steep wall, the vector form (s·n) n - s would subtract nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);

@@ -13,8 +13,7 @@ namespace stiction {
 
 /// Pool of at most `threads` threads, including the caller's thread. If `threads` is 1, no thread is started.
 /// If the system cannot create all threads, the pool is smaller, but contains at least the caller's thread.
-/// The result of a task must not depend on the thread that runs the task.
-/// Results are then bit-identical for any number of threads.
+/// Results are bit-identical for any number of threads if no task depends on the thread that runs it.
 /// Only one calculation may use a pool at a time.
 class ThreadPool {
  public:
@@ -38,7 +37,6 @@ class ThreadPool {
         [&](std::size_t task, std::size_t) { work(task * chunk, std::min((task + 1) * chunk, size)); });
   }
 
-  /// Run the cancellation check.
   void check_cancellation() const { cancellation_check_(); }
 
  private:
