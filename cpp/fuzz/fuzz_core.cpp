@@ -138,7 +138,6 @@ struct Maps {
   }
 };
 
-// Check that the sums over a contact table equal the sums that `press` returns.
 void check_sums(const std::vector<stiction::Contact>& table, const stiction::ArealSums& sums,
                 const stiction::Vector2& direction, stiction::Sliding sliding) {
   require(static_cast<stiction::Index>(table.size()) == sums.contact_count, "contacts and press agree");

@@ -13,7 +13,7 @@
 
 namespace {
 
-// Sinusoids with wavelengths of 1 µm and 0.157 µm on a line that rises slightly.
+// Return the sum of two sinusoids (wavelengths 1 µm and 0.157 µm) and a slightly rising line.
 std::vector<double> sinusoid(std::size_t size) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {

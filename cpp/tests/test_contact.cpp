@@ -29,7 +29,6 @@ std::vector<double> arc(double apex, double radius, double spacing, std::size_t 
 }  // namespace
 
 TEST_CASE("asperity: normals and radii point out of the solid for a slope of 3/4") {
-  // The slope is 3/4, so q = 5/4.
   const auto lower = stiction::asperity(0.75, -0.5, stiction::Side::lower);
   CHECK(lower.normal.isApprox(stiction::Vector3(-0.6, 0.0, 0.8)));
   CHECK(lower.radius == doctest::Approx(2.0 * 1.25 * 1.25 * 1.25));

@@ -37,7 +37,7 @@ TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii")
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
   // For nearly equal radii, b/a = (shorter/longer)^(2/3) to first order.
-  // For nearly equal radii, area and force equal those of a sphere of the geometric mean radius, to second order.
+  // To second order, area and force are those of a sphere whose radius is the geometric mean of the nearly equal radii.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);

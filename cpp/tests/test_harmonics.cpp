@@ -47,7 +47,7 @@ double direct_sum(const Matrix& phases, const std::vector<double>& weights, cons
 
 TEST_CASE(
     "harmonic_profiles: matches the direct sum for odd and even numbers of directions, with and without aliasing") {
-  // Tolerance: the round-off of a recurrence of block / lanes steps, multiplied by the sum of some hundred amplitudes.
+  // The tolerance is the round-off of a recurrence of block / lanes steps, times the sum of some hundred amplitudes.
   constexpr double tolerance = 2e-13;
   for (const Index directions : {1, 2, 7, 40}) {
     for (const bool band_limited : {false, true}) {

@@ -17,7 +17,7 @@ namespace {
 constexpr Index curves = 3;
 constexpr Index steps = 4;
 
-// Positive values of `curves` curves at `steps` steps, one row for each curve and step.
+// Return positive values of `curves` curves at `steps` steps, one row for each curve and step.
 // The values of a few repetitions are much larger than the values of all other repetitions.
 Matrix random_values(Index repetitions, unsigned seed) {
   std::mt19937_64 random(seed);
@@ -45,7 +45,7 @@ double average(const Matrix& values, Index row, double fraction) {
 }  // namespace
 
 TEST_CASE("jackknife_sums: match sums of single repetitions in extended precision") {
-  // Tolerance: round-off of a sum of some hundred values in double precision, relative to the sum of their magnitudes.
+  // The tolerance is the round-off of a sum of some hundred doubles, relative to the sum of their magnitudes.
   constexpr long double tolerance = 1e-14L;
   const std::vector<Index> curve{0, 1, 2, 2};
   const std::vector<Index> step{1, 3, 2, 2};
@@ -55,7 +55,6 @@ TEST_CASE("jackknife_sums: match sums of single repetitions in extended precisio
   for (const Index repetitions : {2, 5, 100, 300}) {
     const Matrix loads = random_values(repetitions, 1);
     const Matrix values = random_values(repetitions, 2);
-    // If `is_shared` is true, all curves have the values of the first curve.
     for (const bool is_shared : {false, true}) {
       std::vector<double> load;
       std::vector<double> mean;

@@ -1,5 +1,5 @@
-// Example program. It computes the load and the coefficient of static friction of two rough profiles.
-// The program also computes the Hertzian contact of two smooth arcs.
+// Example program that computes the load and the coefficient of static friction of two rough profiles.
+// The example program also computes the Hertzian contact of two smooth arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
