@@ -39,7 +39,7 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Range of the gap in a row of the maps, and largest |height| of both surfaces.
+// Range of the gap in a row of the maps, and largest |height| of both surfaces in this row.
 // The member `zero` is 0 if all heights are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
@@ -89,11 +89,10 @@ void subtract(const double* upper, const double* lower, Index size, double offse
 
 // Mark the grid minima of a row at which the gap is at most `deepest`.
 // At a grid minimum, the gap is not larger than at any of the eight neighbours, except for round-off.
-// The first and the last point of a row are never grid minima.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  // Number of points that are skipped together if all their gaps are larger than `deepest`.
+  // If all gaps in a block of points are larger than `deepest`, the block is skipped as a whole.
   constexpr Index block = 32;
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
@@ -112,7 +111,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
 }
 
 // Tile of a map: its cells, and the surrounding points that influence the spline in these cells.
-// The arrays of a tile fit into the processor cache.
+// Tiles are so small that all arrays of a tile fit into the processor cache.
 struct Tile {
   CellRange cells;  // range of map cells
   Index row;        // row of the first point in the map
@@ -123,8 +122,8 @@ struct Tile {
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
   constexpr Index size = 256;  // number of cells along each side of a tile
-  // Number of surrounding points on each side of a tile.
-  // A height more than 32 points away changes the spline by less than 0.268^32 = 5e-19 of that height.
+  // Each tile includes 32 surrounding points on each side.
+  // A height more than 32 points away changes the spline by less than 0.268^32 = 5e-19 of this height.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
   for (Index row = 0; row < rows - 1; row += size) {
@@ -140,14 +139,13 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because it would require a newer C library than all other functions.
+// std::hypot is not used, because it would require a newer C library than all other functions that are called.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
   return longer > 0.0 ? longer * std::sqrt(1.0 + ratio * ratio) : longer;
 }
 
-// Return the smaller eigenvalue of a Hessian matrix.
 double smaller_curvature(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
 // Grid point that has no neighbour with a smaller gap.
@@ -157,7 +155,7 @@ struct GridMinimum {
   double gap;
 };
 
-// Minimum of the gap, and the height and derivatives of the lower surface at the minimum.
+// Minimum of the spline of the gap, with the height and the derivatives of the lower surface at this minimum.
 struct SplineMinimum {
   Minimum minimum;
   Jet lower;
@@ -199,7 +197,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
   // With the slope p and q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
-  // Multiplied by (I + p pᵀ)^(-1/2) on both sides, the Hessian becomes the matrix (a, b; b, c).
+  // The Hessian matrix, multiplied by (I + p pᵀ)^(-1/2) from both sides, is the matrix (a, b; b, c).
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();

@@ -22,8 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // Cosine of the angle between the normals of neighbouring sides of the parallelogram.
-    // The sign of the cosine alternates from side to side.
+    // The cosine of the angle between the normals of neighbouring sides alternates in sign from side to side.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -31,12 +30,12 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   }
 }
 
-// Let h be the distance from the centre of the unit circle to a side of the parallelogram.
+// Let h be the distance of a side of the parallelogram from the centre of the unit circle.
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
 // The Hertzian pressure varies as (1 - r²)^(1/2) with the distance r from the centre of the unit circle.
-// The sector between φ₁ and φ₂ contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction.
+// The sector between φ₁ and φ₂ therefore contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction.
 // Where |tan φ| > (1 - h²)^(1/2)/h, the side lies outside the unit circle, and the whole sector lies inside the map.
-// The closed forms of the integrals avoid cancellation if only a small part of the ellipse lies inside the map.
+// The integrals are evaluated in closed forms that avoid cancellation if little of the ellipse lies inside the map.
 // For example, if a single side cuts the unit circle, the fraction (2 + 3 h - h³)/4 of the force lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};

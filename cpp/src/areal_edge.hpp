@@ -14,8 +14,8 @@ struct InsideFractions {
   double area;
 };
 
-// The four edges of the map, in coordinates in which the contact ellipse at unit overlap is the unit circle.
-// In coordinates with a circular contact, the edges of the map are the sides of a parallelogram around the unit circle.
+// The four edges of the map, as sides of a parallelogram around the unit circle.
+// In the coordinates of the parallelogram, the contact ellipse at unit overlap is the unit circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);

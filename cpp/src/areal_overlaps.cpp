@@ -10,9 +10,9 @@ namespace {
 
 // Return whether two ellipses overlap if the vector between their centres is r.
 // The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
-// Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
+// Source: Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
 // Multiplied by det[(1 - t) A + t B], the condition of separation states that a cubic polynomial in t is positive.
-// The cubic polynomial in t is negative at t = 0 and at t = 1.
+// The cubic polynomial in t is negative at t = 0 and at t = 1, so it suffices to test its maximum in between.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // Value of t at which the cubic polynomial has its maximum.
+      // The cubic polynomial in t has its maximum at this value of t.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -55,7 +55,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
 }
 
 // The centres of the ellipses are fixed, and the ellipses grow with the approach.
-// Because ellipses grow, two ellipses that overlap at one approach overlap at all larger approaches.
+// Two ellipses that overlap at one approach therefore overlap at all larger approaches.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {

@@ -21,7 +21,7 @@ ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
 // Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse.
-// If there is no overlap, the index is approaches.size().
+// The index is approaches.size() for an ellipse that never overlaps another ellipse.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation);
 

@@ -33,7 +33,7 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
 }
 
 // Return the ratio of the contact area to the area of the elastic ellipse.
-// A yielding contact has the same shape as the elastic ellipse.
+// Yielding changes the size of the contact ellipse, but not its shape.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
@@ -50,14 +50,14 @@ void reject_cylinders(const Law& law) {
 
 // ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
-// Factors of a sliding contact: -s·n, -c·n, t_z, -s·t and -c·t.
-// Here s is the sliding direction, c the lateral direction, n the normal and t the tangent.
+// A sliding contact with normal n and tangent t has five factors: -s·n, -c·n, t_z, -s·t and -c·t.
+// In the factors, s is the sliding direction and c the lateral direction.
 // The force is multiplied by all five factors. The area is multiplied by the three factors that contain the tangent t.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the force and area factors of a contact for all directions. Factors are 0 where friction does not act.
+// Compute the factors of a contact for all directions. The factors are 0 for directions in which friction does not act.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {
@@ -139,7 +139,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The contact has the shape of the elastic contact ellipse, and the area that lies inside the map.
+      // The contact patch has the shape of the elastic contact ellipse, and the area that lies inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,

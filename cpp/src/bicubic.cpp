@@ -14,16 +14,16 @@ namespace {
 
 // ---- Spline coefficients along one axis, from a tridiagonal system --------------------------------------------------
 //
-// At inner points, c_(i-1) + 4 c_i + c_(i+1) = 6 z_i. At the end points, c = z, because the second derivative is zero.
-// The coefficient beyond an end is twice the coefficient at the end minus the coefficient of the inner neighbour.
+// At inner points, the spline coefficients c of the heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i.
+// At the end points, c = z, because the second derivative of the spline is zero there.
 
 // Gaussian elimination along a row would be sequential, so the inverse of the matrix is applied instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
 // Each factor of the inverse is applied in a separate pass over the row, in which no point depends on another point.
-// Beyond their ends, the row of heights and its spline are continued by point reflection.
+// The row of heights and its spline are continued beyond both ends by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-// Number of points after which the inverse matrix is truncated. The error is 0.268^32 = 5e-19 of a height.
+// The inverse matrix is truncated after 32 points, which changes a coefficient by 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
 
 struct PassFactors {
@@ -31,7 +31,7 @@ struct PassFactors {
   double overall;
 };
 
-// Factors of a pass over a row: (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the constant factor.
+// A pass over a row applies (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the constant factor.
 constexpr std::array<PassFactors, shifts.size()> row_passes() {
   std::array<PassFactors, shifts.size()> result{};
   double b = -0.26794919243112270647;  // sqrt(3) - 2
@@ -77,8 +77,6 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Along columns, Gaussian elimination processes many columns in parallel.
-
 // Return the pivots of Gaussian elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
@@ -88,8 +86,8 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` equations in parallel. The unknowns of all systems at a point are contiguous.
-// The unknowns at two successive points are `stride` elements apart in memory.
+// Solve `lines` systems of `points` equations by Gaussian elimination, many systems in parallel.
+// The unknowns of all systems at a point are contiguous; successive points are `stride` elements apart in memory.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
@@ -138,7 +136,7 @@ struct Basis {
   std::array<double, 4> second;
 };
 
-// Return the four cubic B-splines of a cell at a point, with their derivatives.
+// Return the values and derivatives of the four cubic B-splines of a cell at the position t in [0, 1].
 STICTION_INLINE Basis basis(double t) {
   const double s = 1.0 - t;
   return {{s * s * s / 6.0, 2.0 / 3.0 - t * t * (1.0 - 0.5 * t), 2.0 / 3.0 - s * s * (1.0 - 0.5 * s), t * t * t / 6.0},

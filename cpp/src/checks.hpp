@@ -7,14 +7,13 @@
 
 namespace stiction {
 
-/// Throw std::invalid_argument with the given message.
 [[noreturn]] void fail(const std::string& message);
 
 /// Check that there is at least one approach, and that all approaches are finite, >= 0 and strictly increasing.
 /// No approach may exceed `deepest`, the approach up to which candidates were collected. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 
-/// Check that a direction is a horizontal unit vector. Throws std::invalid_argument.
+/// Throw std::invalid_argument unless a direction is a horizontal unit vector.
 void check_direction(const Vector2& direction);
 
 }  // namespace stiction

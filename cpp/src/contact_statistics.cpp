@@ -13,7 +13,6 @@ namespace {
 
 double sum(Values values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// Return quantiles that are linearly interpolated between sorted values.
 std::vector<double> sample_quantiles(Values values, Values probabilities) {
   std::vector<double> sorted(values.begin(), values.end());
   std::sort(sorted.begin(), sorted.end());
@@ -30,9 +29,8 @@ std::vector<double> sample_quantiles(Values values, Values probabilities) {
   return quantiles;
 }
 
-// Return quantiles of weighted values.
-// Each value lies at the centre of the interval of the cumulative weight that its weight occupies.
-// Quantiles are interpolated between these centres.
+// Return quantiles of weighted values, interpolated on the cumulative weight of the sorted values.
+// Each value lies at the centre of the interval by which its weight increases the cumulative weight.
 std::vector<double> weighted_quantiles(Values values, Values weights, Values probabilities) {
   std::vector<std::pair<double, double>> sorted(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -182,7 +182,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// A minimum of the gap is possible in four cases:
+// A minimum of the gap is possible in an interval in four cases:
 // - The slope of the gap increases through zero in the interval.
 // - The slope of the gap falls to zero and increases again.
 // - The slope of the gap increases through zero and falls again.

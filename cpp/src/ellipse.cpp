@@ -8,10 +8,10 @@
 namespace stiction {
 namespace {
 
-// The arithmetic-geometric mean of 1 and k gives both elliptic integrals without cancellation.
-// The complete elliptic integral K equals π / (2 mean), and ratio = (K - E) / (e² K).
+// Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
+// K equals π / (2 · mean), and `ratio` equals (K - E) / (e² K), without cancellation.
 // The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
-// The formulas are in Abramowitz & Stegun (1964), section 17.6.
+// Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
   double ratio;
@@ -42,7 +42,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // For e -> 0, the derivative of ln(shorter / longer) tends to 1.5.
+    // For e -> 0, the derivative of ln(shorter / longer) with respect to ln k tends to 1.5.
     // The error of this limit is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
@@ -57,8 +57,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method solves for the axis ratio k of the contact ellipse. The relation between ln k and the
-  // logarithm of the ratio of radii, ln(shorter / longer), is almost linear.
+  // Newton's method solves for the axis ratio k, because ln(shorter/longer) is almost a linear function of ln k.
   // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and 2 at k = 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);

@@ -10,7 +10,7 @@
 
 namespace stiction {
 
-/// Alignment of buffers in bytes. It equals the size of a cache line and of the widest SIMD register that FFTW uses.
+/// Alignment of buffers in bytes: the size of a cache line, and of the widest SIMD register that FFTW uses.
 /// The alignment determines which instructions FFTW uses, and therefore the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
@@ -38,8 +38,8 @@ class AlignedBuffer {
 };
 
 /// Complex Fourier transform of fixed length between aligned buffers, without normalisation.
-/// FFTW selects the plans by estimates instead of measurements, so every run uses the same plans.
-/// The plans are created on first use. Several threads may use the same object at the same time.
+/// FFTW selects its plans by estimates instead of measurements, so that every run uses the same plans.
+/// FFTW plans are created on first use. Several threads may use the same object at the same time.
 template <class Real>
 class ComplexFft {
  public:

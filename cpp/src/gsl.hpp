@@ -1,12 +1,12 @@
 // Interface to GSL. Only this file and gsl.cpp use GSL.
-// Status codes are converted to exceptions, and no exception passes through GSL's stack frames.
+// Status codes of GSL are converted to exceptions, and no exception passes through GSL's stack frames.
 #pragma once
 
 #include "stiction/values.hpp"
 
 namespace stiction::gsl {
 
-/// Solve the symmetric tridiagonal system with constant diagonal and off-diagonal.
+/// Solve the symmetric tridiagonal system whose diagonal and off-diagonal elements are constant.
 /// `solution` must not alias `right_side`. Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 

@@ -33,16 +33,16 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
-// Number of points per block. The group profiles of one block must fit into the second-level cache.
+// Number of points per block, so small that the group profiles of one block fit into the second-level cache.
 constexpr Index block = 1024;
 // Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// Number of points by which the recurrence of a harmonic advances in each step. Each SIMD lane has its own recurrence.
+// The recurrence of a harmonic advances by `lanes` points in each step, and each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// Phase as a 64-bit fraction of a turn. Multiples of a phase wrap exactly for any number of turns.
+// Phase as a 64-bit fraction of a turn. Integer overflow removes whole turns without round-off.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
@@ -58,11 +58,11 @@ double to_radians(Turns turns) {
 
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
-// Re[amplitude e^(i k x)], advanced along the grid by the recurrence d += -4 sin²(θ/2) z, z += d with θ = `lanes` k Δx.
+// Harmonic Re[A e^(i k x)]. The recurrence d -= 4 sin²(θ/2) z, z += d advances z by `lanes` points; θ = `lanes` k Δx.
 // The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Difference from the value that is `lanes` points earlier.
+  // Difference between the value z and the value that is `lanes` points earlier.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // complex amplitude at x = 0
@@ -80,8 +80,8 @@ struct Harmonic {
   }
 
   // Start the recurrence of the harmonic from its phase at a point.
-  // The first `lanes` values start as a run of one value, whose length is doubled several times.
-  // Each doubling of a run of values appends a copy, rotated by the phase difference.
+  // The values at the first `lanes` points are computed by doubling a run of values, which starts with one value.
+  // Each doubling appends a copy of the run, multiplied by e^(i k n Δx), where n is the length of the run.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -146,7 +146,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
-// The number of SIMD lanes that are processed together is so small that their values of z and d stay in registers.
+// So few SIMD lanes are processed together that their values of z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -195,7 +195,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// Compute G_n in the block that starts at a point. Blocks must be requested in increasing order.
+// Compute G_n in the block that starts at the point `first`. Blocks must be requested in increasing order.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -268,7 +268,7 @@ STICTION_KERNEL(one_row,
                 (weights, values, frequencies, sums, stride))
 
 // Compute all rows of one complete block. `sums` points to the first column of the block.
-// Calls after(begin, end) while the completed rows from `begin` to just before `end` are still in the cache.
+// Calls `after(begin, end)` once rows `begin` to `end - 1` are complete, while these rows are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
              const After& after) {
@@ -301,7 +301,7 @@ constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
 // Rotate a table of cosines and sines by the phase of the first point of a run of points.
-// Computing a run by adding the phase difference point by point would accumulate errors.
+// Adding the phase difference from point to point instead would accumulate round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -324,7 +324,6 @@ struct Rotations {
     }
   }
 
-  // Compute the cosines and sines of one run of points.
   void fill(Index first, double* cosine, double* sine) const {
     const Complex at = unit_phasor(step * static_cast<Turns>(first));
     rotate_table(cosines.data(), sines.data(), at.real(), at.imag(), cosine, sine);
@@ -486,7 +485,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
 
   const ArealSum sum = make_areal_sum(phases, weights, area, rows, columns);
   heights.setConstant(sum.constant);
-  // The surface is processed in tiles, and the harmonics in groups whose factors fit into the cache.
+  // The surface is processed in tiles, and the harmonics in groups, so that the factors of a group fit into the cache.
   constexpr std::size_t harmonics_per_pass = 32;
   const auto x_factors = allocate_aligned(2 * harmonics_per_pass * block);
   std::array<double, points_per_run> cosines;

@@ -11,10 +11,9 @@
 namespace stiction {
 namespace {
 
-// Number of repetitions processed together, so small that intermediate values fit into the first-level cache.
+// Repetitions are processed in chunks so small that intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
-// Number of partial sums, a multiple of the lanes of every SIMD register.
-// With a fixed number of partial sums, the order of additions is the same for every SIMD width.
+// A fixed number of partial sums, a multiple of all SIMD widths, gives the same order of additions for every width.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;
@@ -47,7 +46,7 @@ STICTION_INLINE void compute_log1p(const RepetitionChunk& arguments, std::size_t
   }
 }
 
-// Call add(value, lane) for all values of a chunk.
+// Call `add(value, lane)` for all values of a chunk.
 template <class Add>
 STICTION_INLINE void for_each_lane(const RepetitionChunk& values, std::size_t size, Add add) {
   std::size_t i = 0;
@@ -88,7 +87,6 @@ STICTION_INLINE void add_powers(const RepetitionChunk& values, std::size_t size,
   sums[3] += sum_of(fourth);
 }
 
-// Return the smaller of `min` and the smallest value of a chunk.
 STICTION_INLINE double find_min(const RepetitionChunk& values, std::size_t size, double min) {
   LaneValues lane_min;
   lane_min.fill(min);
@@ -107,7 +105,6 @@ struct StepRows {
         after(curves.values + curve * curves.curve_stride + step * curves.step_stride) {}
 };
 
-// Position of a point between two steps of a curve, and the mean load and mean value at the point.
 struct PointOnCurve {
   double fraction;
   double load;

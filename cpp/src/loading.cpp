@@ -15,7 +15,7 @@ struct Point {
 };
 
 // Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before it.
-// The estimates `latest` and `opposite` of the argument lie on opposite sides of the root.
+// The root lies between the arguments of `latest` and `opposite`.
 struct RootSearch {
   Point latest;
   Point opposite;

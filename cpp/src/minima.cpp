@@ -15,7 +15,7 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // Tolerances of positions, in units of the side of a cell.
-// A minimum may lie outside its cell by up to `max_overshoot`, so that no minimum between cells is lost by round-off.
+// A minimum may lie outside its cell by up to `max_overshoot`, so that round-off loses no minimum between cells.
 // Two minima within `merge_distance` count as one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
@@ -29,8 +29,8 @@ constexpr double merge_distance = 1e-6;
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// Number of cells of a row that are excluded together if all coefficients exceed `max_value`.
-// A block of n cells depends on n + 3 columns of coefficients.
+// If all coefficients of a block of cells exceed `max_value`, the block is excluded as a whole.
+// A block of 29 cells depends on 32 columns of coefficients, a multiple of every SIMD width.
 constexpr Index cells_per_block = 29;
 
 // In a row of cells, mark each block of cells that depends on a coefficient of at most `max_value`.
@@ -103,14 +103,13 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 
 // ---- Vectorised classification of cells and of parts of cells -------------------------------------------------------
 
-// Bernstein coefficients of a bicubic on a square, with x as the inner index.
+// Bernstein coefficients of a bicubic polynomial on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
 // Bernstein coefficients of several squares. The index of the square is the innermost index.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
-// Number of cells that are classified together.
 constexpr std::size_t cells_per_batch = 8;
 
 // Result of the sign tests for a part of a cell: no minimum possible, convex (at most one minimum), or undecided.
@@ -167,7 +166,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // Parts of a cell are excluded if the Hessian is indefinite at every point, because a minimum is then impossible.
+  // A part of a cell is excluded if the Hessian is indefinite at every point, because a minimum is then impossible.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -299,7 +298,7 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Call visit(minimum) for each minimum of the cell.
+  // Call `visit(minimum)` for each minimum of the cell.
   // The visited minima have no values and derivatives yet, and their positions may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
@@ -473,8 +472,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // A minimum may have been found twice, in two cells or in two parts of a cell.
-  // The second copy of the minimum is removed.
+  // A minimum may have been found twice, in two cells or in two parts of a cell. The second copy is removed.
   // Both copies of a minimum belong to the same cell, because `move_to_owner` has been applied.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());

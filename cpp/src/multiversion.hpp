@@ -27,7 +27,7 @@
 #endif
 #endif
 
-/// For several instruction sets, compile a function that consists of plain loops.
+/// Compile a function that consists of plain loops for several instruction sets.
 /// STICTION_MULTIVERSION is empty for Clang, because some versions of Clang omit functions that a clone calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
@@ -84,13 +84,13 @@ struct PackOf<8> {
   };
 };
 
-/// Number of doubles that one SIMD instruction processes.
+/// SIMD register that contains `Width` doubles.
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// Load a register from unaligned memory.
+// Load a SIMD register from unaligned memory.
 // std::memcpy is not used, because GCC splits the copy before the instruction set is known.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {

@@ -44,7 +44,7 @@ std::size_t count_cell_ends(const char* text, std::size_t size, char separator) 
   return count;
 }
 
-// Convert the number at the start of `text`. Returns the end of the number, or null if there is none.
+// Convert the number at the start of `text`. Returns the end of the number, or null if `text` starts with no number.
 const char* convert_number(std::string_view text, [[maybe_unused]] char separator, double& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
     text.remove_prefix(1);
@@ -69,7 +69,6 @@ TextRows find_rows(std::string_view text, char separator) {
   TextRows rows;
   std::size_t start = 0;
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n', start)) {
-    // The line feed ends the last cell of the row.
     rows.widths.push_back(static_cast<std::int64_t>(count_cell_ends(text.data() + start, end + 1 - start, separator)));
     start = end + 1;
     rows.starts.push_back(static_cast<std::int64_t>(start));
@@ -96,7 +95,7 @@ std::vector<std::size_t> convert_cells(std::string_view text, char separator, st
                                 std::to_string(cells));
   }
   std::vector<std::vector<std::size_t>> failures(chunks);
-  // A cell of the table is converted with the chunk of text in which it ends.
+  // Each cell is converted by the task whose chunk of the text contains the end of the cell.
   pool.run(chunks, [&](std::size_t chunk, std::size_t) {
     const std::size_t end_cell = chunk + 1 < chunks ? first_cells[chunk + 1] : values.size();
     if (first_cells[chunk] == end_cell) {

@@ -10,8 +10,8 @@
 namespace stiction {
 namespace {
 
-// Fraction of a cell by which points under pressure extend beyond the true contact at each open side of a cell.
-// On lines, the fraction is half of 0.38 ± 0.03 points per contact, from Westergaard's solution for a sinusoid.
+// Points under pressure extend beyond the true contact by this fraction of a cell at each open side of a cell.
+// On profiles, the fraction is half of 0.38 ± 0.03 points per contact, from Westergaard's solution for a sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
@@ -71,7 +71,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
     throw std::invalid_argument("patches_of: pressure must have as many elements as the grid has points");
   }
   Patches result;
-  // Number of a point among the points under pressure, counted from 1. Points without pressure have the number 0.
+  // Points under pressure are numbered from 1. Points without pressure have the number 0.
   std::vector<std::int32_t> numbers(pressure.size(), 0);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
     if (pressure[i] != 0.0) {

@@ -12,17 +12,17 @@
 namespace stiction {
 namespace {
 
-// Number of pairs of columns that are copied together. Their heights in a row fill a cache line.
+// Columns are copied in strips of 4 pairs, whose heights in a row fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// Derivative of two periodic lines at a time: one line is the real part of the complex values, one the imaginary part.
+// Derivative of two periodic lines at a time. One line is the real part of the complex values, one the imaginary part.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)
       : fft_(static_cast<std::size_t>(points)), factors_(static_cast<std::size_t>(points)) {
     const auto count = static_cast<double>(points);
     for (Index i = 0; i < points; ++i) {
-      // A wave with the Nyquist wave number has no slope at the grid points.
+      // A wave with the Nyquist wavenumber has no slope at the grid points.
       const Index waves = 2 * i == points ? 0 : (2 * i < points ? i : i - points);
       factors_[static_cast<std::size_t>(i)] =
           2.0 * std::numbers::pi * static_cast<double>(waves) / (count * spacing) / count;

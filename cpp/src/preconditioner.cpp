@@ -10,15 +10,13 @@
 namespace stiction {
 namespace {
 
-// Maximum number of conjugate-gradient steps for the blocks.
-// The conjugate-gradient steps end earlier if the squared relative residual falls below `block_tolerance`.
+// The conjugate-gradient steps for the blocks end once the squared relative residual falls below `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
 constexpr double max_foundation_change = 0.02;
-// Number of free points per task.
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Maximum number of tasks that compute partial sums over the blocks. The partial sums are then added.
+// Block sums are computed as partial sums by at most this number of tasks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -27,7 +27,7 @@ void check(Values heights, double spacing, std::size_t size, std::span<double> s
 
 // ---- Right-hand side of the tridiagonal system ----------------------------------------------------------------------
 //
-// f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx², and f'' = 0 at both ends.
+// At inner points, f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx². At both ends, f'' = 0.
 
 double load_scale(double spacing) { return 6.0 / (spacing * spacing); }
 
@@ -39,8 +39,8 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// Compute the slope at a point as the mean of the slopes of the two adjacent cubics, which differ by round-off.
-// The expression for the slope is symmetric in x, so slopes of a mirrored profile differ in their sign only.
+// The slope at a point is the mean of the slopes of the two adjacent cubics, which differ by round-off.
+// This mean is symmetric in x, so the slopes of a mirrored profile differ only in their sign.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -139,8 +139,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // At both ends of the profile, the curvature of the spline is zero.
-  // Beyond an end of the profile, the load on the spline is the mirror image of the load inside, with opposite sign.
+  // Mirroring the load on the spline at both ends, with opposite sign, makes the curvature zero at both ends.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

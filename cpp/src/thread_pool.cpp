@@ -55,7 +55,7 @@ struct ThreadPool::Workers {
   Condition round_started;
   Condition round_finished;
   Round round;
-  // Number of the round in the upper 32 bits, and number of the next task in the lower 32 bits.
+  // The upper 32 bits contain the number of the round, and the lower 32 bits the number of its next task.
   std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};
@@ -80,9 +80,8 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Start one thread.
-  // Return false if the system cannot create the thread, for example at a limit on the number of threads.
-  // No exception is thrown if a thread cannot start, because the calling thread can finish the calculation alone.
+  // Start one thread. Returns false if the system cannot create it, for example at a limit on the number of threads.
+  // Does not throw if the thread cannot start, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });
