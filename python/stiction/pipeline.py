@@ -50,9 +50,10 @@ from stiction.summary.input_caveats import find_alternatives
 if TYPE_CHECKING:
     import xarray
 
-LinePrintFunction = Callable[[str], Any]  # function that prints a line of text
+LinePrintFunction = Callable[[str], Any]
 
-MIN_ANNOUNCED_TIME = 20.0  # computing time (s) from which an estimate of the time is always printed
+# An estimate of the computing time is always printed from this time (s) on.
+MIN_ANNOUNCED_TIME = 20.0
 
 _COMPANION_FILES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
@@ -206,7 +207,8 @@ def _import_result_packages() -> None:
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
     """Print the line about the positions of a pair, and the time of the cutoff study that follows the result."""
     print_remark(task)
-    with contextlib.suppress(ValueError):  # a scan file is missing
+    # A scan file is missing.
+    with contextlib.suppress(ValueError):
         cutoff_study = find_cutoff_study(stored_result.study, stored_result.path)
         if cutoff_study is not None and cutoff_study.open() is None:
             study = cutoff_study.study
@@ -229,7 +231,8 @@ def _compute_alternatives(
     """
     try:
         names = find_alternatives(stored_result.study)
-    except ValueError:  # a scan file is missing
+    except ValueError:
+        # A scan file is missing.
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -275,13 +278,14 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # write the table again, because the coefficient may have changed since the table was written
+                # The coefficient may have changed since the table was written.
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
-    except ValueError as error:  # a scan file is missing
+    except ValueError as error:
+        # A scan file is missing.
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

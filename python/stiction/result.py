@@ -90,7 +90,7 @@ class Result(Evaluation):
         return figure
 
     def _list_drawing_functions(self) -> Sequence[tuple[str, Any]]:
-        # Import `select_figures` only here, because its module imports Matplotlib.
+        # The module of `select_figures` imports Matplotlib, so it is imported only here.
         from stiction.views.figures.standard import select_figures
 
         return list(select_figures(self))
@@ -133,7 +133,8 @@ class Result(Evaluation):
         """Return the text of the result that a terminal shows."""
         try:
             return study_result_text(self.summary()).rstrip()
-        except ValueError as error:  # the surfaces do not touch, or no member is finished
+        except ValueError as error:
+            # The surfaces do not touch, or no member is finished.
             return f"no coefficient: {error}"
 
     def _repr_html_(self) -> str:

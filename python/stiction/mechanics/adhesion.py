@@ -39,31 +39,33 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# number of plain (not extrapolated) steps, which damp oscillations, between two extrapolated steps of the attraction
+# Number of plain steps of the attraction between two extrapolated steps. Plain steps damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
-MAX_EXTRAPOLATION_FACTOR = 10.0  # maximum length of an extrapolated step, as a multiple of the plain step
-# maximum number of contact solutions for one external load, including jumps between equilibria
+# An extrapolated step is at most this many times as long as the plain step.
+MAX_EXTRAPOLATION_FACTOR = 10.0
+# Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
-MAX_SOLVES_PER_CONTACT_LOAD = 60  # maximum number of contact solutions for one contact load
-# maximum number of contact solutions for one contact load of maps in the search for the pull-off load
-# The number is small, because the attraction of soft bodies converges slowly, and energy minimizations are faster.
+MAX_SOLVES_PER_CONTACT_LOAD = 60
+# The search for the pull-off load of maps computes at most this number of contact solutions for one contact load. The
+# limit is low, because the attraction of soft bodies converges slowly, and energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
-# maximum number of successive contact solutions that do not reduce the residual of the attraction
+# Maximum number of successive contact solutions that do not reduce the residual of the attraction.
 MAX_STALLED_SOLVES = 20
 # The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-# Minimum tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
+# Round-off may prevent contact solutions from converging to smaller tolerances.
 MIN_SOLUTION_TOLERANCE = 1e-8
-# tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction
+# Tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# the same fraction if all steps are plain; it is larger, because plain steps do not amplify errors of the solutions
+# If all steps are plain, the tolerance may be larger, because plain steps do not amplify errors of the solutions.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
-MAX_SOLUTION_TOLERANCE = 1e-3  # maximum tolerance of a contact solution
-# An increase of the attraction during separation by less than this fraction of the maximum counts as numerical error.
+MAX_SOLUTION_TOLERANCE = 1e-3
+# An increase of the attraction during separation counts as numerical error below this fraction of the maximum.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-CONTACT_LOAD_REDUCTION_RATIO = 0.6  # ratio of each contact load to the previous one while the bodies separate
+# While the bodies separate, each contact load is this fraction of the previous contact load.
+CONTACT_LOAD_REDUCTION_RATIO = 0.6
 # The search for the pull-off load ends if the bodies separate under a load that is lower by at most this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
 # A minimum of the external load is accepted if plain steps separate the bodies under a load lower by this fraction.
@@ -72,14 +74,17 @@ EXCLUDED_LOAD_MARGIN = 0.05
 MIN_LOAD_IMPROVEMENT = 0.003
 # External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-MAX_REFINEMENT_SOLVES = 6  # maximum number of equilibria that are computed at interpolated contact loads
-# maximum relative change of the external load after which separation proves that the bodies do not support the load
+# Maximum number of equilibria that are computed at interpolated contact loads.
+MAX_REFINEMENT_SOLVES = 6
+# If the bodies separate after a larger relative change of the external load, they may still have an equilibrium under
+# the load.
 MAX_LOAD_STEP = 0.1
-MAX_TRIAL_LOADS = 40  # maximum number of external loads that the search for the pull-off load tries
-# The pull-off load is first searched on a coarser grid if the grid has at least this number of points along each side.
+# Maximum number of external loads that the search for the pull-off load tries.
+MAX_TRIAL_LOADS = 40
+# The pull-off load is first searched on a coarser grid if each side of the grid has at least this number of points.
 MIN_COARSENED_POINTS = 128
 
-MAX_MINIMIZATION_STEPS = 10_000  # maximum number of steps of an energy minimization
+MAX_MINIMIZATION_STEPS = 10_000
 # The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
 MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 
@@ -106,7 +111,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Number of iterated states, and best state, from which the caller decides when to stop the iteration.
+    # From the number of iterated states and the best state, the caller decides when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -161,7 +166,7 @@ class AdhesionSolver:
             tolerance,
             MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance,
         )
-        # Reason why the pull-off load is uncertain, or an empty string.
+        # The reason states why the pull-off load is uncertain. It is empty if the pull-off load is certain.
         self.range, self.uncertainty_reason = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -239,7 +244,7 @@ class AdhesionSolver:
                     return vars(state) | {"is_balanced": True}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
                     raise EquilibriumNotFoundError("the computation of the attraction did not converge")
-                # Ignore the first two residuals, which may be small by chance.
+                # The first two residuals may be small by chance.
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -375,8 +380,8 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # An equilibrium that was computed for a contact load may be unstable under its external load.
-        # Energy minimizations may start only from the equilibria in `stable_states`.
+        # An equilibrium that was computed for a contact load may be unstable under its external load. Energy
+        # minimizations may start only from the equilibria in `stable_states`.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
         # Every load exceeds the negative attraction of an earlier state, because the contact load is positive.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
@@ -424,8 +429,8 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
-        # Between two equilibria, the contact load is at least the contact load of the later equilibrium,
-        # and the attraction is at most the attraction of the earlier equilibrium.
+        # Between two equilibria, the contact load is at least that of the later equilibrium, and the attraction is at
+        # most that of the earlier equilibrium.
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
             return True
@@ -689,7 +694,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # While the load decreases, the bodies pass only through equilibria with a lower load than all earlier ones.
+    # While the load decreases, the bodies pass only through equilibria with a lower load than all earlier equilibria.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # Smallest assumed spread of ln κ between two resolutions, where κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
-# Wavelengths to which rms gradients are extrapolated, as fractions of the shortest wavelength of the scan.
+# Rms gradients are extrapolated to these wavelengths, given as fractions of the shortest wavelength of the scan.
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
@@ -83,7 +83,7 @@ def extrapolated_gradients(
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest_wavelength
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
-    # Scale the extrapolated gradients so that they continue the gradient of the scan at its shortest wavelength.
+    # The extrapolated gradients must continue the gradient of the scan at its shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest_wavelength))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],

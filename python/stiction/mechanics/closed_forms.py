@@ -23,9 +23,10 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
+# This number of bisections determines the logarithm of an ellipse's axis ratio to the last bit.
 _NUM_BISECTIONS = 64
-_SLOPE_TOLERANCE = 1e-9  # largest relative amount by which a specified rms slope may exceed the rms gradient
+# A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
+_SLOPE_TOLERANCE = 1e-9
 # Below this standard deviation of the slopes s, a short series gives the mean of (1 + s²)^(1/2) to the last bit.
 _SMALL_SLOPE_LIMIT = 1e-3
 
@@ -52,7 +53,8 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
-        except ArithmeticError:  # NumPy raises FloatingPointError, which is an ArithmeticError
+        except ArithmeticError:
+            # NumPy raises FloatingPointError, which is an ArithmeticError.
             raise ValueError(
                 f"arguments of {function.__name__} must not be so large or so small that a computed value exceeds the "
                 "range of double precision"
@@ -413,9 +415,8 @@ def maugis_dugdale(
                 lower_limit > -30 and _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
             ):
                 lower_limit -= 1
-            if (
-                _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit
-            ):  # round-off hides the difference between the radii of the contact and of the attraction zone
+            if _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit:
+                # Round-off hides the difference between the radii of the contact and of the attraction zone.
                 raise ArithmeticError
             log_ratio = brentq(
                 lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,

@@ -38,7 +38,7 @@ Status = Literal[
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
 
-# Add statuses only at the end: files store the index of a status.
+# Files store the index of a status, so new statuses must be added at the end.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -50,7 +50,7 @@ STATUS_SEIZURE: Status = "seizure"
 STATUS_DOWNHILL: Status = "downhill"
 STATUS_BULK_SHEAR: Status = "bulk-shear"
 STATUSES_WITH_COEFFICIENT: tuple[Status, ...] = (STATUS_OK, STATUS_BULK_SHEAR)
-STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")  # NumPy data type of an array of statuses
+STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")
 _LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
 
 LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
@@ -86,7 +86,8 @@ MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
 The second constant is the number of entries of the table along each axis.
 """
 
-NUM_PRESSURE_STEPS = 3  # number of Newton steps after which the yield pressure of slip lines is exact to round-off
+# After this number of Newton steps, the yield pressure of slip lines is exact to round-off.
+NUM_PRESSURE_STEPS = 3
 
 
 @dataclass(frozen=True)
@@ -211,7 +212,7 @@ class FrictionLaw:
         pressure = self.yield_pressure(hardness) if pressure is None else pressure
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
-            # NaN, the pressure of a contact that seizes, makes this comparison False.
+            # This comparison is False if the contact seizes, because the pressure is then NaN.
             is_carried = pressure > load / nominal_area
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
@@ -347,7 +348,8 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    mean_pressures = np.minimum(mean_pressures, 0.9999)  # at a mean of 1, the rate is 0, and its logarithm infinite
+    # At a mean pressure of 1, the rate would be 0, and its logarithm infinite.
+    mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)
     for _ in range(60):
@@ -367,7 +369,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # `constant_term` is zero or negative if the contact seizes.
+    # If the contact seizes, `constant_term` is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -579,7 +581,8 @@ class FrictionCurve(PlotReprMixin):
         if mu0 is None:
             return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
-        direction = getattr(self, "direction", 0.0)  # load curves of profiles have no attribute `direction`
+        # Load curves of profiles have no attribute `direction`.
+        direction = getattr(self, "direction", 0.0)
         return draw_friction(
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
@@ -618,7 +621,8 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-MAX_FRICTION_PARAMETER = 1e12  # largest accepted mu0, and largest accepted tau0 in GPa; larger numbers may overflow
+# Largest accepted mu0, and largest accepted tau0 in GPa. Larger numbers may overflow.
+MAX_FRICTION_PARAMETER = 1e12
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:

@@ -32,13 +32,14 @@ Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per th
 quarter of the time of solving a contact with free boundaries.
 """
 
-# Displacement of the edge by a trial tilt, as a fraction of the mean displacement due to the load.
+# A trial tilt displaces the edge by this fraction of the mean displacement due to the load.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper limit of the pressures in a linear response to a mean pressure of 1. No response reaches this limit.
+# Linear responses to a mean pressure of 1 have no upper limit of the pressure. This number is far above any pressure.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
-MAX_CELL_ASPECT_RATIO = 1e6  # maximum ratio of the longer side of a grid cell to its shorter side
+# Maximum ratio of the longer side of a grid cell to its shorter side.
+MAX_CELL_ASPECT_RATIO = 1e6
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
@@ -73,13 +74,13 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Pickle grids without their kernels, which the process that unpickles the grids computes again.
+# Grids are pickled without their kernels, which the process that unpickles the grids computes again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 
 def solver_thread_count() -> int:
     """Return the number of threads that a solver uses, as configured by `scipy.fft.set_workers`."""
-    # The function is missing while another thread imports the package.
+    # While another thread imports `scipy.fft`, the module may not have `get_workers` yet.
     get_workers = getattr(sys.modules.get("scipy.fft"), "get_workers", None)
     return 1 if get_workers is None else int(get_workers())
 
@@ -105,11 +106,12 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # Points at which the height of either surface is missing. The surfaces cannot touch there.
+    # The surfaces cannot touch at these points, because the height of either surface is missing.
     missing: NDArray[np.bool_] | None = None
     # Slopes by which the upper surface is tilted about its centre: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
-    has_free_tilt: bool = False  # True if the upper surface tilts until the resultant force acts at its centre
+    # True if the upper surface tilts until the resultant force acts at its centre.
+    has_free_tilt: bool = False
 
     @property
     def periodic(self) -> bool:
@@ -287,8 +289,8 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
-        # By reciprocity, uniform-pressure displacements, weighted by contact pressures, give the mean displacement.
+        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa. By
+        # reciprocity, the mean displacement is the sum of contact pressures times displacements under uniform pressure.
         approach_at_unit_pressure_sum, mean_displacement = self._get_compliances(free_mask)
         closure = approach_at_unit_pressure_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
@@ -331,7 +333,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
     """Return the friction sums of each patch of k solutions for m directions, given as unit vectors of shape (m, 2)."""
     problem = solutions[0].problem
-    # the tilt, and so the problem, differs between loads
+    # Solutions with free tilt have a separate problem for each load.
     if any(solution.problem is not problem for solution in solutions):
         return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
     contacts = [solution.arrays for solution in solutions]
@@ -353,7 +355,7 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     load, approach, error = (
         np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
     )
-    # By reciprocity, uniform-pressure displacements, weighted by contact pressures, give the mean displacement.
+    # By reciprocity, the mean displacement is the sum of contact pressures times displacements under uniform pressure.
     displacement = np.add.reduceat(pressures * displacements, first_point)
     attraction_force = np.zeros(load.size)
     if problem.work_of_adhesion > 0:
@@ -373,7 +375,7 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     }
 
 
-# Largest accepted ratio of the gap to the side length of the grid. Larger ratios mean slopes too steep for the model.
+# Slopes are too steep for the model if the gap exceeds this multiple of the side length of the grid.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 
@@ -390,7 +392,8 @@ def make_problem(
             f"the bodies upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
         )
     spacing = upper.spacings
-    cell_area = math.prod(spacing)  # infinite if the product of the spacings overflows
+    # The area is infinite if the product of the spacings overflows.
+    cell_area = math.prod(spacing)
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
             f"spacing must give grid cells of at least {np.finfo(np.float64).tiny:.0e} µm² with sides that differ by a "
@@ -410,8 +413,8 @@ def make_problem(
     )
 
 
-# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
-# With fewer points, the adhesive contact solution depends on the grid.
+# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact. With fewer points, the
+# adhesive contact solution depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -430,7 +433,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
     )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
-    # Do not cache the coarse grids: the cached grids of the problem are needed again for the next problem.
+    # Coarse grids are not cached, because the cached grids of the problem are needed again for the next problem.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_adhesion_range)
@@ -514,10 +517,14 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Linear responses of fixed contact points to a mean pressure of 1 GPa and to unit tilts of the upper surface."""
 
-    pressure: Floats  # pressures (GPa) at the contact points due to a mean pressure of 1 GPa
-    approach: float  # approach (µm) due to a mean pressure of 1 GPa
-    moments: Floats  # moments (GPa µm) due to a mean pressure of 1 GPa, along n axes
-    slope_pressures: list[Floats]  # change of the pressures (GPa) per unit slope along each axis, at constant load
+    # Pressures (GPa) at the contact points due to a mean pressure of 1 GPa.
+    pressure: Floats
+    # Approach (µm) due to a mean pressure of 1 GPa.
+    approach: float
+    # Moments (GPa µm) due to a mean pressure of 1 GPa, about n axes.
+    moments: Floats
+    # Change of the pressures (GPa) per unit slope along each axis, at constant load.
+    slope_pressures: list[Floats]
     # Change of the n moments per unit slope along n axes, a matrix that is negative definite if several points touch.
     moments_per_slope: Floats
 
@@ -579,9 +586,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Give missing points a gap that never closes.
-            # The core multiplies its tolerance by the standard deviation of the gap, which these large gaps increase.
-            # `scale` compensates the increase.
+            # Missing points get a gap that never closes. The core multiplies its tolerance by the standard deviation of
+            # the gap, which these large gaps increase. `scale` compensates the increase.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(

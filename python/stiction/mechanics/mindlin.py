@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 # Traction bounds count as uniform if they differ by at most this fraction.
 UNIFORMITY_TOLERANCE = 1e-12
-NUM_QUADRATURE_NODES = 24  # number of Gauss-Legendre nodes with which a smooth function of an angle is integrated
+# Number of Gauss-Legendre nodes with which a smooth function of an angle is integrated.
+NUM_QUADRATURE_NODES = 24
 
 
 def compliance_ratio(
@@ -66,8 +67,8 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K).
-    # K and E are the complete elliptic integrals of m = 1 - b²/a².
+    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K). K and E are the complete elliptic
+    # integrals of m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
@@ -105,14 +106,15 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # Displacement at which each contact slides completely.
+        # Each contact slides completely from this displacement on.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
-        del near  # no iteration is needed, so the initial guess is not used
+        # The solution is explicit, so it needs no initial guess.
+        del near
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
@@ -141,7 +143,7 @@ class AsperityTangentialProblem:
         """
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
-        # Substitute t = cos φ, and integrate over φ from the edge of the contact (φ = 0) to the end of the slip zone.
+        # With t = cos φ, the integral runs over φ from the edge of the contact (φ = 0) to the end of the slip zone.
         end_angle = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end_angle * (nodes + 1))
         strength = self._spring_strengths(sine)
@@ -251,7 +253,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # Surfaces in full contact do not slide before a point slips, so any displacement computed before is round-off.
+        # Surfaces in full contact do not slide before a point slips. Any displacement computed before is round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         displacement = 0.0 if is_at_rest else solution.approach * self.ratio
         has_displacements = solution.potential.size == self.points.size
@@ -290,7 +292,8 @@ class HalfSpaceTangentialProblem:
     def _compute_displacements(self, traction: Floats) -> Floats:
         """Return the tangential displacements (µm) of the points in contact under given tractions."""
         if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
-            return np.zeros(traction.size)  # in full contact, a uniform traction causes no displacement
+            # In full contact, a uniform traction causes no displacement.
+            return np.zeros(traction.size)
         displacements = (
             self.grids.displacement(self._spread_over_grid(traction), threads=solver_thread_count()) * self.ratio
         )

@@ -25,8 +25,9 @@ CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 SlidingRule = Literal["opposing", "all"]
-DEFAULT_EFFECTIVE_MODULUS = 10.0  # effective modulus (GPa) that the paper assumes for all surfaces
-PROFILE_WIDTH = 1.0  # width (µm) that a profile is assumed to have
+# Hanaor, Gan and Einav (2016) assume this effective modulus (GPa) for all surfaces.
+DEFAULT_EFFECTIVE_MODULUS = 10.0
+PROFILE_WIDTH = 1.0  # µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 # Heights that differ by less than this fraction of the height range count as equal.
 _SAME_HEIGHT_TOLERANCE = 1e-9

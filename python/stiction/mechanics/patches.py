@@ -36,15 +36,24 @@ class PatchSums:
     (directions, patches).
     """
 
-    force: Floats  # vertical component of the contact forces, Σ F n_z (mN)
-    area: Floats  # area along the deformed interface, µm²
-    leaning: Floats  # component of the contact forces against the motion, -Σ F s·n (mN)
-    upward: Floats  # vertical component of the friction due to mu0, divided by mu0: Σ F t_z (mN)
-    forward: Floats  # component of the friction due to mu0 against the motion, divided by mu0: -Σ F s·t (mN)
-    upward_area: Floats  # vertical component of the friction due to tau0, divided by tau0: Σ A t_z (µm²)
-    forward_area: Floats  # component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²)
-    steepness: Floats  # rms slope of the contact area of each contact, weighted by the contact force; shape (k,)
-    first_patch: NDArray[np.int64]  # index of the first patch of each contact; shape (k,)
+    # Vertical component of the contact forces, Σ F n_z (mN).
+    force: Floats
+    # Area along the deformed interface (µm²).
+    area: Floats
+    # Component of the contact forces against the motion, -Σ F s·n (mN).
+    leaning: Floats
+    # Vertical component of the friction due to mu0, divided by mu0: Σ F t_z (mN).
+    upward: Floats
+    # Component of the friction due to mu0 against the motion, divided by mu0: -Σ F s·t (mN).
+    forward: Floats
+    # Vertical component of the friction due to tau0, divided by tau0: Σ A t_z (µm²).
+    upward_area: Floats
+    # Component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²).
+    forward_area: Floats
+    # Rms slope of each contact's area, weighted by the contact force, with one value for each of k contacts.
+    steepness: Floats
+    # Index of the first patch of each of k contacts.
+    first_patch: NDArray[np.int64]
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:

@@ -12,7 +12,8 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
-MIN_FIT_POINTS = 3  # minimum number of load steps for a fit of the two Iwan parameters
+# A fit of the two Iwan parameters requires at least this number of load steps.
+MIN_FIT_POINTS = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,7 +129,8 @@ class LuGre(TextReprMixin):
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
     """Fit the Iwan model to an onset curve by least squares of the tangential load."""
     _check_curve(displacement, load, MIN_FIT_POINTS)
-    from scipy.optimize import least_squares  # This import takes 0.2 s. It follows the check, which may raise an error.
+    # This import takes 0.2 s. It follows the check, which may raise an error.
+    from scipy.optimize import least_squares
 
     def iwan_model(parameters: Floats, residual: Floats) -> FourParameterIwan:
         chi, beta = map(float, parameters)

@@ -42,7 +42,8 @@ bodies with an onset of sliding, of measured bodies, and of bodies that yield be
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
 """Unit of all stiffnesses per area in datasets and files. This unit is usual for rock joints and machine joints."""
 
-STIFFNESS_PER_AREA_FACTOR = 1e6  # factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`
+# Factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`.
+STIFFNESS_PER_AREA_FACTOR = 1e6
 
 MAX_STORED_VALUE = 1e100
 """Largest magnitude of a finite stored number. Sums of products of two stored numbers do not overflow."""
@@ -56,35 +57,47 @@ class ResultQuantity:
     """Description of a quantity, coordinate or dimension of a result: unit, labels, kind and dimensions."""
 
     unit: str
-    words: str  # phrase for a quantity in axis labels and in the `long_name` of a variable
-    short_words: str = ""  # shorter phrase for a quantity in tables, if `words` is too long
-    symbol: str = ""  # symbol of a quantity in TeX notation
+    # Phrase for a quantity in axis labels and in the `long_name` of a variable.
+    words: str
+    # Shorter phrase for a quantity in tables, if `words` is too long.
+    short_words: str = ""
+    # Symbol of a quantity in TeX notation.
+    symbol: str = ""
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # for a ratio, such as a validity indicator or a stiffness per area: name of the quantity in the numerator
+    # Numerator of a ratio such as a validity indicator or a stiffness per area. It is the name of a quantity.
     numerator: str = ""
-    denominator: tuple[str, ...] = ()  # names of the quantities whose sum is the denominator of a validity indicator
-    sum_under_load: str = ""  # for a sum at zero load: name of the corresponding sum under load
-    # range to which the limits of the quantity's interval are clipped
+    # Names of the quantities whose sum is the denominator of a validity indicator.
+    denominator: tuple[str, ...] = ()
+    # Name of the sum under load that corresponds to a sum at zero load.
+    sum_under_load: str = ""
+    # Limits of the quantity's interval are clipped to this range.
     bounds: tuple[float, float] = (-math.inf, math.inf)
     # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-    interval_kind: EstimateKind = "mean"  # kind of the 95 % interval of the quantity
-    percent: bool = False  # True if tables and reports show the quantity in percent
-    column_unit: str = ""  # unit of the quantity in spreadsheets, if it differs from `unit`
+    # Kind of the 95 % interval of the quantity.
+    interval_kind: EstimateKind = "mean"
+    # True if tables and reports show the quantity in percent.
+    percent: bool = False
+    # Unit of the quantity in spreadsheets, if it differs from `unit`.
+    column_unit: str = ""
     column_factor: float = 1.0
-    # True if the quantity is roughly proportional to the load.
-    # Such a quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
+    # True if the quantity is roughly proportional to the load. Such a quantity is divided by the load and then
+    # interpolated, linearly in the logarithm of the load.
     proportional: bool = False
-    proportional_with_adhesion: bool = True  # False if adhesion makes the quantity nonzero without a load
-    weighted: bool = False  # True if the mean of the quantity over an ensemble is weighted by the load
-    # name of the quantity that contains the fraction of members for which only a lower bound is known
+    # False if adhesion makes the quantity nonzero without a load.
+    proportional_with_adhesion: bool = True
+    # True if the mean of the quantity over an ensemble is weighted by the load.
+    weighted: bool = False
+    # Name of the quantity that contains the fraction of members for which only a lower bound is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
-    is_optional: bool = False  # True if results of earlier versions do not contain the quantity, which is then NaN
+    # True if results of earlier versions do not contain the quantity, which is then NaN.
+    is_optional: bool = False
     shown: frozenset[OutputView] = frozenset()
-    is_omitted_if_zero: bool = False  # True if reports leave out the quantity when it is 0 everywhere
+    # True if reports leave out the quantity when it is 0 everywhere.
+    is_omitted_if_zero: bool = False
 
     @property
     def table_label(self) -> str:
@@ -110,11 +123,12 @@ _STEP_DIMENSION: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = (*_MOTION_DIMENSIONS, "step", "mu0", "tau0")
 _MEAN_FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-_FRACTION_ROUND_OFF = 1e-6  # largest amount by which round-off may raise a stored fraction above 1
+# Round-off may raise a stored fraction above 1 by at most this amount.
+_FRACTION_ROUND_OFF = 1e-6
 _STORED_FRACTION_RANGE = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _UNRESTRICTED_STORED_RANGE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 _NONNEGATIVE_STORED_RANGE = (0.0, MAX_STORED_VALUE)
-# smallest and largest stored stiffness: a closed gap has an infinite stiffness
+# A closed gap has an infinite stiffness.
 _STORED_STIFFNESS_RANGE = (-MAX_STORED_VALUE, math.inf)
 _FRACTION_QUANTITY_FIELDS: dict[str, Any] = {
     "unit": "1",

@@ -36,10 +36,11 @@ _MAX_CUTOFF_RATIO = 1 / 30
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
-KAPPA_AT_SMALL_LOADS = 2.2  # area coefficient κ = A E* h'/F at small loads; on Gaussian maps, κ is 2.05 to 2.5
-# Attributes of a load curve that have one number per load, which is the same for all directions of motion.
+# The area coefficient κ = A E* h'/F at small loads. On Gaussian maps, κ is 2.05 to 2.5.
+KAPPA_AT_SMALL_LOADS = 2.2
+# These attributes of a load curve have one number per load, which is the same for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-# Names of result variables that differ from the names of the attributes of a load curve.
+# These result variables have other names than the attributes of a load curve.
 _VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
 
 
@@ -414,7 +415,7 @@ def _add_plastic_limits(
         kappa * loads / (modulus * body_pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     )
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
-    # Use the best estimate of the rms gradient, because its uncertainty hardly affects the slope correction.
+    # The uncertainty of the rms gradient hardly affects the slope correction, so its best estimate suffices.
     central_gradients = gradients[:, :1, np.newaxis]
     dimensions = ("finer_wavelength", "normal_load", "statistic")
     quantities: dict[str, tuple[Any, Floats, str, str]] = {

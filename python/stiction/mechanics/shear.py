@@ -49,23 +49,28 @@ MIN_OVERLAP_POINTS = 16
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
 """Minimum width of a strip in points; minimum and maximum number of strips into which faces are cut by default."""
 
-MIN_STRIP_AREA_FRACTION = 0.5  # minimum area of a strip of a face, as a fraction of the mean area of the strips
+# Each strip of a face must have at least this fraction of the mean area of the strips.
+MIN_STRIP_AREA_FRACTION = 0.5
 
 NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
-MAX_LOAD_TRIALS = 40  # maximum number of contact solutions for one shear displacement
-MAX_LOAD_STEP_RATIO = 4.0  # maximum ratio of the elastic loads of two consecutive contact solutions
-# faces of a joint lock if the elastic load exceeds this multiple of the required normal load
+# Maximum number of contact solutions for one shear displacement.
+MAX_LOAD_TRIALS = 40
+# Maximum ratio of the elastic loads of two consecutive contact solutions.
+MAX_LOAD_STEP_RATIO = 4.0
+# The faces of a joint lock if the elastic load exceeds this multiple of the required normal load.
 MAX_ELASTIC_LOAD_RATIO = 100.0
-# faces of a joint are separated if the elastic load is below this fraction of the initial load
+# The faces of a joint are separated if the elastic load is below this fraction of the initial load.
 MIN_ELASTIC_LOAD_RATIO = 1e-4
 
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
-NUM_CLOSURE_LOADS = 8  # number of loads at which the closure of the joint is computed
-MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0  # ratio of the largest to the smallest load for the closure of the joint
+# The closure of the joint is computed at this number of loads.
+NUM_CLOSURE_LOADS = 8
+# The largest load of the closure of a joint is this multiple of the smallest load.
+MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0
 
 _STEP_QUANTITIES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
@@ -482,7 +487,8 @@ def _find_root(
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
-    lower_load_limit, upper_load_limit = 0.0, max_load  # elastic loads between which the solution lies
+    # The solution lies between these elastic loads (mN).
+    lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
         load_excess, target = compare_load(trial_load)
@@ -497,7 +503,7 @@ def _find_root(
             return STATUS_NO_CONTACT
         if lower_load_limit > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
-        # In the first step, assume that the normal load is proportional to the elastic load.
+        # The first step assumes that the normal load is proportional to the elastic load.
         slope = (
             (load_excess + target) / trial_load
             if last_trial is None

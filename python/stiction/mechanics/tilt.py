@@ -33,16 +33,18 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 # Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
-MAX_TILT_SOLVES_PER_LOAD = 60  # maximum number of contact solutions for one load of a tilting surface
-# Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
+# Maximum number of contact solutions for one load of a tilting surface.
+MAX_TILT_SOLVES_PER_LOAD = 60
+# One change of the tilt displaces the edge by at most this number of standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Number that is added to the moment per unit slope, so that the Newton equations have a solution.
-# Its unit is (mean pressure) · (side length)² / (standard deviation of the gap).
+# This number is added to the moment per unit slope, so that the Newton equations have a solution. Its unit is (mean
+# pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
-MAX_CUTTING_PLANES = 200  # maximum number of cutting planes in the search for the tilt of rigid surfaces
-# accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap)
+# Maximum number of cutting planes in the search for the tilt of rigid surfaces.
+MAX_CUTTING_PLANES = 200
+# Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
 RIGID_TILT_TOLERANCE = 1e-12
 
 
@@ -95,7 +97,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # Halve a change of the tilt that goes far beyond the maximum of the energy, where the moments are reversed.
+            # A change of the tilt that goes far beyond the maximum of the energy reverses the moments, so it is halved.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
@@ -115,8 +117,8 @@ def solve_with_balanced_tilt(
         near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
-            # A second search for the tilt starts from rigid surfaces, with a finer tolerance.
+            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt. A second
+            # search for the tilt starts from rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(
@@ -167,7 +169,8 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The simplex solution has a coarse tolerance, so solve for the vertex at which its active planes intersect.
+        # The simplex solution has a coarse tolerance, so the vertex is solved exactly from the active planes that
+        # intersect there.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

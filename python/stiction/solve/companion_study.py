@@ -18,7 +18,7 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-# function that a computation calls before it starts, with its estimated time (s) on one core
+# A computation calls this function before it starts, with its estimated time (s) on one core.
 TimeAnnouncer = Callable[[float], Any]
 
 
@@ -39,7 +39,8 @@ class CompanionStudy:
             return None
         try:
             stored_result = open_stored_result(self.directory)
-        except ValueError:  # a damaged directory raises a ValueError
+        except ValueError:
+            # The directory is damaged.
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# fraction of a body's grid points that count as steep, namely the points with the largest slopes
+# This fraction of a body's grid points counts as steep, namely the points with the largest slopes.
 STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
@@ -33,11 +33,14 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 class PairSlopes:
     """Slopes of two bodies at their grid points: steep points of each body, and mean square slopes of the gap."""
 
-    steep_masks: dict[str, NDArray[np.bool_]]  # mask of the steep points of each body
-    steepness_limits: dict[str, float]  # smallest slope of the steep points of each body
+    # Masks of the steep points of each body.
+    steep_masks: dict[str, NDArray[np.bool_]]
+    # Smallest slope of the steep points of each body.
+    steepness_limits: dict[str, float]
     # Mean square slopes of the gap: along y and x for maps, along x for profiles.
     gap_mean_squares: list[float]
-    gap_mean_product: float  # mean of (slope along y) · (slope along x) of the gap, or 0 for profiles
+    # Mean of (slope along y) · (slope along x) of the gap. It is 0 for profiles.
+    gap_mean_product: float
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
@@ -95,17 +98,26 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """All contacts between two bodies at one load, with lengths in µm, and the distribution of the contact pressure."""
 
-    x: Floats  # position of each contact along x, weighted by the pressure
-    y: Floats  # position of each contact along y, weighted by the pressure; 0 for profiles
-    force: Floats  # normal force on each contact (mN)
-    area: Floats  # projected area of each contact (µm²)
+    # Position (µm) of each contact along x, weighted by the pressure.
+    x: Floats
+    # Position (µm) of each contact along y, weighted by the pressure. It is 0 for profiles.
+    y: Floats
+    # Normal force on each contact (mN).
+    force: Floats
+    # Projected area of each contact (µm²).
+    area: Floats
     # Mean slope of each contact along x. A contact opposes motion in the direction in which its slope is positive.
     slope_x: Floats
-    slope_y: Floats  # mean slope of each contact along y; 0 for profiles
-    cells: Floats  # number of grid cells that each contact covers; fractional for asperities
-    at_edge: NDArray[np.bool_]  # True for each contact that reaches the edge of the grid
-    pressure: Floats  # contact pressures (GPa) at which the distribution of the pressure is given
-    weight: Floats  # weight of each contact pressure, proportional to the area with this pressure
+    # Mean slope of each contact along y. It is 0 for profiles.
+    slope_y: Floats
+    # Number of grid cells that each contact covers. It is fractional for asperities.
+    cells: Floats
+    # True for each contact that reaches the edge of the grid.
+    at_edge: NDArray[np.bool_]
+    # Contact pressures (GPa) at which the distribution of the pressure is given.
+    pressure: Floats
+    # Weight of each contact pressure, proportional to the area with this pressure.
+    weight: Floats
 
     def compute_statistics(self) -> dict[str, Any]:
         """Compute the statistics that a result stores: load fractions, and quantiles of contact area and pressure."""

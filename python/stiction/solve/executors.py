@@ -28,14 +28,17 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import ForkProcess
 
-# Minimum number of grid points at which several threads make a Fourier transform faster.
+# From this number of grid points on, several threads make a Fourier transform faster.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
-_SET_PARENT_DEATH_SIGNAL = 1  # number of the operation PR_SET_PDEATHSIG of the Linux function prctl
-PROGRESS_PREFIX = "progress: "  # first word of a printed line that reports progress
-PROGRESS_LINE_INTERVAL = 60.0  # time (s) between two printed lines of progress if the output is not a terminal
+# PR_SET_PDEATHSIG is the operation of the Linux function prctl with this number.
+_SET_PARENT_DEATH_SIGNAL = 1
+# A printed line that reports progress starts with this text.
+PROGRESS_PREFIX = "progress: "
+# Time (s) between two printed lines of progress if the output is not a terminal.
+PROGRESS_LINE_INTERVAL = 60.0
 
 
 @contextlib.contextmanager
@@ -108,7 +111,8 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
     with receiver:
         try:
-            with sender, contextlib.suppress(OSError):  # starting a process fails if processes or memory are limited
+            # Starting a process fails if processes or memory are limited.
+            with sender, contextlib.suppress(OSError):
                 _start_without_interrupts(process)
             yield receive_value
         finally:
@@ -121,8 +125,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
     """Start a forked copy of this process, in which Ctrl-C is blocked until the copy can handle it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        # Ignore Python's warning about copying a process that has threads:
-        # OpenBLAS stops its threads in the copied process.
+        # Python warns about copying a process that has threads, but OpenBLAS stops its threads in the copied process.
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             process.start()
     finally:
@@ -200,7 +203,7 @@ def progress_bar(
             nonlocal num_finished, last_time, show_progress, may_show_bar
             num_finished += count
             completed, now = num_finished + estimate_progress(), time.monotonic()
-            # Estimate the remaining time from the mean time of the tasks that this run has finished.
+            # The remaining time is estimated from the mean time of the tasks that this run has finished.
             left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
             left_text = format_duration(left) if completed > finished else "-"
             if show_progress is None and may_show_bar:
@@ -215,7 +218,8 @@ def progress_bar(
                     f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
                 )
                 line += f", about {left_text} left" if completed > finished else ""
-                with contextlib.suppress(OSError):  # writing fails if standard error is closed
+                # Writing fails if standard error is closed.
+                with contextlib.suppress(OSError):
                     print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)
 
         yield advance

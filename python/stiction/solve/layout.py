@@ -33,7 +33,8 @@ from stiction.study.study import Study, parse_study_of_dataset
 if TYPE_CHECKING:
     import xarray
 
-RESULT_TITLE = "stiction study"  # attribute `title` of every stored result
+# Every stored result has this text as its attribute `title`.
+RESULT_TITLE = "stiction study"
 # Maximum size (bytes) of a group of members that are loaded into memory together.
 MAX_PIECE_BYTES = 2**26
 
@@ -281,7 +282,7 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
-        # Leave out the attribute `study`, which contains lengths and pressures with units.
+        # The attribute `study` contains lengths and pressures with units, so it is left out.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )

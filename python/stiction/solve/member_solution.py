@@ -224,7 +224,7 @@ def _solve_asperities(
             for direction in _list_profile_directions(contact)
         ]
     first_model = replace(models[0], direction=0.0) if is_areal else models[0]
-    # Solve without friction, so that the normal load equals the elastic load.
+    # Without friction, the normal load equals the elastic load.
     approach, status = find_approaches_at_loads(
         SurfacePair(upper, lower), contact.loading_steps(), mu0=0.0, tau0=0.0, model=first_model
     )
@@ -307,8 +307,10 @@ class PressedPair:
 
     upper: Any
     lower: Any
-    curve: HalfSpaceCurve | LoadCurve  # load curve with a single load, for motion along +x
-    model: ContactModel | None = None  # contact model of single asperities; None in the half-space model
+    # Load curve with a single load, for motion along +x.
+    curve: HalfSpaceCurve | LoadCurve
+    # Contact model of single asperities. It is None in the half-space model.
+    model: ContactModel | None = None
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
@@ -343,8 +345,9 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-CACHE_LINE_BYTES = 64  # size (bytes) of a cache line of the processor
-# Tangential load, as a fraction of the sliding load, for which a result stores the normal load on slipping contacts.
+# Size of a cache line of the processor.
+CACHE_LINE_BYTES = 64
+# A result stores the normal load on slipping contacts at this fraction of the sliding load.
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
@@ -381,8 +384,8 @@ The keys are False for lines and True for maps.
 
 ITERATIONS_PER_LOAD = 15
 # Maximum number of iterations for adhesion, for lines (False) and maps (True): for the pull-off force on all grids, and
-# for the slow contacts of soft bodies at zero load and under load.
-# Each step of an energy minimization counts as an iteration.
+# for the slow contacts of soft bodies at zero load and under load. Each step of an energy minimization counts as an
+# iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 4000}
 ADHESION_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).

@@ -45,7 +45,8 @@ class MemberSums:
             return sums
         if isinstance(sums, MemberSums):
             converted_sums = cls(sums.source)
-            vars(converted_sums).update(vars(sums))  # the original and the converted object share all cached arrays
+            # The original and the converted object share all cached arrays.
+            vars(converted_sums).update(vars(sums))
             return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
@@ -91,7 +92,7 @@ class MemberSums:
     @cached_property
     def _first_member(self) -> xarray.Dataset:
         assert isinstance(self.source, StoredResult)
-        # Without finished members, call `StoredResult.dataset`, which raises the appropriate error.
+        # If no member is finished, `StoredResult.dataset` raises the appropriate error.
         return share_read_only(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property
@@ -141,7 +142,7 @@ class MemberSums:
         for piece in self.pieces(names):
             for name in names:
                 dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
-                # Make the repetitions contiguous in memory, because such sums are faster.
+                # Sums are faster if the repetitions are contiguous in memory.
                 values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
                 is_solved = ~np.isnan(values)
                 piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))

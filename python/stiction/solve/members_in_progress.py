@@ -33,8 +33,9 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
-STORAGE_INTERVAL = 15.0  # minimum time (s) between two writes of a member's newly finished steps to disk
-MAX_STEP_BYTES = 2**32  # maximum size (bytes) of the file of one step
+# Minimum time (s) between two writes of a member's newly finished steps to disk.
+STORAGE_INTERVAL = 15.0
+MAX_STEP_BYTES = 2**32
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
@@ -138,7 +139,7 @@ def remove_stored_steps(directory: Path, members: Container[int] | None = None, 
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_directory)
                 member_directory.rmdir()
-    # the directory may be missing, or contain the finished steps of other members
+    # The directory may be missing, or contain the finished steps of other members.
     with contextlib.suppress(OSError):
         (directory / IN_PROGRESS_DIRECTORY).rmdir()
 
@@ -162,7 +163,8 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
         self._last_time = time.monotonic()
-        self._first_count = 0  # number of solver iterations in all steps before the current step
+        # Number of solver iterations in all steps before the current step.
+        self._first_count = 0
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
         self._step += 1

@@ -56,18 +56,23 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block: short, so that a crash loses little work, but long compared with the time for
-# writing the block, which is a few per cent of it.
+# Target computing time (s) of a block. It is short, so that a crash loses little work, but long enough that writing the
+# block takes only a few per cent of it.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-MIN_BLOCKS_PER_RUN = 16  # minimum number of blocks of a run, so that no worker waits long for the last block
-MIN_BLOCK_TIME = 0.2  # minimum computing time (s) of a block, because the first file of each size takes 0.1 s to write
-MAX_SUBMITTED_TASKS = 1000  # maximum number of submitted tasks if workers write the block files
+# A run has at least this number of blocks, so that no worker waits long for the last block.
+MIN_BLOCKS_PER_RUN = 16
+# Minimum computing time (s) of a block. The first file of each size takes 0.1 s to write.
+MIN_BLOCK_TIME = 0.2
+# Maximum number of submitted tasks if workers write the block files.
+MAX_SUBMITTED_TASKS = 1000
 # Maximum number of submitted tasks if the main process writes the block files.
 MAX_TASKS_THAT_RETURN_BLOCKS = 256
-PROGRESS_INTERVAL = 0.5  # time (s) between two updates of the displayed progress
-SHUTDOWN_TIMEOUT = 3.0  # time (s) that an interrupted run waits for unfinished blocks
+# Time (s) between two updates of the displayed progress.
+PROGRESS_INTERVAL = 0.5
+# An interrupted run waits this time (s) for unfinished blocks.
+SHUTDOWN_TIMEOUT = 3.0
 # Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
 MAX_BYTES_IN_MEMORY = 2**34
 
@@ -198,7 +203,7 @@ def _compute_blocks(
 
     Workers that can access the directory write the block files.
     """
-    # Number of workers, or None for a cluster, whose number of workers varies.
+    # A cluster has no fixed number of workers.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
@@ -313,7 +318,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# Estimated time (s) of a run on all threads above which the run prints advice on how to shorten it.
+# Above this estimated time (s) on all threads, a run prints advice on how to shorten it.
 LONG_RUN_TIME = 600.0
 
 
@@ -347,10 +352,10 @@ def _describe_remaining_work(
     )
 
 
-MIN_REPORTED_TIME = 60.0  # a new estimate of the run time is printed if at least this time (s) remains
-MIN_TIME_RATIO_FOR_NEW_ESTIMATE = (
-    1.5  # smallest ratio of the measured to the first estimated time of a member for a new estimate
-)
+# A new estimate of the run time is printed only if at least this time (s) remains.
+MIN_REPORTED_TIME = 60.0
+# A new estimate requires that members take this many times as long as first estimated.
+MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
 def _format_revised_time_estimate(
@@ -392,7 +397,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first_index = block * self.block_size
             is_finished = self._is_finished[first_index : first_index + self.block_size]
-            # Find the first index of each range of missing members, and the index after its last member.
+            # The edges are the first index of each range of missing members, and the index after its last member.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first_index + start, first_index + end)
@@ -409,9 +414,8 @@ def _submit_member_ranges(
     updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
     tasks.
     """
-    # Import the parent of SciPy's packages before tasks start: if two threads imported it at the same time, both
-    # imports could fail.
-    # Its packages may be imported by several threads.
+    # The parent of SciPy's packages is imported before tasks start, because the import could fail if two threads
+    # started it at the same time. Several threads may import its packages.
     import scipy  # noqa: F401
 
     ranges = iter(unfinished_members)
@@ -456,7 +460,8 @@ class SharedResultDirectory:
     """Result directory in which workers write block files themselves, if they can access the directory."""
 
     path: Path
-    token: str  # name of a file in the blocks directory, which exists until the run ends
+    # A file with this name exists in the blocks directory until the run ends.
+    token: str
 
     def is_accessible(self) -> bool:
         """Return whether this process can access the directory, and the run is still active."""
@@ -471,7 +476,7 @@ def compute_block(
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
-    # Do not write the block if the run has ended, because another study may use the directory by then.
+    # If the run has ended, another study may use the directory, so the block is not written.
     if directory is None or not directory.is_accessible():
         return content
     write_block(directory.path, members[0], content, len(members))

@@ -83,18 +83,26 @@ if TYPE_CHECKING:
     import xarray
 
 STUDY_FILE = "study.toml"
-SHEAR_TEST_FILE_NAME = "shear.nc"  # file of a shear test, which is not the result of a study
+# A shear test is stored in this file. It is not the result of a study.
+SHEAR_TEST_FILE_NAME = "shear.nc"
 BLOCKS_DIRECTORY = "blocks"
-AREAS_BY_HARDNESS_FILE = "hardness.nc"  # file of true areas at other hardnesses, which earlier versions stored
-CONTACT_PICTURE_FILE = "picture.nc"  # file of the contact map of a typical member
-ONSET_FILE = "onset.nc"  # file of the onset of sliding, with the curves of tangential load against displacement
-ONSET_TABLE_FILE = "onset.csv"  # file of the mean onset curve as a table, the backbone curve of a Masing model
-STUDY_FILE_SIGNATURE = "# Written by stiction"  # first words of every study file that stiction writes
+# Earlier versions stored true areas at other hardnesses in this file.
+AREAS_BY_HARDNESS_FILE = "hardness.nc"
+# The contact map of a typical member is stored in this file.
+CONTACT_PICTURE_FILE = "picture.nc"
+# The onset of sliding is stored in this file, with the curves of tangential load against displacement.
+ONSET_FILE = "onset.nc"
+# The mean onset curve is stored in this file as a table. It is the backbone curve of a Masing model.
+ONSET_TABLE_FILE = "onset.csv"
+# Every study file that stiction writes starts with these words.
+STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
-# matches the first line that earlier versions wrote to a study file, without a checksum
+# Earlier versions wrote this first line to a study file, without a checksum.
 _OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
-MAX_RESULT_BYTES = 2**31  # maximum size (bytes) of a result that is read into memory in one piece
-MAX_COMPANION_FILE_BYTES = 2**26  # maximum size (bytes) of a file that stores an onset or a contact map
+# Maximum size (bytes) of a result that is read into memory in one piece.
+MAX_RESULT_BYTES = 2**31
+# Maximum size (bytes) of a file that stores an onset or a contact map.
+MAX_COMPANION_FILE_BYTES = 2**26
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_WRITE_ATTEMPTS = 3
 
@@ -122,9 +130,12 @@ class StoreInfo:
     """Description of a result directory: study, number of finished members, file size and version."""
 
     study: Study
-    finished: int  # number of finished repetitions, out of `study.ensemble.repetitions`
-    size: int  # size (bytes) of all block files together
-    versions: dict[str, str]  # version of each program with which the result was computed, by program
+    # Number of finished repetitions, out of `study.ensemble.repetitions`.
+    finished: int
+    # Size (bytes) of all block files together.
+    size: int
+    # Versions of the programs with which the result was computed, by the name of the program.
+    versions: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -422,7 +433,8 @@ def _read_dataset(file: h5py.File) -> xarray.Dataset:
         attributes = _read_attributes(variable)
         if DIMENSION_WITHOUT_VARIABLE_TEXT.encode() in bytes(variable.attrs.get("NAME", b"")):
             continue
-        if attributes.pop("dtype", "") == "bool":  # how xarray marks truth values, which netCDF stores as integers
+        # netCDF stores truth values as integers, which xarray marks with this attribute.
+        if attributes.pop("dtype", "") == "bool":
             values = values.astype(np.bool_)
         dims = [name] if variable.is_scale else [dim[0].name.removeprefix("/") for dim in variable.dims]
         variables[name] = xarray.Variable(dims, values, attributes)
@@ -531,7 +543,8 @@ def _read_study_file(path: Path) -> Study:
         text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
-    if not text.strip():  # reject an empty study file, which is valid TOML but probably due to a crash of the machine
+    # An empty study file is valid TOML, but it is probably due to a crash of the machine.
+    if not text.strip():
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
         )
@@ -563,7 +576,8 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
             claim.acquire()
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
-    except (OSError, RuntimeError) as error:  # a symbolic link that refers to itself raises a RuntimeError
+    except (OSError, RuntimeError) as error:
+        # A symbolic link that refers to itself raises a RuntimeError.
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -581,11 +595,12 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
     try:
         _files.create_atomically(path / STUDY_FILE, content)
     except FileExistsError:
-        if _contains_study(path, study):  # another run of the same study may have written the study file
+        # Another run of the same study may have written the study file.
+        if _contains_study(path, study):
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
-        # List the blocks only after the search for other runs' claims, because a run's claim outlasts the writing of
+        # The blocks are listed after the search for other runs' claims, because a run's claim outlasts the writing of
         # its blocks.
         _check_resumable(stored_result.reload())
         _check_replaceable(path, study)
@@ -762,7 +777,8 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
         try:
             _files.write_atomically(path / BLOCKS_DIRECTORY / block.name, content)
             return
-        except FileNotFoundError:  # another process may have removed the partial file
+        except FileNotFoundError:
+            # Another process may have removed the partial file.
             if attempt == MAX_WRITE_ATTEMPTS or not (path / BLOCKS_DIRECTORY).is_dir():
                 raise StoreError(f"{printable_path(path)} was removed or replaced while it was being written") from None
         except OSError as error:
@@ -771,7 +787,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# Attributes of a result's dataset that do not describe the bodies.
+# These attributes of a result's dataset do not describe the bodies.
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
@@ -781,8 +797,10 @@ The checksum is verified first, because HDF5 may never return from reading a dam
 own data, and programs that modify the file remove the checksum.
 """
 
-_template_lock = threading.Lock()  # lets only one thread create the template file
-_import_lock = threading.Lock()  # lets only one thread import the packages that encode blocks
+# Only one thread may create the template file.
+_template_lock = threading.Lock()
+# Only one thread may import the packages that encode blocks.
+_import_lock = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -790,11 +808,13 @@ class BlockFileContent:
     """Content of a block file: arrays of several members, and the study and version that computed the members."""
 
     study: Study
-    version: str  # version of stiction with which the members were computed
+    # Version of stiction with which the members were computed.
+    version: str
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    is_exact: bool  # True if the coordinates equal the coordinates of the study in every bit
+    # True if the coordinates equal the coordinates of the study in every bit.
+    is_exact: bool
 
 
 def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> bytes:
@@ -867,7 +887,7 @@ def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
                 scale = scales[str(dim)] = _create_variable(output, str(dim), np.zeros(size, ">f4"))
                 scale.make_scale(f"{DIMENSION_WITHOUT_VARIABLE_TEXT}{size:10}")
                 scale.attrs["_Netcdf4Dimid"] = np.int32(dimension_numbers[str(dim)])
-        # Write the coordinates of the dimensions first, because all other variables refer to them.
+        # All other variables refer to the coordinates of the dimensions, so the coordinates are written first.
         for name, variable in sorted(variables.items(), key=lambda item: item[0] not in dataset.sizes):
             netcdf_variable = _create_variable(output, str(name), variable.values)
             dims = [str(dim) for dim in variable.dims]
@@ -1064,7 +1084,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     if creation is None or creation.get_external_count() or creation.get_layout() == h5py.h5d.VIRTUAL:
         raise DamagedFileError(f"has no variable {name}")
     dtype, stored_shape = identifier.dtype, identifier.shape
-    # Check the stored size before memory is allocated, because a small damaged file may declare a huge array.
+    # A small damaged file may declare a huge array, so the stored size is checked before memory is allocated.
     if identifier.get_storage_size() < math.prod(stored_shape) * dtype.itemsize:
         raise DamagedFileError(f"declares {name} but does not store it")
     if shape not in (None, stored_shape):
@@ -1106,7 +1126,8 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         if replace
         else create_file_atomically(path, ExportError) as partial
     ):
-        content = io.BytesIO()  # create the file in memory first, because HDF5 may crash if the disk is full
+        # The file is first created in memory, because HDF5 may crash if the disk is full.
+        content = io.BytesIO()
         write_dataset(dataset, content)
         append_checksum(content)
         partial.write_bytes(content.getbuffer())

@@ -65,15 +65,17 @@ from stiction.study.values import (
     to_value_array,
 )
 
-DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # default directions of motion of height maps, in degrees
-MAX_DIRECTIONS = 360  # maximum number of directions of motion in a study of height maps
+DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees
+# Maximum number of directions of motion in a study of height maps.
+MAX_DIRECTIONS = 360
 # In the asperity model of profiles, the load curve extends beyond the requested loads by this factor.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
 # In the half-plane model of profiles, the load curve extends beyond the requested loads by this factor.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
-MAX_AREAL_LOAD_RATIO = 10**0.5  # maximum ratio of successive loads at which height maps are pressed
+# Maximum ratio of successive loads at which height maps are pressed.
+MAX_AREAL_LOAD_RATIO = 10**0.5
 
 
 # ---- Laws -----------------------------------------------------------------------------------------------------------
@@ -318,7 +320,8 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
                 for key in ("young", "poisson")
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
-        except (ValueError, IndexError):  # invalid moduli, which the validation of both keys reports
+        except (ValueError, IndexError):
+            # The moduli are invalid, which the validation of both keys reports.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
@@ -697,7 +700,7 @@ def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
-    # Leave out a load of the series that nearly equals a requested load.
+    # A load of the series is left out if it nearly equals a requested load.
     is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new_load]]))
 
@@ -735,7 +738,7 @@ def choose_load_steps(
                 [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
-    # Round the additional loads to six digits, but keep the requested loads unchanged.
+    # Additional loads are rounded to six digits, but requested loads stay unchanged.
     requested_loads = set(given_loads.tolist())
     rounded_loads = np.array(
         [load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()]

@@ -20,9 +20,9 @@ from stiction.mechanics.materials import (
     softest_material,
 )
 
-# number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded
+# Young's modulus, Poisson's ratio and hardness of a material are rounded to this number of digits.
 NUM_MATERIAL_DIGITS = 3
-# Number of digits of elastic constants, from which E* of every pair of materials has three correct digits.
+# With this number of digits of elastic constants, E* of every pair of materials has three correct digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -30,16 +30,23 @@ NUM_ELASTIC_CONSTANT_DIGITS = 6
 class PairElasticity:
     """Elastic constants of a pair of bodies, and the hardness of the softer body."""
 
-    effective_modulus: float  # effective modulus E* (GPa)
-    # fraction of the elastic compliance that is due to the lower body; 0.5 if only E* is given
+    # Effective modulus E* (GPa).
+    effective_modulus: float
+    # Fraction of the elastic compliance that is due to the lower body. It is 0.5 if only E* is given.
     compliance_share: float = 0.5
-    poisson_ratio: float | None = None  # Poisson's ratio of the softer body
-    hardness: MaterialValue | None = None  # hardness of the softer body, GPa
-    source: str = ""  # description of E* and the materials for users, if materials are given
+    # Poisson's ratio of the softer body.
+    poisson_ratio: float | None = None
+    # Hardness (GPa) of the softer body.
+    hardness: MaterialValue | None = None
+    # Description of E* and of the materials for users, if materials are given.
+    source: str = ""
     hardness_source: str = ""
-    materials: tuple[str, str] | None = None  # names of the materials of the upper and the lower body
-    poisson_ratios: tuple[float, float] | None = None  # Poisson's ratios of the upper and the lower body
-    alias_note: str = ""  # note that a material was given under an alternative name
+    # Names of the materials of the upper and the lower body.
+    materials: tuple[str, str] | None = None
+    # Poisson's ratios of the upper and the lower body.
+    poisson_ratios: tuple[float, float] | None = None
+    # Note that a material was given under an alternative name.
+    alias_note: str = ""
 
 
 def determine_elasticity(

@@ -63,7 +63,8 @@ MAX_HARMONICS = 1_000_000
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all generated surfaces have: fractal dimension and amplitude."""
 
-    bodies: ClassVar[str] = "generated areas"  # words for the two surfaces in error messages
+    # Error messages use these words for the two surfaces.
+    bodies: ClassVar[str] = "generated areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
 

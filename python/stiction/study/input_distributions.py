@@ -26,10 +26,12 @@ from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO, MI
 from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
-Z_95 = 1.959963984540054  # half width of the 95 % interval of a normal distribution, in standard deviations
+# Half width of the 95 % interval of a normal distribution, in standard deviations.
+Z_95 = 1.959963984540054
 # Number of samples of each input. With fewer, budget fractions of equally important inputs differ by more than 0.01.
 NUM_INPUT_SAMPLES = 2**14
-MIN_RELATIVE_UNCERTAINTY = 1e-9  # smallest accepted standard uncertainty of an input, relative to its central value
+# Smallest accepted standard uncertainty of an input, relative to its central value.
+MIN_RELATIVE_UNCERTAINTY = 1e-9
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Regular expression that finds a range, an uncertainty or a hardness scale in an input's text."""
 
@@ -58,25 +60,28 @@ _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-# Pattern of an input with its range in brackets, as in "0.3 (0.2 .. 0.4)".
+# An input may have its range in parentheses, as in "0.3 (0.2 .. 0.4)".
 _CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
-# Pattern of an uncertainty in per cent, which a unit may follow.
+# An uncertainty in per cent may be followed by a unit.
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-# Pattern of a Vickers scale with its test load, as in "HV10" or "HV 0.5".
+# A Vickers scale may have its test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-MAX_POISSON_RATIO = 0.5  # Poisson's ratio of an incompressible body, the largest accepted
-# Largest accepted α of junction growth; a von Mises body whose hardness is three times its yield strength has α = 27.
+# The largest accepted Poisson's ratio is that of an incompressible body.
+MAX_POISSON_RATIO = 0.5
+# Largest accepted α of junction growth. A von Mises body whose hardness is three times its yield strength has α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
-SLIP_LINE_TEXT = "slip-line"  # text of the input "junction growth" that selects slip-line theory
+# This text of the input "junction growth" selects slip-line theory.
+SLIP_LINE_TEXT = "slip-line"
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Smallest and largest accepted exponent m of the area of yielding contacts.
-# Fine asperities have exponents far above the lower limit, and surface steps have exponents below the upper limit.
+# Smallest and largest accepted exponent m of the area of yielding contacts. Fine asperities have exponents far above
+# the lower limit, and surface steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
-MAX_AREA_LOSS = 0.9  # largest fraction of the true area that contacts may lose when they are sheared
-# Largest accepted creep exponent: the hardness falls to a third in each decade of time.
+# Contacts may lose at most this fraction of their true area when they are sheared.
+MAX_AREA_LOSS = 0.9
+# At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
 
 
@@ -84,14 +89,18 @@ MAX_CREEP_EXPONENT = 0.5
 class UncertainInput:
     """Probability distribution of an input in core units: an exact number, or limits and a type of distribution."""
 
-    # central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution)
+    # Central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution).
     value: float
-    low: float  # lower limit of the 95 % interval of an input, or of its uniform distribution
-    high: float  # upper limit of the 95 % interval of an input, or of its uniform distribution
+    # Lower limit of the 95 % interval of an input, or of its uniform distribution.
+    low: float
+    # Upper limit of the 95 % interval of an input, or of its uniform distribution.
+    high: float
     distribution: InputDistribution
-    text: str  # text of an input as the user wrote it
-    maximum: float = math.inf  # upper limit of the samples of an input
-    # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth
+    # Text of an input as the user wrote it.
+    text: str
+    # Upper limit of the samples of an input.
+    maximum: float = math.inf
+    # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth.
     uses_slip_lines: bool = False
 
     @property
@@ -130,7 +139,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # Probability of the negative numbers, which are cut off from the normal distribution.
+        # The negative numbers, which have this probability, are cut off from the normal distribution.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -297,7 +306,8 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     return first_text, last_text
 
 
-SOBOL_BITS = 30  # number of binary digits of each coordinate of a Sobol point
+# Number of binary digits of each coordinate of a Sobol point.
+SOBOL_BITS = 30
 
 SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
     (1, (1,) * SOBOL_BITS), (3, (1,)), (7, (1, 3)), (11, (1, 3, 1)), (13, (1, 1, 1)), (19, (1, 1, 3, 3)),
@@ -336,7 +346,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
         points = qmc.Sobol(dimensions, rng=generator).random_base2(num_bits)
     else:
-        # Scramble the Sobol points by Matoušek's method, with a random lower triangular matrix and a random shift.
+        # The Sobol points are scrambled by Matoušek's method, with a random lower triangular matrix and a random shift.
         random_bits = partial(generator.spawn(1)[0].integers, 2, dtype=np.uint32)
         shift_bits = random_bits(size=(dimensions, SOBOL_BITS))
         matrices = np.tril(random_bits(size=(dimensions, SOBOL_BITS, SOBOL_BITS)), -1) + np.eye(

@@ -22,7 +22,8 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-SAME_VALUE_TOLERANCE = 1e-3  # relative difference up to which a replaced central value counts as unchanged
+# A replaced central value counts as unchanged up to this relative difference.
+SAME_VALUE_TOLERANCE = 1e-3
 
 _LABELS = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
@@ -37,7 +38,8 @@ SIZE_EFFECT = UncertainInput(
 )  # fmt: skip
 """Distribution of the characteristic length h* (µm) of the indentation size effect of metals."""
 
-_SLIP_LINE_LABEL = "the ratio of hardness to shear strength"  # label of junction growth by slip-line theory
+# Label of junction growth by slip-line theory.
+_SLIP_LINE_LABEL = "the ratio of hardness to shear strength"
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,8 @@ from stiction.study.values import SettingsSection
 if TYPE_CHECKING:
     import pandas
 
-INTERFACE_FILE_HEADER = "# stiction interface"  # first line of every interface file
+# Every interface file starts with this line.
+INTERFACE_FILE_HEADER = "# stiction interface"
 INTERFACE_FILE_COLUMNS = (
     "mu0",
     "tau0 (GPa)",
@@ -50,7 +51,7 @@ INTERFACE_FILE_COLUMNS = (
     "junction growth",
     "area per load of the tests (1/GPa)",
 )
-MAX_INTERFACE_BYTES = 50_000_000  # maximum size of an interface file in bytes
+MAX_INTERFACE_BYTES = 50_000_000  # bytes
 _NUMERIC_HEADER_ENTRIES = ("area_per_load", "variation")
 
 EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
@@ -61,7 +62,8 @@ Below the first limit, the tests exclude the sliding rule. Below the second limi
 
 # The lower limit of an interval is replaced by the bound 0 if it exceeds 0 by less than this fraction of the width.
 BOUND_TOLERANCE = 0.01
-INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
+# An interval of the strength contains the true strength with this probability.
+INTERVAL_COVERAGE = 0.95
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
@@ -74,8 +76,10 @@ The entry is missing if no test depends on α, or if α differs between tests.
 """
 
 
-MAX_SCORE_OF_OLD_FILE = 5.0  # largest normal score that is recovered from a file without columns of scores
-_SCORE_COLUMN_PREFIX = "score of "  # prefix of column titles for normal scores in an interface file
+# Largest normal score that is recovered from a file without columns of scores.
+MAX_SCORE_OF_OLD_FILE = 5.0
+# Titles of the columns with normal scores in an interface file start with this text.
+_SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
@@ -92,7 +96,8 @@ def area_error_name(pair_checksum: str) -> str:
     return f"area of {pair_checksum}"
 
 
-ValueWithLimits = tuple[float, float, float]  # a number with the lower and the upper limit of its 95 % interval
+# A number with the lower and the upper limit of its 95 % interval.
+ValueWithLimits = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -100,19 +105,28 @@ class StrengthFit:
     """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
-    chi_squared: float  # chi-squared of the best fit; meaningless if the tests have no given errors
-    freedom: int  # degrees of freedom: number of tests with sliding, minus number of fitted parameters
-    probability: float  # probability of a larger chi_squared by chance; NaN without errors or degrees of freedom
-    scale: float  # factor by which the errors of the tests were multiplied
-    trend: float  # p-value of a trend of the residuals with the load
-    mu0: Floats  # samples of mu0, each paired with a sample of tau0
-    tau0: Floats  # samples of tau0 (GPa), each paired with a sample of mu0
-    hardness: Floats  # hardness (GPa) of each sample of mu0; NaN if the tests have different hardnesses
-    junction_growth: Floats  # junction growth α of each sample of mu0; NaN if α differs between tests or has no effect
-    area_per_load: Floats  # area per load A/F (1/GPa) at the onset of sliding in the tests; NaN if unknown
-    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0.
-    # Their names are those of `shared_input_name` and `area_error_name`.
-    # Another pair with the same input uses the same scores.
+    # Chi-squared of the best fit. It has no meaning if the tests have no given errors.
+    chi_squared: float
+    # Degrees of freedom: number of tests with sliding, minus number of fitted parameters.
+    freedom: int
+    # Probability of a larger chi_squared by chance. It is NaN without errors or degrees of freedom.
+    probability: float
+    # Factor by which the errors of the tests were multiplied.
+    scale: float
+    # P-value of a trend of the residuals with the load.
+    trend: float
+    # Samples of mu0, each paired with a sample of tau0.
+    mu0: Floats
+    # Samples of tau0 (GPa), each paired with a sample of mu0.
+    tau0: Floats
+    # Hardness (GPa) of each sample of mu0. It is NaN if the tests have different hardnesses.
+    hardness: Floats
+    # Junction growth α of each sample of mu0. It is NaN if α differs between tests or has no effect.
+    junction_growth: Floats
+    # Area per load A/F (1/GPa) at the onset of sliding in the tests. It is NaN if unknown.
+    area_per_load: Floats
+    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0. Their names
+    # are those of `shared_input_name` and `area_error_name`. Another pair with the same input uses the same scores.
     scores: Mapping[str, Floats] = field(default_factory=dict)
 
 

@@ -43,10 +43,11 @@ from stiction.surfaces.tip import sharpened
 ColumnNameOrIndex = int | str
 
 
-MeasuredBody = Profile | Surface | JoinedSpectrum  # a body that can be read from a file
+# A body of one of these types can be read from a file.
+MeasuredBody = Profile | Surface | JoinedSpectrum
 
 
-MAX_FILE_NAME_LENGTH = 4096  # maximum number of characters of a file name
+MAX_FILE_NAME_LENGTH = 4096  # characters
 
 
 MachiningProcess = Literal["turned", "milled", "ground", "honed", "lapped", "sanded", "blasted", "eroded"]
@@ -58,10 +59,12 @@ MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
-CutoffPair = tuple[float, float]  # cutoff wavelengths (µm) of the upper and of the lower scan
+# Cutoff wavelengths (µm) of the upper and of the lower scan.
+CutoffPair = tuple[float, float]
 
 
-ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # cutoff wavelengths (µm) of all upper and of all lower scans
+# Cutoff wavelengths (µm) of all upper and of all lower scans.
+ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]
 
 
 def _parse_unit(value: object) -> str:
@@ -402,7 +405,8 @@ class MeasuredBodySettings(SettingsSection):
         """
         path = Path(self.file)
         try:
-            check_is_file(path)  # reading from a device or a pipe might never end
+            # Reading from a device or a pipe might never end.
+            check_is_file(path)
             with path.open("rb") as file:
                 return hashlib.file_digest(file, "sha256").hexdigest()
         except UnreadableFileError as error:

@@ -49,7 +49,8 @@ from stiction.surfaces.surface import Surface
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     """Keys of the section `[surfaces]` that all studies of measured surfaces have."""
 
-    bodies: ClassVar[str] = "measured areas"  # words for the two surfaces in error messages
+    # Error messages use these words for the two surfaces.
+    bodies: ClassVar[str] = "measured areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
     pressed: ClassVar[str]
@@ -144,9 +145,10 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
 # ---- Lines -----------------------------------------------------------------------------------------------------------
 
-DEFAULT_NUM_SHIFTS = 16  # default number of relative positions of two height maps
-DEFAULT_NUM_SURROGATES = 16  # default number of pairs of surrogate surfaces
-MAX_RELATIVE_POSITIONS = 100_000  # maximum number of relative positions of two lines or two maps
+DEFAULT_NUM_SHIFTS = 16
+DEFAULT_NUM_SURROGATES = 16
+# Maximum number of relative positions of two lines or two maps.
+MAX_RELATIVE_POSITIONS = 100_000
 
 
 class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
