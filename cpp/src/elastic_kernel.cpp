@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of rows by which loading into the cache precedes copying.
+// Rows are loaded into the cache this number of rows before they are copied.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes per task, and between two cancellation checks.
 // Areas with fewer values are not divided between threads, because the threads would wait for each other.
@@ -185,7 +185,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // number of different factors along x; opposite wavenumbers have the same factor
+  // Number of different factors along x. Opposite wavenumbers have the same factor.
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
@@ -217,7 +217,7 @@ struct Scratch {
   std::vector<std::array<AlignedBuffer, 5>> threads;
 };
 
-// Multiply each Fourier coefficient by a real factor that is the same for k and -k.
+// Filter that multiplies each Fourier coefficient by a real factor, which is the same for k and -k.
 // The factors are stored in the order (wavenumber along x, wavenumber along y).
 template <class Real>
 class Filter {
@@ -314,8 +314,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows that contain only zeros need no transform along x.
-    // If the contact area is small, many rows contain only zeros.
+    // Rows that contain only zeros, which are many if the contact area is small, need no transform along x.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;
@@ -358,7 +357,7 @@ class Filter {
     });
   }
 
-  // Filter the columns from `first` to just before `last`, and their mirrored columns.
+  // Filter the columns from `first` to `last - 1`, and their mirrored columns.
   void filter_columns(Complex* area, std::size_t stride, std::span<const std::size_t> filled,
                       std::span<const std::size_t> result_rows, std::size_t first, std::size_t last,
                       std::array<AlignedBuffer, 5>& buffers) const {
@@ -434,7 +433,7 @@ class Filter {
   std::vector<Real> mirrored_;
 };
 
-// Compute the Fourier transform of an even sequence of 2m real numbers in place, from its first m + 1 values.
+// Fourier transform of an even sequence of 2m real numbers in place, from its first m + 1 values.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {

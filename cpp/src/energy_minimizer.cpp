@@ -28,7 +28,7 @@ constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a tr
 constexpr std::int64_t steps_per_recomputation = 20;
 // Maximum number of successive directions along which round-off increases the energy.
 constexpr std::int64_t max_failed_descents = 3;
-// Number of values that a thread processes per task. Sums do not depend on the number of threads.
+// Number of values per task. This number is fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
 constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
 
@@ -43,7 +43,7 @@ double total(const Lanes& values) {
   return sum;
 }
 
-// Call visit(index, lane) for the indices from 0 to size - 1.
+// Call `visit(index, lane)` for the indices from 0 to size - 1.
 template <class Visit>
 STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   std::size_t i = 0;
@@ -119,7 +119,6 @@ struct Products {
   }
 };
 
-// Return the scalar products of an array with two other arrays.
 STICTION_MULTIVERSION
 Products products(const float* values, const float* first, const float* second, std::size_t size) {
   Lanes firsts{};
@@ -158,7 +157,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Add a multiple of the last direction to the descent. Return the product of the sum and the residual.
+// Add a multiple of the last direction to the descent. Returns the scalar product of this new direction and residual.
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -207,7 +206,7 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
 }
 
 // Change the gaps by a step. A point that closes stops at a gap of 0, and the rest of its gap change is stored.
-// Return whether a rest is stored for any point.
+// Returns whether a rest is stored for any point.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -298,12 +297,11 @@ EnergyMinimizer::EnergyMinimizer(Values gap, const Grid& grid, double effective_
   }
 }
 
-// Return the index of a grid point on the extended grid.
 std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
   return point / grid_.columns * kernel_.columns() + point % grid_.columns;
 }
 
-// Call work(first, size, gap_index) for each row of the extended grid, and add the results in a fixed order.
+// Call `work(first, size, gap_index)` for each row of the extended grid, and add the results in a fixed order.
 // `first` is the index of the first point of the row, and `size` is the number of its points on the original grid.
 // On the original grid, the first point of the row has the index `gap_index`.
 template <class Sums, class Work>
@@ -411,8 +409,7 @@ MinimizationOutcome EnergyMinimizer::step(MinimizationState& state, double load,
   return MinimizationOutcome::unfinished;
 }
 
-// Compute the residual: at free points, the net pressure plus the attraction.
-// The residual vanishes at points in contact.
+// Compute the residual: the net pressure plus the attraction at free points, and zero at points in contact.
 EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationState& state, double load,
                                                             const ThreadPool& pool) {
   const auto sums = sum_rows<ResidualSums>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
@@ -433,9 +430,8 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// Store the next direction in the state.
+// Store the next direction in the state. Returns the product of the residual and the preconditioned residual.
 // The next direction is conjugate to the last direction unless it would increase the energy.
-// Returns the product of the residual and the preconditioned residual.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
   kernel_.precondition(residual_, descent_, workspace_, pool);

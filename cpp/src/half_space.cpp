@@ -30,17 +30,15 @@ namespace {
 constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a grid whose influence coefficients are stored.
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// Relative tolerance of solutions on coarser grids.
-// On coarser grids, a large tolerance is enough, because the discretisation error is even larger.
+// Relative tolerance of solutions on coarser grids, whose discretisation error is larger than this tolerance.
 constexpr double coarse_tolerance = 3e-3;
 // Maximum ratio of two loads on an area for which the solution at one load is the starting point at the other.
 constexpr double max_load_ratio = 1.3;
-// Maximum number of iterations on the finest grid, and maximum number of iterations on each coarser grid.
-// The finest grid rarely requires a hundred iterations. The solutions on coarser grids are only starting points.
+// Limits on the numbers of iterations. The finest grid rarely requires a hundred iterations.
+// Coarser grids may stop early, because their solutions are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of evaluations of displacements in double precision.
-// The maximum is reached only if round-off prevents convergence.
+// Maximum number of evaluations of displacements in double precision, reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Largest accepted relative difference between the displacements of contact points, which should all be equal.
 // The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
@@ -59,10 +57,8 @@ constexpr std::size_t max_selected_points = 2048;
 // Points can come into contact if their gap is below `selection_approach_ratio` times the current approach.
 // Both the gap and the approach are measured from the lowest gap of the grid.
 constexpr double selection_approach_ratio = 1.1;
-// Number of grid points per task in loops over the grid.
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Displacements that differ by at most this fraction count as equal.
-// It is a fraction of the displacement of a single loaded cell under the same pressure.
+// Displacements count as equal if they differ by at most this fraction of the displacement of a single loaded cell.
 constexpr double round_off = 1e-9;
 // Maximum number of trial loads in the search for a given approach, which rarely needs more than six trial loads.
 constexpr int max_loads = 60;
@@ -125,7 +121,7 @@ double relative_spacing(std::size_t old_points, std::size_t new_points, bool per
   return old_points > new_points ? 2.0 : 0.5;
 }
 
-// A position between a point of a grid and the next point, as a fraction of the spacing.
+// Position between a point of a grid and the next point, as a fraction of the grid spacing.
 struct Position {
   std::size_t left = 0;
   double fraction = 0.0;
@@ -163,7 +159,7 @@ void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, s
   }
 }
 
-// Interpolate gaps linearly to a coarser grid. `buffer` contains the gaps after the interpolation along y.
+// Interpolate gaps linearly to a coarser grid. `buffer` is memory for the gaps after the interpolation along y.
 std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   std::vector<double> result;
   if (from.columns == to.columns) {
@@ -178,11 +174,11 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
   return result;
 }
 
-// Interpolate pressures at a fraction of the spacing from each point `left` to the point `right` of it.
-// The points `before` and `after` are the next neighbours of these two points.
+// Interpolate pressures at a fraction of the spacing from each point `left` to its right neighbour `right`.
+// The points `before` and `after` are the outer neighbours of `left` and `right`.
 // Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
-// Between a point in contact and a point out of contact, the squared pressure is therefore extrapolated linearly from
-// the points in contact. Its slope is at least so steep that the pressure vanishes at the point out of contact.
+// Towards a point out of contact, the squared pressure is therefore extrapolated linearly from two points in contact.
+// The extrapolation is at least so steep that the pressure vanishes at the point out of contact.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
                           double fraction, std::size_t size, double* result) {
@@ -224,8 +220,7 @@ void refine_row(std::span<const double> row, bool periodic, std::span<double> re
   }
 }
 
-// Interpolate pressures from a grid to the next finer grid. `buffer` contains the pressures after the interpolation
-// along y.
+// Interpolate pressures to the next finer grid. `buffer` is memory for the pressures after the interpolation along y.
 std::vector<double> refine_pressure(Values pressure, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   const std::size_t columns = from.columns;
   buffer.resize(to.rows * columns);
@@ -323,7 +318,6 @@ class LevelSolver {
     return error;
   }
 
-  // Recompute the potential.
   // `exact` selects double precision for transforms. Potentials of selected points always have double precision.
   // Single precision is enough for a potential that is recomputed later, and for an estimate.
   void recompute_potential(bool exact) {
@@ -379,8 +373,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the grid points that meet a condition.
-  // The search stops when there are too many of these points for a dense matrix.
+  // Return the grid points that meet a condition. Stops when there are too many of these points for a dense matrix.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -800,7 +793,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // These pressures are largest at the edges of contact patches, where the contact pressures under load vanish.
+  // Such pressures are largest at the edges of contact patches, where the contact pressures under load vanish.
   // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {

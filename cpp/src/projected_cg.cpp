@@ -30,11 +30,9 @@ constexpr double failure_factor = 0.25;
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
-// Number of grid points per task in loops over the grid, and number of free points per task in loops over free points.
 constexpr std::size_t grid_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t free_points_per_task = std::size_t{1} << 16;
 
-// Add a multiple of the response of the last step to the potential.
 STICTION_MULTIVERSION
 void add_scaled(const float* response, std::size_t size, double factor, double* potential) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -42,9 +40,9 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// Mark the free points of a block of points.
+// Mark the free points of a block. Returns whether the block contains a free point.
 // A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
-// Points at a bound whose gap is NaN are free. Returns whether the block contains a free point.
+// Points without pressure whose gap is NaN count as free.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -157,7 +155,7 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Run work(first, last) on chunks of indices, and add the results in the order of the chunks.
+// Run `work(first, last)` on chunks of indices, and add the results in the order of the chunks.
 template <class Sums, class Work>
 Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   std::vector<Sums> chunk_sums(std::max<std::size_t>((count + free_points_per_task - 1) / free_points_per_task, 1));
@@ -398,7 +396,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 }
 
 // Return the approach if no pressure lies strictly between the bounds.
-// At the approach, points at their pressure bound must not have a gap, and points without pressure must not overlap.
+// At the returned approach, points at their pressure bound must not have a gap, and points without pressure must not overlap.
 // The approach is the largest potential under pressure, if no potential at a point without pressure is lower.
 // Otherwise, the approach is chosen so that some points at their bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {

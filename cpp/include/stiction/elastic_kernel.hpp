@@ -1,4 +1,4 @@
-// Elastic half-space on a grid: displacements due to pressures, and spectral filters for preconditioning.
+// Displacements of an elastic half-space due to pressures on a grid, and spectral filters for preconditioning.
 #pragma once
 
 #include "stiction/thread_pool.hpp"
@@ -12,8 +12,8 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space.
-/// The grid is an area or a line. A line is a single row of cells that are 1 µm wide.
+/// Grid on the surface of a half-space. The grid is an area or a line.
+/// A line is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
@@ -97,11 +97,10 @@ class ElasticKernel {
 
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
-/// The inverse needs a surface without edges. A free grid is therefore extended by zero padding.
+/// The inverse requires a surface without edges, so a free grid is extended by zero padding.
 /// The extended grid repeats periodically, and its first rows and columns are the original grid.
 /// Without net pressure outside the original grid, displacements on it equal those of ElasticKernel up to a constant.
-/// A periodic grid is not extended.
-/// On a periodic grid, a uniform displacement requires no pressure.
+/// A periodic grid has no edges and needs no zero padding. Its uniform displacement requires no pressure.
 class StiffnessKernel {
  public:
   /// Compute the Fourier coefficients of compliance and stiffness.
@@ -127,7 +126,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision. Uniform pressure is given the largest compliance of all waves.
+  /// Compute displacements in single precision. A uniform pressure is given the largest compliance of all wavelengths.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -27,7 +27,7 @@ struct MinimizationLimits {
   double min_contact_load = 0.0;       ///< mean contact pressure [GPa] below which the bodies count as separate
 };
 
-/// State between two steps of a minimisation. The minimisation can be resumed from this state.
+/// State between two steps of a minimisation, from which the minimisation can be resumed.
 struct MinimizationState {
   std::vector<double> gap;           ///< gap [µm] of each grid point
   std::vector<double> net_pressure;  ///< pressure minus attraction [GPa] on the extended grid of StiffnessKernel
@@ -61,10 +61,10 @@ struct AdhesiveStresses {
 /// The variables are the gap and, on free grids, the approach and the displacements around the grid.
 /// Around a free grid, the net pressure must vanish.
 /// The energy is the sum of elastic energy, energy of the attraction and work of the load.
-/// Points in contact have no gap, unless their pressure leaves the interval from 0 to the hardness.
-/// The steps are preconditioned with the displacement that the residual pressures cause.
+/// Points in contact keep a gap of 0, unless their pressure leaves the interval from 0 to the hardness.
+/// The preconditioned residual is the displacement that the residual pressures cause.
 /// Each step ends at the first minimum of the energy along its direction.
-/// Only one thread at a time may use the object.
+/// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {
  public:
   /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive the minimiser.
@@ -80,7 +80,6 @@ class EnergyMinimizer {
   MinimizationOutcome step(MinimizationState& state, double load, const MinimizationLimits& limits,
                            const ThreadPool& pool = ThreadPool());
 
-  /// Return the pressure and the attraction at each grid point.
   AdhesiveStresses stresses(const MinimizationState& state) const;
 
  private:
@@ -105,7 +104,7 @@ class EnergyMinimizer {
   AdhesiveInterface interface_;
   StiffnessKernel kernel_;
   double uniform_stiffness_ = 0.0;  // sum of pressures due to a uniform displacement of a free grid; 0 if periodic
-  // Arrays on the extended grid, whose memory is reused by the next step
+  // Arrays on the extended grid, whose memory the next step reuses.
   Workspace workspace_;
   std::vector<double> displacement_;
   std::vector<float> residual_;

@@ -16,7 +16,7 @@
 
 namespace stiction {
 
-/// Arrays of a calculation on a grid. Later calculations reuse their memory.
+/// Arrays of a calculation on a grid, whose memory later calculations reuse.
 struct SolverMemory;
 
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
@@ -31,14 +31,14 @@ class HalfSpaceGrids {
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
-  /// Create the grids. Kernels are computed on first use.
+  /// Create the grids. The kernels of a grid are computed on first use.
   /// Throws std::invalid_argument in the same cases as ElasticKernel.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the elastic kernels of a grid level, which are computed on first use.
+  /// Return the elastic kernels of a grid level. Kernels are computed on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
@@ -58,8 +58,7 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Return a pointer to memory that no other calculation uses.
-  /// After the pointer is destroyed, other calculations can use the memory.
+  /// Return a pointer to memory that no other calculation uses until the pointer is destroyed.
   /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
   BorrowedMemory borrow_memory() const;
 
@@ -81,11 +80,11 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Gap plus displacement [µm] at the points with a pressure bound above 0, if each point has its own bound.
-  /// The array is empty if the solver did not converge, or skipped displacements of points that cannot touch.
+  /// `potential` is empty if the solver did not converge, or if it ignored displacements of points that cannot touch.
   std::vector<double> potential;
 };
 
-/// Progress callback. Each iteration on the finest grid calls this function with the iteration number and the error.
+/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the relative error.
 /// An exception thrown by the callback ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
@@ -100,8 +99,7 @@ class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
   /// If the gap is 0 everywhere, the solver finds shear tractions up to given bounds instead of contact pressures.
-  /// `bound` [GPa] contains either a single pressure bound for all points or one bound for each point.
-  /// A single pressure bound for all points may be infinite.
+  /// `bound` [GPa] contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// Points with a pressure bound of 0 carry no pressure and may overlap.
   /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
@@ -111,13 +109,12 @@ class HalfSpaceSolver {
   /// The length is the standard deviation of the gap or, if larger, of the displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
-  /// Return the finest grid.
   const Grid& grid() const { return grids_->levels()[0]; }
   /// Return the largest relative error with which a solution is accepted.
   double tolerance() const { return tolerance_; }
 
   /// Solve the contact problem for a given mean pressure [GPa] on the grid.
-  /// If `near` contains the pressures at another load, the solver starts from these pressures.
+  /// If `near` contains the pressures at another load, the solver may start from these pressures.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 

@@ -34,10 +34,10 @@ namespace stiction {
 ///
 /// After each step, the pressures are within their bounds, and their sum is the total.
 /// Restoring the total load changes only pressures at free points, so points out of contact keep zero pressure.
-/// The energy never increases. Polonsky & Keer, Wear 231 (1999) 206, describe the method.
+/// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
 class ProjectedCgSolver {
  public:
-  /// Arrays on the grid. A later solver can reuse their memory.
+  /// Arrays on the grid, whose memory a later solver can reuse.
   struct Arrays {
     std::vector<double> potential;
     std::vector<float> residual;
@@ -47,10 +47,10 @@ class ProjectedCgSolver {
   /// Start from the pressures `pressure` >= 0, which are first changed to satisfy the bounds and the total.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
   /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
-  /// The solver does not copy bounds of single points, so their memory must outlive the solver.
+  /// If each point has its own bound, the memory of `bound` must outlive the solver, which does not copy it.
   /// Points with a pressure bound of 0 carry no pressure.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative pressure bounds.
-  /// Also throws if the total load is not positive, or not below the sum of the bounds.
+  /// Also throws std::invalid_argument if the total load is not positive, or not below the sum of the bounds.
   /// The solver reuses the memory of `arrays`, whose values are ignored.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
@@ -89,16 +89,15 @@ class ProjectedCgSolver {
   void restart(std::vector<double> potential);
 
   /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
-  /// If the gap is zero, pressure · potential is twice the elastic energy divided by the area of a cell.
+  /// If the initial gap is zero, Σ pressure · potential is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }
   Values pressure() const { return pressure_; }
   Values potential() const { return potential_; }
-  /// Move the pressure out of the solver, and return it.
   std::vector<double> take_pressure() { return std::move(pressure_); }
   /// Move the potential out of the solver, so that its memory can be reused.
-  /// Call `restart` with a new potential before the next `update_free_points`.
+  /// After `take_potential`, call `restart` with a new potential before the next `update_free_points`.
   std::vector<double> take_potential() { return std::move(potential_); }
   /// Move the arrays out of the solver, which must not be used afterwards.
   Arrays take_arrays();
@@ -128,8 +127,8 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // Array with 1 for each block that has a point with a pressure bound above 0, and with 0 for each other block.
-  // Potentials are not updated in blocks marked with 0. The array is empty if all points have the same bound.
+  // For each block, 1 if the block has a point with a pressure bound above 0, so that its potentials are updated.
+  // `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
@@ -140,7 +139,7 @@ class ProjectedCgSolver {
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
   // Response of the last step: the kernel K times the step.
-  // `pending_fraction_` times the response of the last step has not been added to the potential yet.
+  // The fraction `pending_fraction_` of the last response has not been added to the potential yet.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
