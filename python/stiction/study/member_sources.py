@@ -53,11 +53,13 @@ class SharedMemberProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     piece_fractions: Sequence[float]
-    scans: Sequence[Any]  # whole scans, from which each member takes a piece
+    # Each member takes a piece from these whole scans.
+    scans: Sequence[Any]
 
 
 BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
-    **{side: AttributeSpec(dtype=str) for side in SIDES},  # processing steps of each body
+    # Processing steps of each body.
+    **{side: AttributeSpec(dtype=str) for side in SIDES},
     "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
     "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
     "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
@@ -84,8 +86,9 @@ of array axes.
 class BodyAttributes:
     """Attributes that describe measured bodies in a result; empty for generated bodies."""
 
-    nominal_area: float | None = None  # nominal area (µm²) of one member
-    # attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`
+    # Nominal area (µm²) of one member.
+    nominal_area: float | None = None
+    # Attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`.
     attributes: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -110,7 +113,8 @@ class MemberSource(Protocol):
         """Return the bodies, the area and the grid that all members have in common."""
 
 
-MAX_CACHED_LINE_PAIRS = 4  # maximum number of cached pairs of levelled and resampled lines
+# Levelling and resampling is cached for at most this number of pairs of lines.
+MAX_CACHED_LINE_PAIRS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +148,14 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Press several pairs of lines unshifted. Shift a single pair, because both lines may be the same scan.
+        # Several pairs of lines are pressed unshifted. A single pair is shifted, because both lines may be the same
+        # scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            offset_steps = max_steps  # a single relative position is at the end of the travel
+            # A single relative position is at the end of the travel.
+            offset_steps = max_steps
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
         return self._member_at(slider, counterface, offset_steps, line)
@@ -213,7 +219,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of surrogate pairs, which come before the other members; None if all members are surrogates.
+    # Number of surrogate pairs, which come before the other members. It is None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:
@@ -234,7 +240,8 @@ class MapMemberSource:
         """Return the maps, the area and the grid that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
-        if isinstance(pairs, SpectralSurfacePairs):  # the shortest wavelength of a scan is two grid spacings
+        # The shortest wavelength of a scan is two grid spacings.
+        if isinstance(pairs, SpectralSurfacePairs):
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

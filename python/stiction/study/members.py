@@ -36,9 +36,12 @@ from stiction.surfaces.surface import Surface
 
 # Maximum size (bytes) of the profiles of one body that are generated together.
 MAX_BATCH_BYTES = 64_000_000
-MAX_CACHED_PAIRS = 16  # maximum number of pairs of filtered and levelled scans that are cached
-NUM_AVERAGED_MEMBERS = 16  # number of members over which the fraction of measured points is averaged
-# Number of points that is assumed for a scan whose file is missing. The key is False for a profile and True for a map.
+# At most this number of pairs of filtered and levelled scans is cached.
+MAX_CACHED_PAIRS = 16
+# The fraction of measured points is averaged over this number of members.
+NUM_AVERAGED_MEMBERS = 16
+# A scan whose file is missing is assumed to have this number of points. The key is False for a profile and True for a
+# map.
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -311,7 +314,8 @@ class PreparedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
-        with contextlib.suppress(ValueError, IndexError):  # a study may have fewer than `NUM_AVERAGED_MEMBERS` members
+        # A study may have fewer than `NUM_AVERAGED_MEMBERS` members.
+        with contextlib.suppress(ValueError, IndexError):
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
                 measured_fractions.append(1.0 if missing is None else 1 - float(missing.mean()))

@@ -37,7 +37,8 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
     if "known" not in data and "poisson_ratio" not in contact:
         return data
     other_sections = {name: section for name, section in data.items() if name != "known"}
-    if surfaces.get("kind") != "measured":  # in old studies of generated surfaces, all inputs were exact
+    # In old studies of generated surfaces, all inputs were exact.
+    if surfaces.get("kind") != "measured":
         return other_sections
     try:
         new_sections = _convert_contact_section(dict(contact), known), _convert_friction_section(friction, known)
@@ -101,7 +102,8 @@ def _replace_effective_modulus(
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
-        return contact | dict(bodies)  # invalid entries, which the validation of the study reports
+        # The validation of the study reports these invalid entries.
+        return contact | dict(bodies)
     pairs: dict[str, Any] = {
         name: (2 * entries)[:2] if len(entries) == 1 else entries for name, entries in values.items()
     }
@@ -152,7 +154,8 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
         interface_entry = None
     if interface_entry is not None and [float(interface_entry.mu0), float(interface_entry.tau0)] == strengths:
         interface_entry = str(source)
-    else:  # the interface file is missing or has changed
+    else:
+        # The interface file is missing or has changed.
         interface_entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }

@@ -196,7 +196,8 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    message: str  # message of a condition, after the option name; {name} stands for another option
+    # Message of a condition, after the option name. {name} stands for another option.
+    message: str
 
 
 def select_body_value(name: str, values: Any, index: int) -> Any:
@@ -417,11 +418,15 @@ class FormField:
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    default_label: str = ""  # label of the default in the drop-down list of a form
-    choices: tuple[tuple[str, str], ...] = ()  # choices in the drop-down list of a form, each with its label
-    size: int = 0  # width of the input field of a form, in characters; 0 for the default width
-    unit: str = ""  # unit that is added to a number without a unit
-    # virtual keyboard that a phone shows for the input field of a form
+    # Label of the default in the drop-down list of a form.
+    default_label: str = ""
+    # Choices in the drop-down list of a form, each with its label.
+    choices: tuple[tuple[str, str], ...] = ()
+    # Width of the input field of a form, in characters. 0 stands for the default width.
+    size: int = 0
+    # A number without a unit gets this unit.
+    unit: str = ""
+    # Virtual keyboard that a phone shows for the input field of a form.
     keyboard: Literal["", "numeric", "decimal"] = ""
 
 
@@ -429,19 +434,28 @@ class FormField:
 class PairOption:
     """Declaration of an option for a measured pair, from which command line, Python, study file and app are built."""
 
-    value: str  # placeholder of an option's value in the help, such as PRESSURE; empty for a switch
-    help: str  # help text of an option, in one or two sentences; {name} stands for another option
+    # Placeholder of an option's value in the help, such as PRESSURE. It is empty for a switch.
+    value: str
+    # Help text of an option, in one or two sentences. {name} stands for another option.
+    help: str
     kind: OptionKind | None = None
-    default_text: str = ""  # text that describes the default of an option
-    flag: str = ""  # name of an option on the command line, if it differs from the field name
-    argument: str = ""  # name of an option in Python, if it differs from the field name
-    key: str = ""  # key of the study file that an option sets
+    default_text: str = ""
+    # Name of an option on the command line, if it differs from the field name.
+    flag: str = ""
+    # Name of an option in Python, if it differs from the field name.
+    argument: str = ""
+    # Key of the study file that an option sets.
+    key: str = ""
     field: FormField | None = None
     applies: tuple[OptionCondition, ...] = ()
-    is_common: bool = False  # True if the short help lists the option
-    is_repeatable: bool = False  # True if the option can be given several times on the command line
-    is_list: bool = False  # True if an option accepts several inputs for one file, separated by commas, as in "mm,um"
-    is_in_python: bool = True  # True if `stiction.pair` has a parameter for the option
+    # True if the short help lists the option.
+    is_common: bool = False
+    # True if the option can be given several times on the command line.
+    is_repeatable: bool = False
+    # True if an option accepts several inputs for one file, separated by commas, as in "mm,um".
+    is_list: bool = False
+    # True if `stiction.pair` has a parameter for the option.
+    is_in_python: bool = True
 
 
 class OptionGroup(BaseModel):

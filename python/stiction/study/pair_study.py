@@ -76,11 +76,14 @@ from stiction.surfaces.surface import Surface, as_body
 
 # Default number of relative positions of two profiles. These positions take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
-# Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
+# Adhesive contacts are computed at this number of additional loads, in the two decades below the requested loads.
 NUM_ADHESION_LOADS = 4
-ZERO_LOAD_REPLACEMENT = 1e-3  # load that replaces a load of 0, as a fraction of the largest attraction on one grid cell
-DEFAULT_CONTACT_LAW = "hertz-sphere"  # contact law of the asperity model if none is given
-HARDNESS_TO_YIELD_RATIO = 2.84  # ratio of hardness to yield strength in the contact law of Jackson and Green
+# A load of 0 is replaced by this fraction of the largest attraction on one grid cell.
+ZERO_LOAD_REPLACEMENT = 1e-3
+# Contact law of the asperity model if none is given.
+DEFAULT_CONTACT_LAW = "hertz-sphere"
+# Ratio of hardness to yield strength in the contact law of Jackson and Green.
+HARDNESS_TO_YIELD_RATIO = 2.84
 
 GAP_REMARK = (
     "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "
@@ -424,12 +427,12 @@ class MeasuredPair:
         """
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
-        # Round the forces to 12 digits, because the conversion of units causes round-off.
+        # Twelve digits drop the round-off that the conversion of units causes.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # Replace a load of 0 by a load far below the attraction on one grid cell, and so below the pull-off force.
+        # A load of 0 is replaced by a load far below the attraction on one grid cell, and so below the pull-off force.
         if 0.0 in forces:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
@@ -554,7 +557,8 @@ class MeasuredPair:
         else:
             section["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            level = "mean"  # subtract only the mean, because the tilt between the faces matters
+            # The tilt between the faces matters, so only the mean is subtracted.
+            level = "mean"
         if level is not None:
             section["level"] = "plane" if press == "surrogates" and level == "line" else level
         if press == "areas":
@@ -618,7 +622,7 @@ class MeasuredPair:
             num_shifts = 1 if self.options.gap is not None else self.options.shifts or DEFAULT_NUM_SHIFTS
             positions = self._listed_positions
             num_members = (num_shifts if positions is None else len(positions)) + self._parse_num_surrogates(0)
-        # Round the number of members up, so that all pairs of scans have the same number of members.
+        # The number of members is rounded up, so that all pairs of scans have the same number of members.
         num_scan_pairs = 1 if self.options.gap is not None else math.prod(len(file.scans) for file in self.files)
         if self._listed_positions is not None:
             num_members *= num_scan_pairs
@@ -866,7 +870,7 @@ class MeasuredPair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # Insert no loads between 0 and the smallest other load, because no result is interpolated in this range.
+        # No result is interpolated between 0 and the smallest other load, so no loads are inserted there.
         zero_load_replacements = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
@@ -956,7 +960,8 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
         )
     if isinstance(scan_input, (list, tuple)):
         scans = list(scan_input)
-    elif isinstance(scan_input, str) and not scan_input.strip():  # `Path('')` is the current directory
+    elif isinstance(scan_input, str) and not scan_input.strip():
+        # An empty path must be rejected, because Path("") is the current directory.
         scans = [scan_input]
     elif isinstance(scan_input, (str, Path)) and Path(scan_input).is_dir():
         scans = sorted(path for path in Path(scan_input).iterdir() if not (path.is_dir() or path.name.startswith(".")))

@@ -25,7 +25,8 @@ ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
-_CHUNK_SIZE = 2**14  # number of stored values that are compared at a time
+# Stored values are compared in pieces of this length.
+_CHUNK_SIZE = 2**14
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
@@ -51,7 +52,8 @@ class VariableSpec:
     bounds: tuple[float, float] = ANY_STORED_VALUE
     may_be_nan: bool = False
     is_required: bool = True
-    ascending_dim: str = ""  # dimension along which the numbers of a stored variable increase strictly, or empty
+    # The numbers of a stored variable increase strictly along this dimension, unless it is empty.
+    ascending_dim: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +89,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # Permit an infinite number only if it equals a bound. Compare finite numbers with finite bounds.
+        # An infinite number is permitted only if it equals a bound. Finite numbers are compared with finite bounds.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)

@@ -82,8 +82,8 @@ from stiction.study.values import (
 if TYPE_CHECKING:
     import xarray
 
-MAX_STUDY_BYTES = 1_000_000  # maximum size of a study file, in bytes
-# maximum number of combinations of load, mu0 and tau0 in a study of measured surfaces
+MAX_STUDY_BYTES = 1_000_000  # bytes
+# Maximum number of combinations of load, mu0 and tau0 in a study of measured surfaces.
 MAX_PARAMETER_COMBINATIONS = 1000
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
@@ -97,13 +97,14 @@ _LEADING_KEYS = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-StudyDifference = tuple[str, str, str]  # dotted key in which two studies differ, and its TOML value in each study
-MAX_LISTED_DIFFERENCES = 4  # maximum number of differences between two studies that a message lists
+# Dotted key in which two studies differ, and its TOML value in each study.
+StudyDifference = tuple[str, str, str]
+# A message lists at most this number of differences between two studies.
+MAX_LISTED_DIFFERENCES = 4
 
-SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings  # section `[surfaces]` of a study file
-SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(
-    SurfaceSettings
-)  # all classes that can represent the section `[surfaces]`
+# Section `[surfaces]` of a study file.
+SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings
+SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(SurfaceSettings)
 
 
 def _map_key_to_classes(key: str, *cases: type[SurfaceSettings]) -> tuple[str, dict[str, type[SurfaceSettings]]]:
@@ -202,7 +203,8 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             if isinstance(source, str)
             else InterfaceSettings.model_validate(source)
         )
-    except ValidationError:  # an invalid interface, which its own validation reports
+    except ValidationError:
+        # The interface is invalid, which its own validation reports.
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -285,7 +287,8 @@ def _add_bracketing_loads(
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
             # The validation of the section rejects an upper load that is still too large.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
-    except (ValueError, TypeError, AttributeError):  # invalid values, which the validation of the section reports
+    except (ValueError, TypeError, AttributeError):
+        # Some values are invalid, which the validation of the section reports.
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, highest_load)
@@ -352,7 +355,8 @@ class Study(SettingsSection):
             )
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
-        except (ValueError, TypeError):  # invalid loads, which the validation of the section reports
+        except (ValueError, TypeError):
+            # The loads are invalid, which the validation of the section reports.
             return data
         return {
             **data,
@@ -388,7 +392,7 @@ class Study(SettingsSection):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # If the section `[contact]` is invalid, report only its error.
+        # If the section `[contact]` is invalid, only its error is reported.
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)
@@ -608,7 +612,8 @@ class Study(SettingsSection):
         try:
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
-        except PydanticCustomError:  # an invalid value, which the validation of its key reports
+        except PydanticCustomError:
+            # The value is invalid, which the validation of its key reports.
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)
@@ -679,7 +684,8 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
-        key_order["direction"] = 1  # write the key `direction` last
+        # The key `direction` is written last.
+        key_order["direction"] = 1
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
 
 
@@ -747,7 +753,8 @@ def find_section_differences(
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
-        if not field.repr:  # skip a body in memory, which is compared by its checksum
+        # A body in memory is compared by its checksum, so its field is skipped.
+        if not field.repr:
             continue
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)
         if first_value == second_value:
@@ -818,6 +825,7 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    if not data:  # Reject an empty file. It is a mistake, although all keys have defaults.
+    # An empty file is a mistake, although all keys have defaults.
+    if not data:
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

@@ -33,10 +33,14 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-MAX_NUM_PARAMETER_VALUES = 10_000  # maximum number of values that a study can list for one parameter
-MAX_SHORT_LIST_LENGTH = 100  # maximum number of values of mu0, tau0, cutoff, load or time that a study can list
-MAX_KEY_DOTS = 100  # maximum number of dots in a key of a study file
-MAX_DIRECTION_DEGREES = 360  # largest absolute value of a direction of motion, in degrees
+# Maximum number of values that a study can list for one parameter.
+MAX_NUM_PARAMETER_VALUES = 10_000
+# Maximum number of values of mu0, tau0, cutoff, load or time that a study can list.
+MAX_SHORT_LIST_LENGTH = 100
+# A key of a study file may have at most this number of dots. The run time of tomllib increases with its square.
+MAX_KEY_DOTS = 100
+# Largest absolute value of a direction of motion, in degrees.
+MAX_DIRECTION_DEGREES = 360
 
 
 def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
@@ -100,7 +104,7 @@ def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return values
 
 
-# Convert TOML lists to tuples, which cannot change.
+# Tuples replace the lists of TOML, because tuples cannot change.
 as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
 _long_list = (as_tuple, Field(min_length=1, max_length=MAX_NUM_PARAMETER_VALUES), AfterValidator(_require_increasing))
 _short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
@@ -193,7 +197,8 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # Let pydantic bypass the constructor of nested sections, so that one error lists the faults of all sections.
+    # With this attribute, pydantic bypasses the constructor of nested sections, so that one error lists the faults of
+    # all sections.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -203,7 +208,8 @@ class SettingsSectionVariant(SettingsSection):
     Each variant is a class with its own keys.
     """
 
-    place: ClassVar[str]  # name of a section variant in error messages, such as "measured surfaces"
+    # Error messages call a section variant by this name, such as "measured surfaces".
+    place: ClassVar[str]
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
@@ -295,7 +301,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Tag a value as a range or a list before validation, so that an error message mentions only the form in the file.
+# A value is tagged as a range or a list before validation, so that an error message mentions only the form in the file.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -358,7 +364,8 @@ def check_keys(
 _SettingsClass = TypeVar("_SettingsClass", bound=SettingsSection)
 
 
-MAX_LISTED_FAULTS = 5  # maximum number of errors in a study that one message lists
+# One message lists at most this number of errors in a study.
+MAX_LISTED_FAULTS = 5
 
 
 class StudyError(ValueError):
@@ -391,9 +398,8 @@ def format_toml_value(value: Any) -> str:
         case float():
             return repr(value)
         case dict():
-            items = [
-                f"{key} = {format_toml_value(item)}" for key, item in value.items() if key != "body"
-            ]  # a body in memory cannot be written in TOML
+            # A body in memory cannot be written in TOML.
+            items = [f"{key} = {format_toml_value(item)}" for key, item in value.items() if key != "body"]
             return "{ " + ", ".join(items) + " }"
         case _:
             return "[" + ", ".join(format_toml_value(item) for item in value) + "]"
@@ -413,7 +419,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # Limit the number of dots in a key, because the run time of tomllib increases with the square of this number.
+    # The run time of tomllib increases with the square of the number of dots in a key.
     text_pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, separator in itertools.pairwise(text_pieces) if separator in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
@@ -483,7 +489,8 @@ def _convert_validation_error(section_class: type[SettingsSection], fault: Error
     return key, message
 
 
-MAX_SUGGESTIONS = 3  # maximum number of similar names that a message suggests for an unknown key
+# A message suggests at most this number of similar names for an unknown key.
+MAX_SUGGESTIONS = 3
 
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:

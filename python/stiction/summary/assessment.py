@@ -47,21 +47,24 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
-MIN_TOTAL_CONTACTS = 10  # minimum number of contacts in all members together for quoting a mean
+# A mean is quoted only if all members together have at least this number of contacts.
+MIN_TOTAL_CONTACTS = 10
 MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 """Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# Largest fraction of the load that a single contact may carry if the coefficient is quoted.
+# The coefficient is quoted only if no single contact carries more than this fraction of the load.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# load fraction on contacts at the edge above which there is a caveat
+# A larger fraction of the load on contacts at the edge of the grid causes a caveat.
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
-MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4  # load fraction on one contact above which there is a caveat
+# A larger fraction of the load on one contact causes a caveat.
+MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
-# Ratio of true to nominal area above which contacts are assumed to have merged.
+# Contacts are assumed to have merged above this ratio of true to nominal area.
 MIN_MERGED_AREA_FRACTION = 0.3
-# Affected fraction of the load, the members or the scan length above which a problem causes a caveat.
+# A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02  # fraction of interpolated points in a scan above which there is a caveat
+# A larger fraction of interpolated points in a scan causes a caveat.
+MAX_INTERPOLATED_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -73,11 +76,12 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-MAX_SPACING_RATIO = 3.0  # ratio of the grid spacings of two scans above which there is a caveat
+# A larger ratio of the grid spacings of two scans causes a caveat.
+MAX_SPACING_RATIO = 3.0
 
-# Ratio of τ0 to H/√α above which the interface counts as nearly as strong as the bulk.
+# The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# Fraction of input samples without an upper limit of friction above which the interval has no upper limit.
+# The interval has no upper limit if a larger fraction of the input samples has no upper limit of friction.
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
@@ -97,18 +101,22 @@ MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a yielding body of unknown material is assumed to be a metal."""
 
-# Estimated load due to neglected adhesion, as a fraction of the applied load, above which there is a caveat.
+# Neglected adhesion causes a caveat if its estimated load exceeds this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
-TYPICAL_WORK_OF_ADHESION = 5e-5  # typical work of adhesion of solids in air, in mN/µm (50 mJ/m²)
+# Typical work of adhesion of solids in air, in mN/µm (50 mJ/m²).
+TYPICAL_WORK_OF_ADHESION = 5e-5
 RIM_ATTRACTION_FACTOR = 4.3
 """Factor of the estimated attraction around contacts, fitted to 395 computed pairs with E* from 2 MPa to 200 GPa.
 
 docs/explanation/adhesion.md describes the fit.
 """
 
-MAX_DEVIATION_FROM_MU0 = 0.02  # largest relative difference of a coefficient that counts as equal to mu0
-ROUND_UP_FACTOR = 1 + 1e-12  # factor by which ties such as 2.25 are raised, so that they round up as in the report
-MAX_RELATIVE_HALF_WIDTH = 0.5  # relative half width of an interval above which there is a caveat
+# A coefficient counts as equal to mu0 if it differs from mu0 by at most this fraction.
+MAX_DEVIATION_FROM_MU0 = 0.02
+# This factor raises ties such as 2.25, so that they round up as in the report.
+ROUND_UP_FACTOR = 1 + 1e-12
+# A larger relative half width of an interval causes a caveat.
+MAX_RELATIVE_HALF_WIDTH = 0.5
 
 
 @dataclass(frozen=True)
@@ -143,7 +151,8 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    shown: str = "digits"  # format of the number in the text: a key of `list_number_formats`
+    # Key of the number's format in the dict that `list_number_formats` returns.
+    shown: str = "digits"
     # Name of the number in the text, if it differs from the number that is compared with the limit.
     about: str = ""
 
@@ -165,7 +174,8 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-CheckGroups = Sequence[Sequence[LimitCheck]]  # groups of checks; a group reports only its first failed check
+# Each group of checks reports only its first failed check.
+CheckGroups = Sequence[Sequence[LimitCheck]]
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
 """Text of the assessment, by the severity of the worst caveat ("" without caveats)."""
@@ -199,7 +209,8 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning of, and remedy for, each status of a result point without a coefficient or without an upper limit."""
 
-WIDE_INTERVAL_CHECK_NAME = "half_width"  # name of the check that the interval of the mean is not too wide
+# This check reports that the interval of the mean is too wide.
+WIDE_INTERVAL_CHECK_NAME = "half_width"
 
 SINGLE_POSITION_CHECK = LimitCheck(
     "missing_interval", MAX_AFFECTED_FRACTION, "a gap has one position, so the spread between places is unknown",
@@ -293,7 +304,8 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
-    if study.is_gap:  # two faces that are given by their gap have only one relative position
+    # Two faces that are given by their gap have only one relative position.
+    if study.is_gap:
         total_text, total_remedy = f"fewer than {MIN_TOTAL_CONTACTS} contacts in the gap: {{}}", _MORE_CONTACTS_REMEDY
     return (
         LimitCheck("contacts_missing_of_all", 0.0, total_text, total_remedy, about="contact_count"),
@@ -314,7 +326,8 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 def _build_contact_checks(study: Study) -> CheckGroups:
     """Return the groups of checks of the pull-off force and of the contacts at a result point."""
     text = "the pull-off force is a lower bound"
-    if not study.is_gap:  # two faces that are given by their gap have only one relative position
+    # Two faces that are given by their gap have only one relative position.
+    if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
     remedy = "call half_space to see the reason as a warning"
     pull_off_check = _build_fraction_check("share_of_pull_off_bounds", text, remedy, "caution", 0.0)
@@ -347,7 +360,7 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # Number of solved members in the direction in which this number is smallest.
+    # Smallest number of solved members in any direction.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
@@ -426,7 +439,7 @@ def list_contact_check_names(study: Study) -> list[str]:
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # Area of a grid cell for height maps in the half-space model; NaN for other studies.
+    # Area (µm²) of a grid cell for height maps in the half-space model. It is NaN for other studies.
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
@@ -479,7 +492,8 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
         hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         remedy = "give the hardness of the softer body"
-        if not study.uses_half_space:  # asperities yield only by the Jackson-Green law
+        # Asperities yield only by the Jackson-Green law.
+        if not study.uses_half_space:
             remedy += " with --mechanics half-space, or with --law jackson-green"
         return (
             (
@@ -530,7 +544,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [COEFFICIENT_EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Encode each combination of caveats as one number, because sorting rows of numbers takes much longer.
+    # Each combination of caveats is encoded as one number, because sorting rows of numbers takes much longer.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -584,7 +598,8 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         f"body; junction growth, which is taken as 0, {effect_text}"
     )
     remedy = "use --junction-growth slip-line"
-    if study.contact.adheres:  # in the model, contacts with adhesion do not grow under shear
+    # In the model, contacts with adhesion do not grow under shear.
+    if study.contact.adheres:
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
 
@@ -816,7 +831,7 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # Keep the text short enough for one line.
+        # The text must fit on one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 

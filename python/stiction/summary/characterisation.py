@@ -30,8 +30,10 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-ASSUMED_MU0 = 0.4  # friction coefficient mu0 of the interface that small-slope estimates assume
-RADIAL_BINS_PER_DECADE = 20  # number of wave number bins per decade in the spectrum of a surface
+# Small-slope estimates assume this friction coefficient mu0 of the interface.
+ASSUMED_MU0 = 0.4
+# Number of wave number bins per decade in the spectrum of a surface.
+RADIAL_BINS_PER_DECADE = 20
 # Variance of ln(spectral density) in a bin times the number of harmonics in the bin, after a Hann window.
 _HANN_LOG_VARIANCE = 2.0
 
@@ -200,8 +202,8 @@ class Characterisation:
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope estimates of friction along x and y for two bodies with this roughness; empty for a flat body."""
-        # The gap between two equally rough bodies has twice the mean square slope of one body.
-        # Reverse the order of the slopes (y, x), so that the estimate along x comes first.
+        # The gap between two equally rough bodies has twice the mean square slope of one body. The order of the slopes
+        # (y, x) is reversed, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

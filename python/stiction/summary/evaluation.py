@@ -44,7 +44,8 @@ from stiction.summary.joint_table import (
 )
 from stiction.summary.summary import PointSummary, Summary, summarize
 
-MAX_REACHED_LOADS = 100_000  # maximum number of loads that `Result.reached_loads` returns
+# `Result.reached_loads` returns at most this number of loads.
+MAX_REACHED_LOADS = 100_000
 
 if TYPE_CHECKING:
     import pandas
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# Number of fractal dimensions that are shown for a study with a range of fractal dimensions.
+# If a study has a range of fractal dimensions, this number of them is shown.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
@@ -186,8 +187,8 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # If the study has a range of fractal dimensions, show only a few, which suffice for a curve.
-        # If the study lists fractal dimensions, show all of them.
+        # If the study has a range of fractal dimensions, a few suffice for a curve. If the study lists fractal
+        # dimensions, all of them are shown.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -299,7 +300,8 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
-        return values.copy(deep=True)  # return a copy, because other results share the cached arrays
+        # Other results share the cached arrays, so a copy is returned.
+        return values.copy(deep=True)
 
     def _evaluate_at_height_factors(
         self, factors: Any, load: Any, mu0: Any, tau0: Any, load_definition: Any, scaled: Any, compute: bool
@@ -427,7 +429,7 @@ class Evaluation(MemberSums):
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                # reset the traceback, which would otherwise grow each time the error is raised
+                # The traceback is reset, because it would otherwise grow each time the error is raised.
                 raise self._study_summary.with_traceback(None)
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
@@ -461,7 +463,8 @@ class Evaluation(MemberSums):
         """
         try:
             return self.summarize_dataset(self.at_study_loads)
-        except StoreError:  # a storage error is not cached, because the user may repair the files
+        except StoreError:
+            # The user may repair the files, so a storage error is not cached.
             raise
         except ValueError as error:
             return error

@@ -23,12 +23,16 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.surfaces.surface import Surface
 
-MAX_DRAWN_PROFILES = 5  # maximum number of profiles, one per fractal dimension, in a figure
-MAX_DRAWN_CURVES = 8  # maximum number of curves, one per fractal dimension, in the figure of the contact area
-# Length scales of the surfaces that a figure compares, as multiples of the study's length scale.
+# A figure shows at most this number of profiles, one per fractal dimension.
+MAX_DRAWN_PROFILES = 5
+# The figure of the contact area shows at most this number of curves, one per fractal dimension.
+MAX_DRAWN_CURVES = 8
+# A figure compares surfaces with these length scales, given as multiples of the study's length scale.
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
-MAX_SURFACE_SIDE_POINTS = 400  # maximum number of rows and of columns of a surface in a figure
-MAX_DRAWN_STRENGTHS = 2  # maximum number of tau0 values in a figure: the lowest and the highest
+# A surface in a figure has at most this number of rows and of columns.
+MAX_SURFACE_SIDE_POINTS = 400
+# A figure shows at most two values of tau0: the lowest and the highest.
+MAX_DRAWN_STRENGTHS = 2
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads for which the onset of sliding is drawn, as fractions of the load range on a logarithmic scale."""
 

@@ -24,11 +24,14 @@ if TYPE_CHECKING:
     import xarray
 
 FRICTION_TABLE_TITLE = "stiction table"  # attribute `title` of a friction table
-MIN_NUM_PRESSURES_FOR_STIFFNESS = 3  # minimum number of pressures that a stiffness requires
-# Directions of motion (degrees) over which the coefficient of isotropic surfaces is averaged.
+# A stiffness requires at least this number of pressures.
+MIN_NUM_PRESSURES_FOR_STIFFNESS = 3
+# For isotropic surfaces, the coefficient is averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-MAX_FITTED_AREA_FRACTION = 0.1  # largest true area fraction to which the laws of area and stiffness are fitted
-MAX_LAW_DEVIATION = 0.1  # relative deviation of a mean from a fitted law above which there is a caveat
+# The laws of area and stiffness are fitted up to this true area fraction.
+MAX_FITTED_AREA_FRACTION = 0.1
+# A larger relative deviation of a mean from a fitted law causes a caveat.
+MAX_LAW_DEVIATION = 0.1
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 
@@ -218,10 +221,10 @@ def friction_table(
     )
     stiffness = np.full(approach.shape, np.nan)
     if pressure_steps.size >= MIN_NUM_PRESSURES_FOR_STIFFNESS:
-        # Differentiate the approach with respect to ln(load), because it is nearly linear in ln(load).
+        # The approach is nearly linear in ln(load), so it is differentiated with respect to ln(load).
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # Keep only the requested loads, which are some of the computed loads.
+    # The requested loads are some of the computed loads.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

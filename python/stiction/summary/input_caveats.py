@@ -46,9 +46,9 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Reasons why wavelengths are not attributed to the surface, as clauses of a caveat, by short name."""
 
-# Ratio of height to length of a scan above which the unit of the heights must be wrong.
+# Above this ratio of height to length of a scan, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-# largest plausible mu0; published coefficients are smaller, even those of clean metals in vacuum
+# Largest plausible mu0. Published coefficients are smaller, even those of clean metals in vacuum.
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_FORM_FRACTION = 0.6
@@ -63,14 +63,15 @@ MAX_STEP_MEAN_SQUARE_FRACTION = 0.65
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# Fraction of the fourth spectral moment from a single spectral peak above which there is a caveat.
+# A single spectral peak causes a caveat if it makes up more than this fraction of the fourth spectral moment.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_RATIO_OF_TWO_SPECTRA = 2.0  # ratio of the spectra of two scans of one surface above which there is a caveat
+# A larger ratio of the spectra of two scans of one surface causes a caveat.
+MAX_RATIO_OF_TWO_SPECTRA = 2.0
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
 
@@ -171,7 +172,8 @@ def find_input_caveats(
 def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
     """Yield a caveat if two faces fit into each other, as in a fracture, but the study specifies no position."""
     surfaces: Any = study.surfaces
-    if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:  # surrogates have no relative position
+    # Surrogates have no relative position.
+    if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:
         return
     facing_body: Any
     if isinstance(upper, Surface) and isinstance(lower, Surface):
@@ -385,7 +387,8 @@ def _find_instrument_caveats(
     """Yield caveats about wavelengths that come from the instrument, or that its tip does not resolve."""
     try:
         limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
-    except ValueError:  # a flat body has no spectrum and raises a ValueError
+    except ValueError:
+        # A flat body has no spectrum.
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
         # Noise causes no caveat at cutoffs of `limit.cut_off` or above.
@@ -439,7 +442,7 @@ def _find_instrument_caveats(
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
     """Return a clause of a caveat with the fraction of the mean square slope from unreliable wavelengths."""
-    # Round the fraction, so that similar scans have caveats with the same text.
+    # The fraction is rounded, so that similar scans have caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")

@@ -34,7 +34,8 @@ Other programs interpolate linearly between the rows. At this ratio, the interpo
 by less than 0.1 %.
 """
 MIN_PREDICTION_POSITIONS = 3
-MIN_DUNDURS_BETA = 0.005  # Dundurs' second constant β below which the materials of two bodies count as similar
+# The materials of two bodies count as similar below this value of Dundurs' second constant β.
+MIN_DUNDURS_BETA = 0.005
 UnitSystem = Literal["mm,N,MPa", "m,N,Pa", "um,mN,GPa"]
 """Consistent unit systems (length, force, pressure) in which a joint table can be written."""
 
@@ -219,7 +220,8 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
     """Return the estimates in one row of a joint table, by name, in core units."""
-    pressure = float(f"{pressure:.12g}")  # remove the round-off of the pressure
+    # Twelve digits drop the round-off of the pressure.
+    pressure = float(f"{pressure:.12g}")
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):
         estimate = read_estimate(point[name]) if name in point else Estimate(math.nan, name=name)
@@ -262,7 +264,7 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
     coefficients = at["friction_combined"].sel(statistic="mean").values
     if (np.abs(coefficients) < NEGLIGIBLE_COEFFICIENT).all():
         return "the coefficient is 0"
-    # a gap between two faces has only one relative position
+    # A gap between two faces has only one relative position.
     if int(at["members"]) < MIN_PREDICTION_POSITIONS and not study.is_gap:
         return "a prediction needs at least three positions"
     return "a prediction needs a coefficient with an interval"

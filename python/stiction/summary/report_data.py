@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
     from stiction.surfaces.measured.reading import FileReading
 
-MAX_DESCRIBED_FILE_READINGS = 4  # maximum number of scans per body for which a report describes how the file was read
+# For at most this number of scans per body, a report describes how the file was read.
+MAX_DESCRIBED_FILE_READINGS = 4
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

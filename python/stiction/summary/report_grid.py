@@ -35,15 +35,18 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
-# maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False)
+# Maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
-MAX_SHOWN_MU0_OR_TAU0 = 9  # maximum number of mu0 or tau0 of a study in a report; a longer list is thinned out
-MAX_TAU0_OVER_MODULUS = 0.02  # largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0
+# A report shows at most this number of mu0 or tau0 of a study. A longer list is thinned out.
+MAX_SHOWN_MU0_OR_TAU0 = 9
+# Largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0.
+MAX_TAU0_OVER_MODULUS = 0.02
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
-NUM_REPORT_LOADS = 40  # number of loads in the report of generated surfaces
-# Quantities besides friction that a report on measured surfaces evaluates for all mu0 and tau0.
+# The report of generated surfaces has this number of loads.
+NUM_REPORT_LOADS = 40
+# A report on measured surfaces evaluates these quantities besides friction for all mu0 and tau0.
 QUANTITIES_BESIDES_FRICTION = ("contact_count", "gentle_friction")
 
 
@@ -130,8 +133,8 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # Suppress warnings about a large tau0, because the report itself marks each tau0 that is large relative
-                # to E*.
+                # The report itself marks each tau0 that is large relative to E*, so the warnings about it are
+                # suppressed.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"

@@ -66,7 +66,7 @@ if TYPE_CHECKING:
 
 # Label of the budget entry for short wavelengths that the automatic cutoff removes as possible noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# Fraction by which an exact value of an input must narrow the interval for the input to count as dominant.
+# An input counts as dominant if an exact value of the input would narrow the interval by at least this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -75,8 +75,9 @@ class UncertaintyBudgetEntry(Estimate):
     """Row of the uncertainty budget: the coefficient, and the interval that would remain if one input were exact."""
 
     _: KW_ONLY
-    label: str  # label of the input
-    width: float  # mean width of the interval that would remain if the input were exact
+    label: str
+    # Mean width of the interval that would remain if the input were exact.
+    width: float
 
 
 @dataclass(frozen=True)
@@ -456,7 +457,8 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
     The returned list begins with the points at the first cutoff. The points at the second cutoff are marked as covered.
     """
-    cut_off = points[0].at["cut_off"]  # report the coefficient at the first cutoff
+    # The coefficient is reported at the first cutoff.
+    cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
     }

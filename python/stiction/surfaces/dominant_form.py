@@ -16,7 +16,8 @@ MAX_BLOCKS = 64
 A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
-MIN_BLOCKS = 16  # minimum number of blocks of averaged heights along each axis of a scan
+# Minimum number of blocks of averaged heights along each axis of a scan.
+MIN_BLOCKS = 16
 MIN_PARABOLA_DOMINANCE = 5.0
 """A fitted parabola dominates a map if its mean square height exceeds that of the fitted cubic and quartic terms by
 this factor.
@@ -31,9 +32,11 @@ MIN_STEP_SHARPNESS = 0.8
 Smooth forms have a smaller fraction.
 """
 
-_STEP_ANGLE_COUNT = 72  # number of directions (0°, 2.5°, ... 177.5°) in which a map is searched for a height step
-_STEP_MARGIN = 0.02  # minimum fraction of the points of a scan on each side of a height step
-# range of distances (blocks) from a height step within which heights on both sides are compared
+# A height step of a map is searched for in this number of directions (0°, 2.5°, ... 177.5°).
+_STEP_ANGLE_COUNT = 72
+# Each side of a height step must have at least this fraction of the points of a scan.
+_STEP_MARGIN = 0.02
+# Heights on both sides of a height step are compared within this range of distances (blocks) from the step.
 _STEP_BAND_BLOCKS = (0.75, 3.75)
 
 
@@ -87,7 +90,8 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
-        # For every possible edge of a height step, project the heights onto a step function without mean and tilt.
+        # For every possible edge of a height step, the heights are projected onto a step function without mean and
+        # tilt.
         projections = np.cumsum(heights[block_order])[candidate_edges]
         square_norms = (num_blocks_below - np.square(np.cumsum(trend_basis[block_order], axis=0)).sum(axis=1))[
             candidate_edges
@@ -110,7 +114,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Exclude the blocks on the edge of the step, whose mean heights mix both sides.
+    # Blocks on the edge of the step are excluded, because their mean heights mix both sides.
     is_undivided = np.abs(distances) > nearest_distance
     design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]

@@ -16,7 +16,8 @@ from stiction._checks import Floats
 
 # In Wolf pruning, a hill or dale with a height below this fraction of the maximum height is merged with a neighbour.
 PRUNING_FRACTION = 0.05
-NUM_AVERAGED_FEATURES = 5  # number of peaks or pits over which the five-point parameters are averaged
+# Five-point parameters are averages over this number of peaks or pits.
+NUM_AVERAGED_FEATURES = 5
 
 _IndexArray = NDArray[np.intp]
 
@@ -39,7 +40,8 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     saddles.
     """
     height_order = np.argsort(heights, axis=None, kind="stable")
-    rank = np.empty(heights.size, np.int64)  # points of equal height are ordered by their index in the flattened array
+    # Points of equal height are ordered by their index in the flattened array.
+    rank = np.empty(heights.size, np.int64)
     rank[height_order] = np.arange(heights.size)
     hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), height_order)
     peaks, hill_of_point = np.unique(hill_of_point, return_inverse=True)

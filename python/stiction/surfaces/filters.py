@@ -17,21 +17,22 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff of a filter, in points: at 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
+# Shortest cutoff of a filter, in points. At 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
 MIN_CUTOFF_POINTS = 0.5
-_MIN_REGRESSION_CUTOFF_POINTS = 4.0  # minimum cutoff (points) for which the filter fits straight lines near the ends
-# Half width of the weight function, in cutoff wavelengths.
-# At distances of more than 1.6 cutoff wavelengths, all weights are below 1e-15 of the largest weight.
+# From this cutoff (points) on, the filter fits straight lines near the ends of a profile.
+_MIN_REGRESSION_CUTOFF_POINTS = 4.0
+# Half width of the weight function, in cutoff wavelengths. At larger distances, all weights are below 1e-15 of the
+# largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
-# Minimum number of filter weights on each side of a point.
-# With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
+# Minimum number of filter weights on each side of a point. With a cutoff of two or three points, the weights decay
+# slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 # The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
-# minimum normalised pivot of a local polynomial's normal equations; a smaller pivot counts as singular
+# A local polynomial's normal equations count as singular if a normalised pivot is smaller.
 _MIN_PIVOT = 1e-9
-# Scale of Tukey's biweight, in median absolute deviations.
-# For normally distributed heights, the scale of the biweight is three standard deviations.
+# Scale of Tukey's biweight, in median absolute deviations. For normally distributed heights, the scale of the biweight
+# is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
 # The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_FILTER_TOLERANCE = 1e-4
@@ -333,7 +334,8 @@ def _fit_local_polynomials(
     ]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # Like `rfftn`, compute half of the transform along the last array axis, and the full transform along other axes.
+    # As in `rfftn`, half of the transform is computed along the last array axis, and the full transform along other
+    # axes.
     kernel_transforms = [
         [
             _reshape_along_axis(
@@ -376,8 +378,8 @@ def _solve_constant_terms(
     """
     term_indices = range(len(basis))
     total_weight = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
-    # Row k of the normal equations belongs to polynomial term k.
-    # Only the lower triangle is stored, because the equations remain symmetric during elimination.
+    # Row k of the normal equations belongs to polynomial term k. Only the lower triangle is stored, because the
+    # equations remain symmetric during elimination.
     rows = {
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total_weight
         for k in term_indices

@@ -12,24 +12,27 @@ from stiction._checks import Floats
 
 # A noise floor is significant if adding it to the power laws raises the log-likelihood of the fit by more than 2.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
-# initial noise level of the fit, as a fraction of the lowest spectral density
+# The fit starts with this noise level, given as a fraction of the lowest spectral density.
 _INITIAL_FLOOR_FRACTION = 0.3
 # The fit has converged if a step decreases the negative log-likelihood by less than this fraction.
 _LOSS_TOLERANCE = 1e-13
-# maximum number of steps of the fit of a noise floor; nearly all fits need fewer than 20
+# Nearly all fits of a noise floor need fewer than 20 steps.
 _MAX_FIT_STEPS = 200
-# factors by which the damping changes after an accepted step (smaller loss) and after a rejected step (larger loss)
+# The damping changes by the first factor after an accepted step, and by the second after a rejected step.
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
-_INITIAL_DAMPING = 1e-3  # initial damping of the Newton steps, as a fraction of the diagonal of the expected Hessian
+# Initial damping of the Newton steps, as a fraction of the diagonal of the expected Hessian.
+_INITIAL_DAMPING = 1e-3
 
 
 class BinnedSpectrum(NamedTuple):
     """Spectrum averaged in bins of the wave number, with the statistical weight of each bin."""
 
-    log_q: Floats  # logarithm of the wave number
+    # Logarithm of the wave number.
+    log_q: Floats
     density: Floats
-    weight: Floats  # shape parameter of the gamma distribution of the spectral density in each bin
-    # spectral density of white noise with a noise level of 1
+    # Shape parameter of the gamma distribution of the spectral density in each bin.
+    weight: Floats
+    # Spectral density of white noise with a noise level of 1.
     floor: float = 1.0
 
 
@@ -37,9 +40,11 @@ class NoiseFloorFit(NamedTuple):
     """Fit of a power law A q^-s plus white noise to several spectra, with the same noise level in all spectra."""
 
     level: float
-    gain: float  # increase of the log-likelihood due to the noise floor
-    exponents: tuple[float, ...]  # exponent s of the power law fitted to each spectrum
-    # ratio of the fitted noise density to the fitted power law at the largest wave number of each spectrum
+    # Increase of the log-likelihood due to the noise floor.
+    gain: float
+    # Exponent s of the power law fitted to each spectrum.
+    exponents: tuple[float, ...]
+    # Ratio of the fitted noise density to the fitted power law at the largest wave number of each spectrum.
     ratios: tuple[float, ...]
 
     @property

@@ -13,11 +13,12 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
-PointCoordinates = tuple[Floats, Floats]  # coordinates (x, y) relative to the middle of the map, µm
+# Coordinates (x, y) in µm relative to the middle of the map.
+PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of the squared cosine of the slope angle, whose formula is negative beyond the equator of a sphere.
+# The squared cosine of the slope angle is at least this number. Its formula is negative beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
-# the fit of a round form has converged if residuals and parameters change by less than this fraction
+# The fit of a round form has converged if residuals and parameters change by less than this fraction.
 _FIT_TOLERANCE = 1e-12
 
 
@@ -113,7 +114,7 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
     curvatures, directions = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
-    # a cylinder has the smallest curvature along its axis
+    # A cylinder has the smallest curvature along its axis.
     axis_direction = directions[:, int(np.argmin(np.abs(curvatures)))]
     angle = math.atan2(axis_direction[1], axis_direction[0])
     slope_along_axis = slope_x * axis_direction[0] + slope_y * axis_direction[1]

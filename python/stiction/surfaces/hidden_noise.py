@@ -23,14 +23,17 @@ from stiction.surfaces.scale import (
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-MAX_FITTED_WAVELENGTH_POINTS = 16.0  # longest wavelength (points) of the spectrum to which hidden noise is fitted
+# Hidden noise is fitted to the spectrum at wavelengths up to this number of points.
+MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
-_MIN_FIT_BINS = 8  # minimum number of spectral bins for a fit of hidden noise
-_RELATIVE_MODEL_ERROR = 0.1  # assumed relative deviation of the true spectral density from a power law in each bin
-# exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2
+# A fit of hidden noise requires at least this number of spectral bins.
+_MIN_FIT_BINS = 8
+# Assumed relative deviation of the true spectral density from a power law in each bin.
+_RELATIVE_MODEL_ERROR = 0.1
+# Exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths.
-# Wavelengths below four points along both axes count as short wavelengths of a map.
+# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths. Wavelengths
+# below four points along both axes count as short.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 
@@ -38,8 +41,9 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 class NoiseHiddenInSpectrum:
     """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
 
-    slope_fraction: float  # fraction of the mean square slope of a scan that is due to noise
-    # cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope
+    # Fraction of the mean square slope of a scan that is due to noise.
+    slope_fraction: float
+    # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.
     cut_off: float
 
 
@@ -101,7 +105,7 @@ def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 points, or return None if there are too few bins."""
     q, density, count, spacing = spectrum
-    # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
+    # The Hann window adds power from longer wavelengths to the first two harmonics, so they are excluded.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     is_fitted = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi

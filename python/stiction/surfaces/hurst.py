@@ -20,31 +20,34 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
-# maximum width of the 95 % interval of a Hurst exponent that is narrow enough to be useful
+# A wider 95 % interval of a Hurst exponent is of no use.
 MAX_HURST_INTERVAL_WIDTH = 0.5
-MIN_BAND_HARMONICS = 8  # minimum number of harmonics in the wavelength band to which a Hurst exponent is fitted
+# A Hurst exponent is fitted to a wavelength band with at least this number of harmonics.
+MIN_BAND_HARMONICS = 8
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
-# Number of lowest harmonics that are excluded after a Hann window.
-# A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
+# After a Hann window, this number of lowest harmonics is excluded. The window adds power from the mean and from longer
+# wavelengths to these harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
-_CHI_SQUARED_95 = 3.841  # 95 % quantile of the chi-squared distribution with one degree of freedom
+# 95 % quantile of the chi-squared distribution with one degree of freedom.
+_CHI_SQUARED_95 = 3.841
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4  # minimum number of bins in a piece of the spectrum with its own power law
-# Assumed relative deviation of the true spectrum from a power law in each bin.
-# Every measured spectrum deviates from a power law by at least 10 %.
+# A piece of the spectrum with its own power law has at least this number of bins.
+_MIN_PIECE_BINS = 4
+# Assumed relative deviation of the true spectrum from a power law in each bin. Every measured spectrum deviates from a
+# power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
-# This increase must be large, because a power law has three parameters and can begin at any of about 50 bins.
+# A spectrum is divided into one more piece with its own power law if the log-likelihood increases by this number. This
+# increase must be large, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin of a spectrum from a power law.
-# Random scatter causes about 1 per bin.
+# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # minimum width of the fitted wave number band in ln(q), about half a decade
-# Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
+# Minimum width of the fitted wave number band in ln(q). It is about half a decade.
+_MIN_BAND_WIDTH = math.log(3)
+# A fit includes a roll-off as an additional parameter if the log-likelihood increases by at least this number.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -97,12 +100,13 @@ class PowerLawFit:
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
     """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
-    open_rows = np.arange(len(power))  # rows whose exponents have not converged yet
+    # These rows have exponents that have not converged yet.
+    open_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.
     for _ in range(_NUM_NEWTON_STEPS):
         scaled_power = power * np.exp(exponents[open_rows, np.newaxis] * log_q)
         scaled_power /= scaled_power.sum(axis=-1, keepdims=True)
-        # Use sums instead of BLAS dot products, whose round-off depends on the number of threads.
+        # Sums replace BLAS dot products, whose round-off depends on the number of threads.
         gradient = (scaled_power * log_q).sum(axis=-1, keepdims=True)
         newton_step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
         exponents[open_rows] -= np.clip(newton_step, -2.0, 2.0)
@@ -319,7 +323,8 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    if piece_bins is not None:  # add the uncertainty of the roll-off wavelength to the interval of the Hurst exponent
+    # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength.
+    if piece_bins is not None:
         piece_weight = piece_bins.count / (variance_factor * dispersion)
         log_q_rows, losses = _fit_roll_offs(piece_bins, piece_weight)
         max_loss = float(losses.min()) + _CHI_SQUARED_95 / 2
@@ -377,7 +382,8 @@ def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, F
 class _SpectrumBins:
     """Spectrum averaged in bins of equal width in the logarithm of the wave number."""
 
-    first: NDArray[np.intp]  # index of the first harmonic in every bin
+    # Index of the first harmonic in every bin.
+    first: NDArray[np.intp]
     log_q: Floats
     power: Floats
     count: Floats
@@ -409,7 +415,8 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
         starts, piece_ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
         pieces = _select_spectrum_pieces(bins.log_q.size, starts, piece_ends, losses)
-        for max_exponent in (3.0, 5.0):  # exponents of the power spectrum for H = 1 and H = 2
+        # The power spectrum has these exponents for H = 1 and H = 2.
+        for max_exponent in (3.0, 5.0):
             max_band_width = _MIN_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
@@ -423,7 +430,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end_bin -= end_bin < bins.log_q.size
                 first_bin = start_bin + (start_bin > 0)
-                # let the band start after a roll-off, even if the roll-off has too few bins for its own piece
+                # The band starts after a roll-off, even if the roll-off has too few bins for its own piece.
                 if start_bin == 0:
                     _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end_bin), weight[:end_bin])
                     start_bin = (
@@ -490,7 +497,8 @@ def _fit_spectrum_pieces(
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for bin_count in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
-        # pieces with this number of bins, in the order of the sliding windows: by ascending first bin
+        # All pieces with this number of bins are fitted together. They have the order of the sliding windows, by
+        # ascending first bin.
         pieces = piece_ends - starts == bin_count
         window_rows = (sliding_window_view(values, bin_count) for values in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*window_rows)

@@ -15,17 +15,19 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# maximum range of the grid steps, as a fraction of their mean, for which a grid counts as uniform
+# A grid counts as uniform if the range of its steps is at most this fraction of their mean.
 SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
     """Heights extracted from an object of this or another library, with spacing, history and missing points."""
 
-    heights: Floats  # heights of shape (n,) or (rows, columns), µm
+    # Heights (µm) of shape (n,) or (rows, columns).
+    heights: Floats
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
-    missing: Any = None  # mask of the missing points of a Profile or a Surface
+    # Mask of the missing points of a Profile or a Surface.
+    missing: Any = None
 
 
 def extract_heights(name: str, other: Any, *, unit: str | None = None) -> ExtractedHeights:

@@ -17,18 +17,14 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-MIN_POINTS_PER_WAVELENGTH = (
-    # Shortest wavelength, in points, that a joined spectrum takes from a scan.
-    # At a wavelength of eight points, averaging over a pixel removes 5 % of the power.
-    8
-)
-MAX_WAVELENGTH_TO_SIDE = (
-    1 / 3
-    # Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
-    # At longer wavelengths, the spectrum depends on the window function.
-)
-# Number of wave vectors whose spectral densities together count as one independent value.
-# Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
+# Shortest wavelength, in points, that a joined spectrum takes from a scan. At a wavelength of eight points, averaging
+# over a pixel removes 5 % of the power.
+MIN_POINTS_PER_WAVELENGTH = 8
+# Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side. At longer
+# wavelengths, the spectrum depends on the window function.
+MAX_WAVELENGTH_TO_SIDE = 1 / 3
+# This number of wave vectors has spectral densities that together count as one independent value. Opposite wave vectors
+# have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -111,7 +107,8 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # Compare the scan with the other scans only: remove the scan's contribution from the joined density.
+                # The scan's contribution is removed from the joined density, so that the scan is compared with the
+                # other scans only.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -144,7 +141,7 @@ class JoinedSpectrum(TextReprMixin):
         rms_values = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * log_step / (2 * math.pi)
-            # Count only half of the last bin, because the cumulative variance ends at the centre of the bin.
+            # Only half of the last bin counts, because the cumulative variance ends at the centre of the bin.
             rms_values.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(rms_values[0]),
@@ -271,13 +268,14 @@ def joined_spectrum(
     total_count = count.sum(axis=0)
     q = 10 ** ((first_bin + np.arange(bin_count) + 0.5) / per_decade)
     is_occupied = total_count > 0
+    # In gaps between the wavelengths of two scans, ln(density) is interpolated linearly in ln(wave number).
     density = np.exp(
         np.interp(
             np.log(q),
             np.log(q[is_occupied]),
             np.log(weighted_density.sum(axis=0)[is_occupied] / total_count[is_occupied]),
         )
-    )  # in gaps between the wavelengths of two scans, interpolate ln(density) linearly in ln(wave number)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         return JoinedSpectrum(
             wave_number=make_read_only(q), density=make_read_only(density), count=make_read_only(total_count),
@@ -343,7 +341,8 @@ def _average_in_bins(
     for bin_index in np.unique(bin_indices).tolist():
         is_in_bin = bin_indices == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
-        # Average q³ C(q): the density C decreases strongly within a bin, while q³ C is nearly constant.
+        # The average is taken over q³ C(q), because the density C decreases strongly within a bin, while q³ C is nearly
+        # constant.
         mean_density = float(
             np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
         )

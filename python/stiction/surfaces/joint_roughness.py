@@ -13,10 +13,12 @@ import numpy as np
 
 from stiction._checks import Floats
 
-SAMPLING_INTERVAL = 1270.0  # sampling interval (µm) at which the published relation between Z2 and JRC was fitted
-# maximum relative deviation of a sampling interval from 1.27 mm for which a joint roughness coefficient is computed
+# Sampling interval (µm) at which the published relation between Z2 and JRC was fitted.
+SAMPLING_INTERVAL = 1270.0
+# A joint roughness coefficient is computed if the sampling interval deviates from 1.27 mm by at most this fraction.
 MAX_SAMPLING_INTERVAL_DEVIATION = 0.2
-MIN_Z2, MAX_Z2 = 0.1, 0.42  # range of Z2 in which the published relation between Z2 and JRC was fitted
+# Range of Z2 in which the published relation between Z2 and JRC was fitted.
+MIN_Z2, MAX_Z2 = 0.1, 0.42
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,8 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     direction_vector = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # On a short face, reduce the offset between the compared points to the size of the face, but keep its direction.
+    # On a short face, the offset between the compared points is reduced to the size of the face, but keeps its
+    # direction.
     offsets = SAMPLING_INTERVAL * direction_vector / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)

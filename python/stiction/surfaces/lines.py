@@ -16,16 +16,18 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines per map and direction for which Hurst exponents are fitted.
-# More lines add little information, because neighbouring lines are correlated.
+# Hurst exponents are fitted for at most this number of lines per map and direction. More lines add little information,
+# because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-MAX_POWER_LAW_MISFIT = 1.5  # maximum rms factor between a spectral density and a fitted power law
+# Maximum rms factor between a spectral density and a fitted power law.
+MAX_POWER_LAW_MISFIT = 1.5
 # Two wavelength bands agree if their shortest and their longest wavelengths each differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
-_MIN_LINE_POINTS = 7  # minimum number of points of a line for the seven-point slope formula
+# The seven-point slope formula requires this number of points of a line.
+_MIN_LINE_POINTS = 7
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,7 +144,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        # Repeat the fit of one line, to raise the error with the reason why all fits failed.
+        # All fits failed. The fit of one line is repeated to raise the error with the reason.
         estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):

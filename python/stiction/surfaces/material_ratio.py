@@ -11,10 +11,11 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4  # width of the core of a material ratio curve, as a fraction of all points
+# Width of the core of a material ratio curve, as a fraction of all points.
+CORE_FRACTION = 0.4
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-# two material ratios (ISO 25178-3 defaults): their difference in height is the extreme peak height
+# The extreme peak height is the difference in height between these two material ratios, the defaults of ISO 25178-3.
 EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 

@@ -16,8 +16,10 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 
 # The header of a known file layout is searched for in this many lines, and in this many characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-PIECE_LENGTH = 250_000  # number of characters per step when the lines of a text are classified
-_MAX_SHOWN_LENGTH = 60  # maximum number of characters of a line that a message shows
+# The lines of a text are classified in steps of this number of characters.
+PIECE_LENGTH = 250_000
+# A message shows at most this number of characters of a line.
+_MAX_SHOWN_LENGTH = 60
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
 """Codes for the kinds of lines. A number line contains only numbers, separators and marks of missing points."""
@@ -61,7 +63,8 @@ class DecodedText:
 
     data: bytes
     encoding: str
-    words: tuple[str, ...] = ()  # additional words that mark missing points in a text file
+    # Additional words that mark missing points in a text file.
+    words: tuple[str, ...] = ()
 
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
@@ -129,7 +132,8 @@ class DecodedText:
     def character_type_bits(self) -> NDArray[np.uint8]:
         """Types of characters that occur in each line, as a bit mask per line."""
         starts, pieces, first = self.line_starts, [], 0
-        while first < len(self):  # pieces that fit into the processor's cache reduce the time by a third
+        # Pieces that fit into the processor's cache reduce the time by a third.
+        while first < len(self):
             end = max(first + 1, int(np.searchsorted(starts, starts[first] + PIECE_LENGTH, "right")) - 1)
             piece = self.data[starts[first] : starts[end]].translate(_CHARACTER_KIND_TABLE)
             pieces.append(np.bitwise_or.reduceat(np.frombuffer(piece, np.uint8), starts[first:end] - starts[first]))
@@ -147,8 +151,8 @@ class DecodedText:
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE_CODE if is_numeric_row else TEXT_LINE_CODE
-        # A line of asterisks or dashes between rows of numbers is a row of missing points.
-        # Other lines of asterisks or dashes separate sections of a text.
+        # A line of asterisks or dashes between rows of numbers is a row of missing points. Other lines of asterisks or
+        # dashes separate sections of a text.
         nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
         is_ruler = (kinds[nonblank_lines] == TEXT_LINE_CODE) & (
             bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0
@@ -176,7 +180,8 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     long.
     """
     encoding, text = _to_utf8(data)
-    text = text.rstrip(b"\x1a")  # remove the end-of-file mark of DOS
+    # DOS marks the end of a file with this character.
+    text = text.rstrip(b"\x1a")
     if not text or text.isspace():
         raise FormatError("contains only blanks")
     if b"\r" in text:
@@ -184,7 +189,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     if not text.isascii():
         for minus_sign in ("\u2212", "\uff0d", "\ufe63"):
             text = text.replace(minus_sign.encode(), b"-")
-        # UTF-8 bytes of three kinds of space that separate groups of three digits
+        # UTF-8 bytes of three kinds of space that separate groups of three digits.
         space_pattern = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"
         text = re.sub(rb"(?<=[0-9])" + space_pattern + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space_pattern, b" ", text)
@@ -218,7 +223,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     first_bytes = data[:100_000]
-    # End the sample after a complete line, so that no character is cut in half.
+    # The sample ends after a complete line, so that no character is cut in half.
     first_bytes = first_bytes[: first_bytes.rfind(b"\n") + 1] or first_bytes
     candidates = []
     for encoding in _LEGACY_ENCODINGS:

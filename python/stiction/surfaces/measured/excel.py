@@ -20,7 +20,7 @@ from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_
 MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row of a sheet, to limit the memory: eight tags for each possible column.
 MAX_TAGS_PER_ROW = 8 * 16_384
-# text that replaces a formula whose result is not stored in the workbook
+# A formula whose result is not stored in the workbook is replaced by this text.
 _FORMULA_WITHOUT_VALUE = "unevaluated formula"
 _FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
@@ -35,7 +35,8 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     `words` are additional words that mark missing points.
     """
     try:
-        with warnings.catch_warnings(action="ignore"):  # ignore openpyxl's warnings about the styles of a workbook
+        # Openpyxl warns about the styles of a workbook, which do not matter here.
+        with warnings.catch_warnings(action="ignore"):
             from openpyxl import load_workbook
     except ImportError:
         raise FormatError(
@@ -49,7 +50,8 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
             sheets = {title: _show_formulas_without_values(rows, formulas[title]) for title, rows in sheets.items()}
     except (FormatError, MemoryError):
         raise
-    except Exception as error:  # openpyxl raises many classes of errors
+    except Exception as error:
+        # Openpyxl raises many classes of errors.
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {reason})") from None
     layout = next((layout for layout in WORKBOOK_LAYOUTS if layout.recognises(sheets)), None)
@@ -118,7 +120,8 @@ def _scan_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            tags_in_row = -math.inf  # accept any number of tags before the first row, because only sheets have rows
+            # Only sheets have rows, so any number of tags is accepted before the first row.
+            tags_in_row = -math.inf
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
                 tag_count += chunk.count(b"<")
@@ -135,7 +138,8 @@ def _scan_archive(data: bytes) -> bool:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the rows of a sheet up to the last row that is not empty."""
-    sheet.reset_dimensions()  # the sheet dimensions that a file declares may be wrong
+    # The sheet dimensions that a file declares may be wrong.
+    sheet.reset_dimensions()
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):
         rows.pop()

@@ -9,15 +9,19 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
-EXACT_POSITION_TOLERANCE = 1e-3  # positions within this distance of a uniform grid, in grid steps, count as exact
+# Positions within this distance of a uniform grid, in grid steps, count as exact.
+EXACT_POSITION_TOLERANCE = 1e-3
 # Maximum distance of a point from a grid node, in grid steps, in addition to rounding of the printed position.
 MAX_GRID_OFFSET = 0.05
-MAX_NODES_PER_POINT = 4  # maximum number of grid nodes per point in a list of points
-MIN_STEP_OF_ROUNDED_POSITIONS = 2.0  # minimum grid step of rounded positions, in units of the last printed digit
-# Largest distance between rounded positions and a grid, in units of the last printed digit.
-# Rounding displaces positions by up to 1 unit, and the error of the fitted grid step adds 0.2 units.
+# Maximum number of grid nodes per point in a list of points.
+MAX_NODES_PER_POINT = 4
+# Minimum grid step of rounded positions, in units of the last printed digit.
+MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
+# Largest distance between rounded positions and a grid, in units of the last printed digit. Rounding displaces
+# positions by up to 1 unit, and the error of the fitted grid step adds 0.2 units.
 MAX_SCATTER_DIGITS = 1.2
-MIN_GRID_GAP_RATIO = 4.0  # minimum ratio of the smallest gap between grid points to the largest gap caused by rounding
+# Minimum ratio of the smallest gap between grid points to the largest gap caused by rounding.
+MIN_GRID_GAP_RATIO = 4.0
 
 
 def to_grid(
@@ -91,7 +95,7 @@ def _find_step_and_node_indices(
     last_node = int(nodes.max())
     step = float(positions.max() - positions.min()) / last_node
     deviations = np.abs(positions - positions.min() - nodes * step)
-    # Fit the step to all positions: the first and the last position have measurement errors too.
+    # The step is fitted to all positions, because the first and the last position have measurement errors too.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
         step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
         deviations = np.abs(positions - first - nodes * step)

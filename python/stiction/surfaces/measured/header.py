@@ -22,7 +22,8 @@ from stiction.surfaces.measured.spacing_lines import (
 )
 from stiction.surfaces.measured.split import Dialect
 
-COMMENT_CHARACTERS = "#%!/ "  # characters with which various programs start comment lines
+# Various programs start comment lines with these characters.
+COMMENT_CHARACTERS = "#%!/ "
 
 _FACTOR_PATTERN = (
     r"(?:[x×*·]\s?)?(?:1/10+|10\s?\^?[-+][0-9]{1,2}|[0-9.,]*e[-+]?[0-9]{1,2}|10+|0[.,]0*1)[\s_]*[x×*·]?[\s_]*"
@@ -105,20 +106,21 @@ _POWER_OF_TEN_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-�
 _CONVERTER_UNIT_PATTERN = (
     r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 )
-_EXCEPT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"  # excludes a factor of 1, which leaves the heights unchanged
+# A factor of 1 leaves the heights unchanged, so this pattern excludes it.
+_EXCEPT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"
 _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
-    # matches a factor above a matrix of heights, such as "1.0e-03 *"
+    # This pattern matches a factor above a matrix of heights, such as "1.0e-03 *".
     rf"\W*{_EXCEPT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
     rf"\W*{_POWER_OF_TEN_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
-    # matches a height factor such as "z x0.1 (um)"
+    # This pattern matches a height factor such as "z x0.1 (um)".
     r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
     rf"(?:(?:by|mit|durch|um)\b{_EXCEPT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
     rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
     rf"\W*(?:times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
     r"\W*(?:z|heights?|höhen?)\b.*[0-9]\s*[nuµpm]?m\s*(?:/|per\b|pro\b)\s*(?!s\b|sec|min)[^\W\d_]+.*|"
-    # excludes "heights in 1 µm", which is a unit and not a factor
+    # This pattern excludes "heights in 1 µm", which is a unit and not a factor.
     r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"
     rf"\W*(?:(?:z|heights?|data|values?|numbers?)\W+)?(?:are\s+)?(?:in|units? of)\s+{DECIMAL_PATTERN}\s*[nuµpm]?m\W*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|conversion|calibration|unit|multiplication|amplitude|"
@@ -128,7 +130,7 @@ _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
     rf"{SEPARATOR_PATTERN}{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
-    # excludes an exponent of 0, which leaves the heights unchanged
+    # This pattern excludes an exponent of 0, which leaves the heights unchanged.
     rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
     rf"{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
@@ -178,7 +180,8 @@ _HEIGHT_RANGE_PATTERN = LazyPattern(
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-MAX_UNIT_LENGTH = 12  # maximum number of characters of a word that may be an unknown unit
+# A longer word (characters) cannot be an unknown unit.
+MAX_UNIT_LENGTH = 12
 _HISTORY_PREFIX = "# history: "
 
 NON_LENGTH_UNIT_PATTERN = LazyPattern(
@@ -307,7 +310,8 @@ class ColumnHeadings:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    height_unit: str | None = None  # unit of the heights, if a header line mentions heights and no other quantity
+    # Unit of the heights, if a header line mentions heights and no other quantity.
+    height_unit: str | None = None
 
 
 _INCH_MARK_PATTERN = LazyPattern(r'([(\[])\s*"{1,2}\s*([)\]])|(?<=[^\W\d]/)"{1,2}(?=[,;\t]|$)')
@@ -602,24 +606,25 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
         *(uncommented_line.split(separator) for separator in "\t;,|"),
         re.split(r"\s{2,}", uncommented_line.strip()),
     ]
-    # split the line after each unit in brackets, as in "x (mm) z (um)"
+    # A unit in brackets ends a column name, as in "x (mm) z (um)".
     cells_with_units = re.split(r"(?<=[)\]])\s+", uncommented_line.strip())
     if all(is_unit(unit_in_column_name(cell) or "") for cell in cells_with_units):
         candidates.append(cells_with_units)
     words = uncommented_line.split()
     if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
-        return [
-            f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)
-        ]  # pairs of names and units, as in "DISTANCE mm DEPTH um"
+        # The line has pairs of names and units, as in "DISTANCE mm DEPTH um".
+        return [f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)]
     for number, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
-            return cells[:width]  # ignore surplus names at the end of a header with more names than columns
+            # A header may have more names than columns. The surplus names at its end are ignored.
+            return cells[:width]
         if len(cells) == width:
             return cells
-        if len(cells) == width - 1 and line[:1] in "\t;, ":  # the header may have no name for the column of row numbers
+        # The header may have no name for the column of row numbers.
+        if len(cells) == width - 1 and line[:1] in "\t;, ":
             return ["", *cells]
     return None
 
@@ -662,7 +667,8 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
     if name_line is None:
         return (None,) * width
     cells = split_column_names(name_line, width, dialect) if width > 1 else None
-    if _has_number_outside_brackets(name_line):  # a number in a column name must belong to a unit, as in "z in 1e-9 m"
+    # A number in a column name must belong to a unit, as in "z in 1e-9 m".
+    if _has_number_outside_brackets(name_line):
         is_name_line = cells is not None and all(
             _UNIT_AFTER_NAME_PATTERN.fullmatch(cell)
             or _find_scaled_unit(cell)
@@ -681,7 +687,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
             or (_find_unknown_unit(cell) if names_end_with_units else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
-    # all columns have the same unknown unit, as in "x foo; z foo"
+    # All columns have the same unknown unit, as in "x foo; z foo".
     if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:
         return tuple(map(_find_unknown_unit, cells))
     units = _find_units(name_line)
@@ -713,10 +719,10 @@ def unit_in_column_name(cell: str) -> str | None:
     unit_after_name = None if bracketed_texts else _UNIT_AFTER_NAME_PATTERN.fullmatch(last_part)
     if unit_after_name is not None and is_unit(unit_after_name[1]):
         return parse_length_unit(unit_after_name[1]) or unit_after_name[1]
-    # a name and a unit that a slash separates, as in "z_nm/nm"
+    # A slash separates name and unit, as in "z_nm/nm".
     if "/" in (word := _split_name(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
-    # a reciprocal unit after a name, as 1/um after k in "k/1/um"
+    # A reciprocal unit may follow a name, as 1/um follows k in "k/1/um".
     if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last_part)):
         return match[1]
     unit = parse_length_unit(
@@ -732,7 +738,7 @@ def unit_in_column_name(cell: str) -> str | None:
     elif not bracketed_texts:
         return None
     known_units = {unit for word in re.split(r"[\s,;]+", last_part) if (unit := parse_length_unit(word)) is not None}
-    # a unit with a remark, as in "µm RMS" or "nm, filtered"
+    # A unit may have a remark, as in "µm RMS" or "nm, filtered".
     if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last_part):
         return known_units.pop()
     return None if not known_units and _REMARK_PATTERN.fullmatch(last_part) else last_part

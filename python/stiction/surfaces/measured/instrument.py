@@ -61,7 +61,7 @@ def is_reader_installed() -> bool:
 def read_instrument_file(path: Path) -> HeightChannels:
     """Read the height channels of an instrument file with SurfaceTopography, which supports about forty formats."""
     try:
-        # ignore SurfaceTopography's warnings about packages that are not installed
+        # SurfaceTopography warns about packages that are not installed.
         with warnings.catch_warnings(action="ignore"):
             import SurfaceTopography  # noqa: F401
     except ImportError:
@@ -102,9 +102,10 @@ def _open_reader(path: Path) -> Iterator[Any]:
             yield reader
     except FormatError:
         raise
-    except Exception as error:  # SurfaceTopography raises many classes of errors
+    except Exception as error:
+        # SurfaceTopography raises many classes of errors.
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # Leave out the text of `CannotDetectFileFormat`, which lists the errors of all readers of SurfaceTopography.
+        # The text of `CannotDetectFileFormat` lists the errors of all readers of SurfaceTopography, so it is left out.
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None
@@ -121,7 +122,8 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires physical sizes. If the file has none, pass placeholders and ignore the spacing.
+        # SurfaceTopography requires physical sizes. If the file has none, placeholders are passed, and the spacing is
+        # ignored.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

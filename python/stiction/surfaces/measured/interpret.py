@@ -43,8 +43,10 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-_MAX_LENGTH = 1e9  # largest accepted length or height (µm); a larger number has a wrong unit or marks a missing point
-MISSING_CODE_TOLERANCE = 1e-6  # relative rounding error of codes for missing points that are stored in single precision
+# Largest accepted length or height (µm). A larger number has a wrong unit or marks a missing point.
+_MAX_LENGTH = 1e9
+# Codes for missing points that are stored in single precision have this relative rounding error.
+MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
 
 
@@ -59,11 +61,15 @@ class ReadOptions:
     channel: NameOrIndex | None
     columns: tuple[NameOrIndex, ...] | None
     outliers: OutlierTreatment
-    crop: tuple[float, ...] | None  # region to read: first and last x and, for a surface, first and last y, µm
-    codes: tuple[float, ...] = ()  # numbers that mark missing points, in the unit of the file
-    words: tuple[str, ...] = ()  # words that mark missing points
-    accept: tuple[str, ...] = ()  # names of the file caveats that the caller accepts
-    # True if the caller gives a single unit, which applies to heights, and to positions without a unit in the file
+    # Region (µm) to read: first and last x and, for a surface, first and last y.
+    crop: tuple[float, ...] | None
+    # Numbers that mark missing points, in the unit of the file.
+    codes: tuple[float, ...] = ()
+    # Words that mark missing points.
+    words: tuple[str, ...] = ()
+    # Names of the file caveats that the caller accepts.
+    accept: tuple[str, ...] = ()
+    # True if the caller gives a single unit. It applies to heights, and to positions without a unit in the file.
     one_unit: bool = False
 
 
@@ -149,8 +155,10 @@ class InterpretedScan(Generic[_Body]):
     """Profile or height map read from a file, with height unit, number of missing points, and caveats of the file."""
 
     body: _Body
-    unit: str  # unit of the heights in a file
-    missing: int  # number of missing points in a file
+    # Unit of the heights in a file.
+    unit: str
+    # Number of missing points in a file.
+    missing: int
     caveats: tuple[FileCaveat, ...] = ()
 
 
@@ -209,10 +217,8 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         _reject_contradicting_grid(raw, (dy, dx))
     elif options.spacing[0] is not None and options.spacing[1] is not None:
         dy, dx = float(options.spacing[0]), float(options.spacing[1])
-        declared, tolerance = _find_declared_spacing(raw) or (
-            dx,
-            0.0,
-        )  # the file does not specify whether the spacing applies to rows or to columns
+        # The file does not specify whether its spacing applies to rows or to columns.
+        declared, tolerance = _find_declared_spacing(raw) or (dx, 0.0)
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(
                 f"declares a spacing of {declared:g} µm, but the option spacing is {dy:g} µm along y and {dx:g} µm "
@@ -252,7 +258,7 @@ def _make_profile_or_surface(
         code_caveats = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, code_caveats)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    # a body shares read-only heights instead of copying them
+    # A body shares read-only heights instead of copying them.
     heights = make_read_only(heights) if heights.base is None else heights
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
@@ -318,7 +324,7 @@ def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # For a factor such as 1e-3, divide by 1000, so that 100 nm is converted to exactly 0.1 µm.
+    # For a factor such as 1e-3, division by 1000 converts 100 nm to exactly 0.1 µm.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 
@@ -514,7 +520,7 @@ def _determine_profile_spacing(
                 _find_worst_unexplained_deviation(x, direction * given, resolution, MAX_STEP_UNEVENNESS * given)
                 is not None
             ):
-                # Report unequally spaced positions before a contradiction to the option spacing.
+                # Unequally spaced positions are reported before a contradiction to the option spacing.
                 _reject_uneven_positions(x, mean_spacing, resolution)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -549,7 +555,8 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}
-    if raw.source.column in ("", "column 0"):  # in an unnamed column of heights, the last number may be the spacing
+    # In an unnamed column of heights, the last number may be the spacing.
+    if raw.source.column in ("", "column 0"):
         end_numbers["last"] = float(raw.heights[-1])
     for place, number in end_numbers.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):

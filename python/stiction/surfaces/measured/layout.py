@@ -9,9 +9,11 @@ from typing import Any
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.raw import FormatError, ReaderResult, parse_number, parse_positive_number
 
-WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
+# Rows of cells, by sheet name.
+WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]
 
-MAX_DECLARED_COUNT = 100_000_000  # maximum number of points or lines that a header may declare
+# A header may declare at most this number of points or lines.
+MAX_DECLARED_COUNT = 100_000_000
 
 
 def parse_header_number(

@@ -42,7 +42,8 @@ def _find_height_unit(sheets: WorkbookSheets) -> str | None:
     )
 
 
-_PROFILE_COLUMNS = (4, 5)  # columns E and F with positions and heights
+# Columns E and F contain positions and heights.
+_PROFILE_COLUMNS = (4, 5)
 _CUT_OFF_CONDITION_PATTERN = re.compile(r"\s*CUT\s*([0-9.,]+\s*[^\W\d_]{1,3})\s*", re.IGNORECASE)
 
 

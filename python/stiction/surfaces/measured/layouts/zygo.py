@@ -53,7 +53,8 @@ def _read(text: DecodedText) -> RawHeights:
         pixel_size_text = text.line(_PIXEL_SIZE_LINE_INDEX).split()[6]
     except (ValueError, IndexError):
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
-    spacing = None  # an instrument without lateral calibration writes a pixel size of 0
+    # An instrument without lateral calibration writes a pixel size of 0.
+    spacing = None
     if parse_number(pixel_size_text, _PIXEL_SIZE_PLACE) != 0:
         spacing = (parse_positive_number(pixel_size_text, _PIXEL_SIZE_PLACE),) * 2
     block = parse_number_block(text, first, last, Dialect(None, "."))
