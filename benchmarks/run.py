@@ -26,7 +26,9 @@ def main() -> None:
     names, lines = parse_names(), []
     for name in names or BENCHMARK_NAMES:
         module = import_module(name)
-        lines += [f"**{(module.__doc__ or '').splitlines()[0]}**", "", "| quantity | result |", "|---|---|"]
+        summary = (module.__doc__ or "").splitlines()[0]
+        caption = f"**`./dev bench {name}`:** {summary[:1].lower()}{summary[1:]}"
+        lines += [caption, "", "| quantity | result |", "|---|---|"]
         for question, answer in module.run_benchmark():
             print(f"{question:75s} {answer}", flush=True)
             lines.append(f"| {question} | {answer} |")
