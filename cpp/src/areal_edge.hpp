@@ -26,7 +26,7 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side from the centre
   std::array<std::array<double, 2>, 4>
-      // Tangents of the angles at which each side of the parallelogram ends, measured from the normal of the side.
+      // Tangents of the angles at both ends of each side of the parallelogram, measured from the normal of the side.
       corners_;
 };
 

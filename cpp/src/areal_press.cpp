@@ -15,8 +15,6 @@ namespace {
 
 using std::numbers::pi;
 
-// ---- Force and area of a contact ------------------------------------------------------------------------------------
-
 double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
@@ -47,8 +45,6 @@ void reject_cylinders(const Law& law) {
         "law must be a sphere law, got hertz-cylinder; use hertz-sphere, because contacts of surfaces are ellipses");
   }
 }
-
-// ---- Sums that depend on the direction ------------------------------------------------------------------------------
 
 // A sliding contact with normal n and tangent t has five factors: -s·n, -c·n, t_z, -s·t and -c·t.
 // In the factors, s is the sliding direction and c the lateral direction.

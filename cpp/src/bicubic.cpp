@@ -12,8 +12,6 @@
 namespace stiction {
 namespace {
 
-// ---- Spline coefficients along one axis, from a tridiagonal system --------------------------------------------------
-//
 // At inner points, the spline coefficients c of the heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i.
 // At the end points, c = z, because the second derivative of the spline is zero there.
 
@@ -31,7 +29,8 @@ struct PassFactors {
   double overall;
 };
 
-// A pass over a row applies (1 + b² + b (s + 1/s)) / (1 + b²). The last pass includes the constant factor.
+// Each pass over a row multiplies by (1 + b² + b (s + 1/s)) / (1 + b²), with the shift s and b = a, a², a⁴ and so on.
+// The last pass includes the constant factor of the inverse.
 constexpr std::array<PassFactors, shifts.size()> row_passes() {
   std::array<PassFactors, shifts.size()> result{};
   double b = -0.26794919243112270647;  // sqrt(3) - 2
@@ -127,8 +126,6 @@ void scaled_differences(const double* before, const double* after, Index size, d
 
 // Number of columns that stay in the processor cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
-
-// ---- Evaluation of a spline in a single cell ------------------------------------------------------------------------
 
 struct Basis {
   std::array<double, 4> value;

@@ -22,10 +22,10 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Rows are loaded into the cache this number of rows before they are copied.
+// Number of rows by which loading into the cache is ahead of copying.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes per task, and between two cancellation checks.
-// Areas with fewer values are not divided between threads, because the threads would wait for each other.
+// Areas with fewer values than one task are not divided, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
 // The stencil multiplies long wavelengths by this sum, which must be small if contact patches are many points wide.
@@ -487,7 +487,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure of 1 GPa acts between the origin and x.
 // On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // Integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
+  // The value is the integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -611,7 +611,7 @@ void check_grid(const char* name, const Grid& grid, double effective_modulus) {
 }
 
 // Return the Fourier coefficients of the displacement per pressure [µm/GPa] on the extended grid of StiffnessKernel.
-// On a free grid, all Fourier coefficients are positive. The coefficient of a uniform pressure is arbitrary there.
+// On a free grid, all Fourier coefficients are positive, and the coefficient of a uniform pressure is arbitrary.
 std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
                                           FftPlans& plans, const ThreadPool& pool) {
   Scratch scratch;
@@ -638,7 +638,7 @@ std::vector<double> to_stiffness(std::vector<double> compliance_factors) {
   return compliance_factors;
 }
 
-// Replace the response to a uniform pressure by the largest response.
+// Replace the compliance for a uniform pressure by the largest compliance for any wavelength.
 std::vector<double> to_preconditioner(std::vector<double> compliance_factors) {
   compliance_factors[0] = *std::max_element(compliance_factors.begin(), compliance_factors.end());
   return compliance_factors;

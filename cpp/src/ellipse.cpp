@@ -9,7 +9,8 @@ namespace stiction {
 namespace {
 
 // Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
-// K equals π / (2 · mean), and `ratio` equals (K - E) / (e² K), without cancellation.
+// K equals π / (2 · mean), and `ratio` equals (K - E) / (e² K).
+// Neither K nor `ratio` suffers from cancellation.
 // The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
@@ -19,7 +20,7 @@ struct Integrals {
 
 Integrals integrals(double k) {
   // The series is ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
-  // In the term c_1² / e², e² is cancelled, which avoids 0/0 for circular contacts.
+  // The term c_1² / e² is simplified by cancelling e², which avoids 0/0 for circular contacts.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);
   double square = 0.25 * (1.0 - k) * (1.0 - k);  // c_n²
@@ -43,7 +44,7 @@ double log_slope(double k, double ratio) {
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
     // For e -> 0, the derivative of ln(shorter / longer) with respect to ln k tends to 1.5.
-    // The error of this limit is about e², too small to change the number of iterations noticeably.
+    // The error of the limit 1.5 is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

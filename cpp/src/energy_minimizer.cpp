@@ -32,7 +32,7 @@ constexpr std::int64_t max_failed_descents = 3;
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
 constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
 
-// Partial sums of one sum, which are added after the loop over the points.
+// Partial sums of a sum over points, which are added after the loop over the points.
 using Lanes = std::array<double, stress_lanes>;
 
 double total(const Lanes& values) {
@@ -179,7 +179,7 @@ struct Edges {
   }
 };
 
-// At points with zero gap, set changes of the gap with the same sign as the residual to 0.
+// At points with zero gap, set gap changes to 0 if they have the same sign as the residual.
 // The change of the displacement is the change of the gap plus the change of the approach.
 // Returns the product of gap changes and residual, and the largest change of small gaps.
 STICTION_MULTIVERSION
@@ -205,8 +205,8 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. A point that closes stops at a gap of 0, and the rest of its gap change is stored.
-// Returns whether a rest is stored for any point.
+// Change the gaps by a step. A point that closes stops at a gap of 0, and its remaining gap change is stored.
+// Returns whether a remaining gap change is stored for any point.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -462,7 +462,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// At points with zero gap, set changes of the gap with the same sign as the residual to 0.
+// At points with zero gap, set gap changes to 0 if they have the same sign as the residual.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,
@@ -548,7 +548,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
 }
 
 // Compute the net pressure from the displacements in double precision.
-// Around a free grid, the displacements are due to the last net pressure.
+// The displacements around a free grid are computed from the last net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

@@ -174,7 +174,7 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
   return result;
 }
 
-// Interpolate pressures at a fraction of the spacing from each point `left` to its right neighbour `right`.
+// Interpolate pressures between each point `left` and its right neighbour `right`, at a fraction of the spacing.
 // The points `before` and `after` are the outer neighbours of `left` and `right`.
 // Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
 // Towards a point out of contact, the squared pressure is therefore extrapolated linearly from two points in contact.
@@ -445,7 +445,7 @@ class LevelSolver {
 };
 
 // Return ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
-// If `full_contact` is infinite, the logarithm that contains it is 0.
+// If `full_contact` is infinite, the second logarithm is 0.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();

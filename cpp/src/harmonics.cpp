@@ -29,7 +29,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
 }
 
 // Base-2 logarithm of the largest number of turns that a phase may make along the grid.
-// Beyond this limit, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
+// With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
@@ -294,8 +294,6 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
 }
 
-// ---- Fractal surfaces -----------------------------------------------------------------------------------------------
-
 // Number of points in a run of points along an axis. Each run is computed from the phase at its first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
@@ -341,7 +339,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers of the directions m and M - m, in turns per point. Both directions have the same magnitudes.
+// Wavenumbers of the directions m and M - m, in turns per point. Only their signs along x differ.
 struct Wavenumbers {
   long double y;
   long double x;

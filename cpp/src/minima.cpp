@@ -20,8 +20,6 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
-// ---- Prefilter: vectorised exclusion of cells -----------------------------------------------------------------------
-
 // The spline in a cell lies within the range of its 16 coefficients.
 // Each derivative of the spline lies within the range of the differences of its 16 coefficients.
 // A minimum requires a coefficient of at most `max_value`, and ranges of both derivatives that contain zero.
@@ -100,8 +98,6 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
     marks[i] = (low <= max_value) & (xl <= 0.0) & (xh >= 0.0) & (yl <= 0.0) & (yh >= 0.0);
   }
 }
-
-// ---- Vectorised classification of cells and of parts of cells -------------------------------------------------------
 
 // Bernstein coefficients of a bicubic polynomial on a square, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
@@ -291,8 +287,6 @@ Net extract(const Nets<lanes>& nets, std::size_t lane) {
   return net;
 }
 
-// ---- Minima of a single cell ----------------------------------------------------------------------------------------
-
 class Cell {
  public:
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
@@ -371,8 +365,6 @@ class Cell {
   Index column_;
   double max_value_;
 };
-
-// ---- Removal of minima that were found twice ------------------------------------------------------------------------
 
 // Move a minimum close to the right or upper side of its cell to the neighbouring cell.
 void move_to_owner(double& fraction, Index& cell, Index cells) {

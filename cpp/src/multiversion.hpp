@@ -27,7 +27,7 @@
 #endif
 #endif
 
-/// Compile a function that consists of plain loops for several instruction sets.
+/// Attribute that compiles a function of plain loops for several instruction sets.
 /// STICTION_MULTIVERSION is empty for Clang, because some versions of Clang omit functions that a clone calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
@@ -40,7 +40,7 @@
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
-/// Define void name(parameters) from a template name_kernel<Width>(arguments).
+/// Define the function `void name(parameters)` from the template `name_kernel<Width>(arguments)`.
 /// Width is the number of doubles in a register of the instruction set.
 /// If a SIMD type is wider than a register, GCC stores its values in memory, where access is 20 times slower.
 #if defined(STICTION_WIDE)

@@ -25,8 +25,6 @@ void check(Values heights, double spacing, std::size_t size, std::span<double> s
   }
 }
 
-// ---- Right-hand side of the tridiagonal system ----------------------------------------------------------------------
-//
 // At inner points, f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx². At both ends, f'' = 0.
 
 double load_scale(double spacing) { return 6.0 / (spacing * spacing); }
@@ -40,7 +38,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
 }
 
 // The slope at a point is the mean of the slopes of the two adjacent cubics, which differ by round-off.
-// This mean is symmetric in x, so the slopes of a mirrored profile differ only in their sign.
+// The mean of both slopes is symmetric in x, so the slopes of a mirrored profile differ only in their sign.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -60,8 +58,6 @@ double last_slope(Values heights, double curvature_before, double spacing) {
   const std::size_t size = heights.size();
   return (heights[size - 1] - heights[size - 2]) / spacing + spacing * curvature_before / 6.0;
 }
-
-// ---- Superposition of unit splines ----------------------------------------------------------------------------------
 
 // Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index kernel_reach = 28;

@@ -55,7 +55,7 @@ struct ThreadPool::Workers {
   Condition round_started;
   Condition round_finished;
   Round round;
-  // The upper 32 bits contain the number of the round, and the lower 32 bits the number of its next task.
+  // Number of the round in the upper 32 bits of `next_task`, and number of the next task in the lower 32 bits.
   std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};

@@ -86,7 +86,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
   // Walls whose normals have the vertical component `up`, rotated by `turn` relative to the motion.
   // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion s.
-  // For such tangents, the vector form (s·n) n - s would lose digits by cancellation.
+  // If t is almost perpendicular to s, the vector form (s·n) n - s loses digits by cancellation.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);

@@ -54,7 +54,8 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal potentials") {
-  // The gaps are 0, 1, 2 and 9, the stiffness is 2, and the load is 10. (δ + δ - 1 + δ - 2) 2 = 10 gives δ = 8/3.
+  // The springs have gaps of 0, 1, 2 and 9 and a stiffness of 2. The load of 10 closes three gaps.
+  // At the approach δ, 2 (δ + (δ - 1) + (δ - 2)) = 10, so δ = 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
     const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
@@ -68,7 +69,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
 }
 
 TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the remaining load") {
-  // The first spring carries its maximum load of 4, so (δ - 1 + δ - 2) 2 = 6 and δ = 3.
+  // The first spring carries its maximum load of 4, so 2 ((δ - 1) + (δ - 2)) = 6 and δ = 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -77,7 +78,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The bounds of 0 and 1 limit the second and the third spring, so (δ + δ - 4) 2 = 9 and δ = 4.25.
+  // The bounds limit the second and the third spring to 0 and 1, so 2 (δ + (δ - 4)) = 9 and δ = 4.25.
   // At the approach δ = 4.25, the second and the third spring overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);

@@ -10,7 +10,7 @@
 // The force and the area of a contact at the edge of the map never decrease when the approach grows.
 //
 // Without special rules, round-off would decide whether nearly level minima of the gap are contacts.
-// With these rules, the result does not change if the pair of maps is rotated, mirrored, swapped or shifted:
+// The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
 // - A slope or a curvature of the gap counts as zero if it is below 2^-26 of the gap range per grid spacing.
 // - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
 // - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
@@ -59,8 +59,7 @@ struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap [µm] at the minimum if the approach of the surfaces is zero.
-  /// Negative gaps are possible, because the spline may dip slightly below the grid points.
+  /// Gap [µm] at the minimum, at zero approach. The gap is negative if the spline dips below the grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
   Vector3 normal;
@@ -76,7 +75,7 @@ struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
   /// Gaps [µm] at grid points where no neighbouring grid point has a smaller gap, in ascending order.
   std::vector<double> grid_minima;
-  /// Gaps [µm] at those grid minima in whose four adjacent cells the spline of the gap has no minimum.
+  /// Gaps [µm] at grid minima without a minimum of the spline of the gap in their four adjacent cells.
   std::vector<double> unanswered;
   double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
@@ -96,7 +95,7 @@ inline constexpr double level_fraction = 0x1p-26;
 /// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.
 /// The curvature rule `convex` requires that both surfaces are summits; `signed_` requires only a minimum of the gap.
 /// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
-/// The gap between the maps must vary.
+/// The gap between the maps must not be the same at all points.
 /// Throws std::invalid_argument if the maps do not meet these requirements.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
@@ -138,7 +137,7 @@ inline constexpr std::array areal_quantities{
 };
 
 /// List the contacts at one approach [µm] >= 0, in the order of the candidates.
-/// The index of a contact is row · columns + column of its map cell.
+/// The index of a contact is the index of its map cell: row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);
 

@@ -1,7 +1,7 @@
 // Matrices and vectors of the library: double precision, row-major. Units: values.hpp.
 //
 // No compiled function of the library takes, returns or contains an Eigen array that owns its memory.
-// The reason is that compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
+// Compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
 // The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
 // An Eigen array could therefore be freed by a function that does not match the function that allocated the array.
 #pragma once

@@ -1,5 +1,5 @@
 // Asperities of a profile: the osculating sphere at each point.
-// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2 and 3.
+// Source: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 2 and 3.
 #pragma once
 
 #include "stiction/array.hpp"

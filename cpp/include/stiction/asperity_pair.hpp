@@ -1,5 +1,5 @@
 // Asperity pairs, and the contact point of an asperity pair at a given approach.
-// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
+// Source: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
@@ -23,7 +23,7 @@ struct Radii {
   double minor;
 
   /// Return the radius of the sphere that has the Gaussian curvature 1/(major · minor).
-  /// For equal radii, the function returns this radius itself, without the round-off of a square root.
+  /// If both radii are equal, `mean` returns this radius without the round-off of a square root.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -43,7 +43,7 @@ enum class Curvature { convex, signed_ };
 /// At the penetration p = δ - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
 /// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
-/// The overlap is therefore evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
+/// To avoid this cancellation, the overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
@@ -106,8 +106,6 @@ inline ContactClass classify(const ContactPoint& contact_point, double half_cell
   }
   return contact_point.normal.z() > 0.0 ? ContactClass::contact : ContactClass::crossed;
 }
-
-// ---- Inline functions, which take most of the time per contact ------------------------------------------------------
 
 inline ContactPoint SpherePair::contact_at(double approach) const {
   const double penetration = approach - gap;

@@ -6,11 +6,11 @@
 namespace stiction {
 
 /// Minimum number of rows of a map, and minimum number of columns.
-/// The natural cubic spline has zero curvature at both ends, so only the inner points can be curved; two are required.
+/// A natural cubic spline needs two inner points besides its two end points, where its curvature is zero.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
-/// The heights are the inner elements of `coefficients`. Its outermost rows and columns are outputs only.
+/// The heights are the inner elements of `coefficients`. The outermost rows and columns are only written.
 /// The round-off of the coefficients is about 1e-16 of the largest height.
 /// Throws std::invalid_argument for fewer than 4 by 4 heights.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);

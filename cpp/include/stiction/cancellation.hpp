@@ -6,7 +6,7 @@
 
 namespace stiction {
 
-/// Callback by which the caller can cancel a calculation: it throws an exception, which the caller receives.
+/// Callback that cancels a calculation by throwing an exception, which the caller of the calculation receives.
 /// The library calls the callback at least every few milliseconds.
 /// A default-constructed CancellationCheck never cancels a calculation.
 class CancellationCheck {

@@ -42,8 +42,8 @@ struct Candidate {
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap [µm] at the candidate if the approach of the profiles is zero.
-  /// Negative gaps occur where the gap has a minimum between grid points that is lower than at all grid points.
+  /// Gap [µm] at the candidate, at zero approach.
+  /// The gap is negative at a minimum between grid points that is lower than the gap at all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`

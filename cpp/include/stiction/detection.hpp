@@ -42,9 +42,9 @@ struct IndexRange {
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference D of the gap between successive points, for two reasons:
-/// The second derivative f'' of a natural spline is at most 3 D/Δx².
-/// Between grid points, a cubic dips below its end points by at most Δx²/8 times the largest |f''|.
+/// The bound is 3/8 of the largest second difference D of the gap between successive points.
+/// This bound follows because the second derivative f'' of a natural spline is at most 3 D/Δx²,
+/// and because a cubic dips below its end points by at most Δx²/8 times the largest |f''|.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.
@@ -78,8 +78,6 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
-
-// ---- Inline function that is called for each marked interval --------------------------------------------------------
 
 inline std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                          double spacing, bool at_first_point) {

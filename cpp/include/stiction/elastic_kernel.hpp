@@ -99,8 +99,9 @@ class ElasticKernel {
 ///
 /// The inverse requires a surface without edges, so a free grid is extended by zero padding.
 /// The extended grid repeats periodically, and its first rows and columns are the original grid.
-/// Without net pressure outside the original grid, displacements on it equal those of ElasticKernel up to a constant.
-/// A periodic grid has no edges and needs no zero padding. Its uniform displacement requires no pressure.
+/// If no net pressure acts outside the original grid, its displacements equal those of ElasticKernel up to a constant.
+/// A periodic grid has no edges and needs no zero padding.
+/// A uniform displacement of a periodic grid requires no pressure.
 class StiffnessKernel {
  public:
   /// Compute the Fourier coefficients of compliance and stiffness.

@@ -57,7 +57,7 @@ struct HarmonicArea {
 /// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
 /// All harmonics of frequency n have the same weight w_n [µm].
-/// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two products of a column and a row.
+/// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two outer products of vectors.
 /// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});

@@ -38,7 +38,7 @@ struct Parameter {
 };
 
 /// Two elastic spheres: F = 4/3 E* R^(1/2) overlap^(3/2), A = π R overlap.
-/// Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Hertz theory is exact for a << R.
+/// Source: Hertz 1882; Johnson, Contact Mechanics (1985), eqs. 4.22-4.24. Hertz theory is exact in the limit a << R.
 struct HertzSphere {
   double effective_modulus;  ///< E* [GPa] > 0
 
@@ -51,8 +51,8 @@ struct HertzSphere {
 };
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
-/// The overlap is defined as a²/R, the overlap of the undeformed circles with the contact width 2a.
-/// For a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), eq. 4.45.
+/// The overlap of the undeformed circles is set equal to a²/R, where 2a is the contact width.
+/// In the limit a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), eq. 4.45.
 /// The approach of distant points cannot define the overlap, because this approach is unbounded in a line contact.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0

@@ -20,9 +20,9 @@ namespace stiction {
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
-/// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
+/// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS. P' is the transpose of P.
 /// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2 at the wavenumber k.
-/// K'⁻¹ + PSP' describes a half-space on an elastic foundation, whose stiffness on each block is PS1.
+/// K'⁻¹ + PSP' describes a half-space on an elastic foundation. Its stiffness on each block is PS applied to ones.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {

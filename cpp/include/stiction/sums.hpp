@@ -1,5 +1,5 @@
 // Sums over contacts, from which the normal and tangential loads follow as linear functions of mu0 and tau0.
-// Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
+// Source: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 6 and 7 and section 2.5.
 //
 // The upper surface is about to move along a horizontal unit vector s.
 // A contact with normal n opposes the motion if s·n < 0.
@@ -19,7 +19,7 @@
 namespace stiction {
 
 /// Rule that selects the contacts at which friction acts.
-/// `opposing` selects only contacts whose slope opposes the motion, as in the paper. `all` selects every contact.
+/// `opposing` selects only contacts whose slope opposes the motion (as in the paper). `all` selects every contact.
 /// With `all`, contacts whose slope assists the motion push the upper surface forward.
 enum class Sliding { opposing, all };
 
@@ -110,8 +110,6 @@ Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
 /// Return the coefficient of friction F_T / F_N, or NaN unless the status is `ok`.
 double friction_coefficient(const Sums& sums, double mu0, double tau0 = 0.0);
-
-// ---- Inline functions, which take most of the time per contact ------------------------------------------------------
 
 inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
