@@ -487,9 +487,8 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    centre = (
-        (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
-    )  # shape (c, rho)
+    # The array has the shape (c, number of correlations rho).
+    centre = (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
     weights = (value_count - 1) * (np.log(1 - rho**2) + np.log(squares)) + np.log(weight_sums) - np.log(1 - rho)

@@ -133,9 +133,10 @@ def average_members(
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
+    # The quantiles are NaN if no member has a coefficient.
     low_quantile, high_quantile = compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
-    )  # NaN if no member has a coefficient
+    )
     statuses = np.where(is_downhill, np.array(friction.STATUS_DOWNHILL, STATUS_DTYPE), _find_common_statuses(status))
     variables |= {
         # A member that slides by itself needs no tangential load, so its coefficient counts as 0.

@@ -31,10 +31,12 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6  # relative range of A/F up to which all values of A/F count as equal
+# All values of A/F count as equal up to this relative range.
+MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
 # Tests narrow an interval if they move one of its limits by at least this fraction of its width.
 MIN_NARROWING_FRACTION = 0.05
-MAX_SHOWN_SAMPLES = 800  # maximum number of samples (mu0, tau0) in a figure
+# A figure shows at most this number of samples (mu0, tau0).
+MAX_SHOWN_SAMPLES = 800
 
 
 @dataclass(frozen=True)

@@ -29,24 +29,23 @@ from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
-NUM_SLOPE_WAVELENGTHS = 4  # number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings
+# Slopes are printed for this number of wavelengths: 2, 4, 8, ... grid spacings.
+NUM_SLOPE_WAVELENGTHS = 4
 # Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-# minimum spectral density at a reported peak, relative to the density at longer wavelengths
+# Minimum spectral density at a reported peak, relative to the density at longer wavelengths.
 _MIN_PEAK_DENSITY_RATIO = 3.0
-_MIN_LONGER_WAVELENGTHS = 4  # minimum number of wavelengths in the spectrum above the wavelength of a reported peak
-_MIN_PEAK_MOMENT_FRACTION = 0.1  # minimum contribution of a reported peak to the fourth spectral moment
-# Minimum dispersion of a spectrum about its fit for which the scatter is reported.
+# A peak is reported only if the spectrum contains at least this number of longer wavelengths.
+_MIN_LONGER_WAVELENGTHS = 4
+# A reported peak contributes at least this fraction to the fourth spectral moment.
+_MIN_PEAK_MOMENT_FRACTION = 0.1
+# The scatter of a spectrum about its fit is reported from this dispersion on.
 _MIN_REPORTED_DISPERSION = 2.0
 
-_UNIT_SYMBOLS = {
-    "1": "",
-    "um2": " µm²",
-    "1/um": " 1/µm",
-    "1/um2": " 1/µm²",
-    "degrees": "°",
-}  # unit in printed tables, by the unit in JSON
-_JSON_UNIT_EXCEPTIONS = {"": "1"}  # JSON unit of dimensionless parameters, which `_json_unit` does not convert
+# Units in printed tables, by the unit in JSON.
+_UNIT_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
+# `_json_unit` does not convert the unit of dimensionless parameters.
+_JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 
 class TableRow(NamedTuple):
@@ -55,7 +54,8 @@ class TableRow(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    is_detail: bool = False  # True if the row is printed only with `--verbose`
+    # True if the row is printed only with `--verbose`.
+    is_detail: bool = False
 
 
 HEADLINE_PARAMETERS = (
@@ -314,7 +314,7 @@ class CharacterisationTable:
         """
         spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
-        # Exclude the longest wavelengths, which the window or levelling affects.
+        # The longest wavelengths are excluded, because the window or levelling affects them.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
         if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
@@ -532,7 +532,8 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-CharacterisedFiles = Sequence[tuple[str, Characterisation]]  # file names, each with the characterisation of its scan
+# File names, each with the characterisation of its scan.
+CharacterisedFiles = Sequence[tuple[str, Characterisation]]
 
 
 def _list_estimates(result: Characterisation) -> list[Estimate]:

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     from stiction.summary.joint_table import JointRow, JointTable
 
-CARD_WIDTH = 100  # maximum number of characters in a comment line of a finite-element input card
+# A comment line of a finite-element input card has at most this number of characters.
+CARD_WIDTH = 100
 CURVE_DIGITS = 6
 """Number of significant digits of pressures and closures in cards, from which other programs compute stiffnesses."""
 _ASCII_REPLACEMENTS = {

@@ -9,8 +9,10 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-MIN_TERMINAL_WIDTH = 40  # minimum text width in characters, even if the terminal is narrower
-MIN_LABEL_WIDTH = 16  # minimum width of the first column of a printed table, in characters
+# Text has at least this width (characters), even if the terminal is narrower.
+MIN_TERMINAL_WIDTH = 40
+# Minimum width (characters) of the first column of a printed table.
+MIN_LABEL_WIDTH = 16
 
 TextRows = Sequence[Sequence[str]]
 
@@ -21,7 +23,8 @@ class WrappedText:
 
     text: str
     indent: str = ""
-    hanging_indent: str = ""  # additional indent of all lines except the first
+    # Additional indent of all lines except the first.
+    hanging_indent: str = ""
 
 
 @dataclass(frozen=True)
@@ -49,8 +52,10 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    noun: str  # singular noun for an omitted line, such as "caveat"
-    complete_command: str  # option, command or method that prints the complete list
+    # Singular noun for an omitted line, such as "caveat".
+    noun: str
+    # Option, command or method that prints the complete list.
+    complete_command: str
 
 
 Paragraph = Sequence[str | WrappedText | Table | ShortenedList]
@@ -108,7 +113,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     lines = line_texts[:num_shown]
     if num_omitted > 0:
         omitted_noun = shortened_list.noun + "s" * (num_omitted > 1)
-        # Do not wrap a line with a command, because the user may copy the command.
+        # The user may copy the command, so its line is not wrapped.
         lines.append(f"  {num_omitted} more {omitted_noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 HALF_SLIDING_LOAD_FRACTION = 0.5
-CYCLE_AMPLITUDES = (0.5, 0.9)  # amplitudes of cyclic tangential loads, as fractions of the sliding load
+# Amplitudes of cyclic tangential loads, as fractions of the sliding load.
+CYCLE_AMPLITUDES = (0.5, 0.9)
 
 
 def onset_text(onset: OnsetValues) -> str:
@@ -62,7 +63,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
     return [["onset of sliding", header], *rows]
 
 
-PICOJOULE = 1e-3  # one picojoule in mN µm
+PICOJOULE = 1e-3  # mN µm
 
 
 def onset_note(onset: OnsetValues, study: Study) -> str:

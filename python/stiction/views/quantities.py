@@ -25,7 +25,8 @@ from stiction.views.point import coordinate_text, point_load_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-MAX_HEADING_WIDTH = 20  # maximum width of a heading above a column of numbers, in characters
+# Maximum width (characters) of a heading above a column of numbers.
+MAX_HEADING_WIDTH = 20
 _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
 
 
@@ -36,9 +37,10 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    # number of digits for numbers without intervals; None if intervals are printed
+    # Number of digits for numbers without intervals. It is None if intervals are printed.
     num_digits: int | None = None
-    statuses: Sequence[str] = ()  # statuses of the points; a status other than "ok" replaces the number
+    # Statuses of the points. A status other than "ok" replaces the number.
+    statuses: Sequence[str] = ()
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
@@ -94,7 +96,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """Return the names of the quantities that are printed for a result point, in the order of `QUANTITIES`."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        # The sentence leaves out the mean pressure, because it follows from load and area.
+        # The mean pressure follows from load and area, so the sentence leaves it out.
         "mean_pressure": is_sentence,
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-# Columns of a CSV file that identify the result point of a row.
+# These columns of a CSV file identify the result point of a row.
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")
 
 COORDINATE_ORDER = (
@@ -321,7 +321,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     estimate_records = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        # a coordinate is NaN if the quantity does not depend on it
+        # A coordinate is NaN if the quantity does not depend on it.
         coordinates = {name: value for name, value in row.items() if value == value}
         estimate_records.append(Estimate(**selected_values).to_record(coordinates))
     return estimate_records
@@ -331,9 +331,9 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return a result point as JSON fields: reported friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        # cutoffs (µm) of all scans of the upper and of the lower body
+        # Cutoffs (µm) of all scans of the upper and of the lower body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a point whose cutoff is already covered by the interval of a reported point
+        # False for a point whose cutoff is already covered by the interval of a reported point.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

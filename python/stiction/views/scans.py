@@ -36,13 +36,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MAX_SLOPE_ROWS = 12  # maximum number of wavelengths in a printed table of slopes
+# A printed table of slopes has at most this number of wavelengths.
+MAX_SLOPE_ROWS = 12
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials for which the figure draws a line at hardness / E*, with E* of two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_CONTACT_COLOUR, AREA_COLOUR, OPPOSING_CONTACT_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
-MAX_LABEL_LENGTH = 24  # maximum number of characters of a scan's name in a figure
+# A scan's name in a figure has at most this number of characters.
+MAX_LABEL_LENGTH = 24
 
 
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # The sentence states how the load is defined if another definition would change the coefficient by more than this
 # fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# Minimum width of the range for finer scans, as a fraction of the interval's width, for which the range is printed.
+# The range for finer scans is printed if it is at least this fraction of the interval's width.
 MIN_STATED_FINER_SCAN_RANGE = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of A E* h'/F from its usual value for which the small-slope estimate applies."""
@@ -54,7 +54,7 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {high}" if low != high else ""
     )
-    # small contacts may be harder because of the indentation size effect
+    # Small contacts may be harder because of the indentation size effect.
     bounds_text += ", unless small contacts are harder"
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
@@ -292,7 +292,8 @@ def _averaged_members_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 
-PROFILE_STRIP_TEXT = "a strip 1 µm wide"  # the paper assumes that profiles are 1 µm wide
+# Profiles are assumed to be 1 µm wide.
+PROFILE_STRIP_TEXT = "a strip 1 µm wide"
 
 
 def lay_assumption(study: Study) -> str:

@@ -30,18 +30,21 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-# Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
+# The interval of a dilation angle is printed from this width (degrees) on.
 MIN_PRINTED_ANGLE_RANGE = 1.0
-MAX_EDGE_LOAD_FRACTION = 0.2  # load fraction at the edges of the faces above which there is a caveat
-MAX_YIELDED_LOAD_FRACTION = 0.5  # load fraction on yielded points above which there is a caveat
-# initial contact area above which there is a caveat, as a fraction of the overlap
+# A larger load fraction at the edges of the faces causes a caveat.
+MAX_EDGE_LOAD_FRACTION = 0.2
+# A larger load fraction on yielded points causes a caveat.
+MAX_YIELDED_LOAD_FRACTION = 0.5
+# A larger initial contact area, as a fraction of the overlap area, causes a caveat.
 MAX_INITIAL_AREA_FRACTION = 0.5
-# largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design
+# Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
 # Registered faces have a caveat if the rms gap exceeds both a multiple of the gap noise and a fraction of the rms
 # height change over the sampling interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
-MIN_FIT_CORRELATION = 0.5  # initial correlation between the slopes of both faces below which there is a caveat
+# A lower initial correlation between the slopes of both faces causes a caveat.
+MIN_FIT_CORRELATION = 0.5
 
 _CSV_COLUMNS = {
     "friction_coefficient": ("mu", 1.0), "shear_stress": ("shear stress (MPa)", 1e3),

@@ -29,7 +29,8 @@ from stiction.study.study import (
 )
 from stiction.views.layout import wrap_text
 
-KeyTableRow = tuple[str, str, str, str]  # row of a key table: key, default, allowed values, and meaning
+# Row of a key table: key, default, allowed values, and meaning.
+KeyTableRow = tuple[str, str, str, str]
 
 _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
     (values.Length, "a length above 0"),
@@ -98,7 +99,8 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
         for section_class in section_classes:
             for key, field in section_class.model_fields.items():
-                if field.repr:  # fields without `repr` describe bodies in memory and are not keys of study files
+                # Fields without `repr` describe bodies in memory and are not keys of study files.
+                if field.repr:
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, section_classes), []).append(section_class)
         keys, rows = list(dict.fromkeys(row[0] for row in classes_by_row)), []
@@ -238,7 +240,8 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    if annotation is Quantity:  # Lengths in measured files have a parser of their own.
+    # Lengths in measured files have a parser of their own.
+    if annotation is Quantity:
         return ["a length"]
     if get_origin(annotation) is Literal:
         return [f"`{_toml_text(value)}`" for value in get_args(annotation)]
@@ -253,9 +256,11 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    if hasattr(annotation, "__metadata__"):  # the annotation is an alias of `Annotated`
+    # The annotation is an alias of `Annotated`.
+    if hasattr(annotation, "__metadata__"):
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
-    if get_origin(annotation) is not None:  # the annotation is a union
+    # The annotation is a union.
+    if get_origin(annotation) is not None:
         alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))
     bounds = {

@@ -23,9 +23,12 @@ if TYPE_CHECKING:
 INCHES_PER_MILLIMETRE = 1 / 25.4
 # Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE  # width (inches) of a figure for two columns
-MIN_LENGTH_IN_MILLIMETRES = 1000.0  # length (µm) from which an axis is labelled in mm
-MAX_LITERAL_TEXT_LENGTH = 300  # maximum number of characters of a text from a file or from the user in a figure
+# Width (inches) of a figure for two columns.
+PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
+# An axis is labelled in mm from this length (µm) on.
+MIN_LENGTH_IN_MILLIMETRES = 1000.0
+# A text from a file or from the user has at most this number of characters in a figure.
+MAX_LITERAL_TEXT_LENGTH = 300
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -36,28 +39,30 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    "pdf.fonttype": 42,  # embed fonts, as journals require
+    # Journals require embedded fonts.
+    "pdf.fonttype": 42,
     "svg.fonttype": "path",
-    "svg.hashsalt": "stiction",  # equal figures give identical files
+    # With a constant salt, equal figures give identical files.
+    "svg.hashsalt": "stiction",
     "axes.unicode_minus": True,
 }
 
 # Colours for people with colour vision deficiencies, from Okabe and Ito (2008) and Tol (2021).
 OPPOSING_CONTACT_COLOUR = "#d55e00"
-NOT_OPPOSING_CONTACT_COLOUR = "#0072b2"  # colour of contacts whose slope does not oppose the motion
-ALL_CONTACTS_COLOUR = "#332288"  # colour of results with friction at all contacts
-SLIDING_RULE_COLOURS = {
-    "all": ALL_CONTACTS_COLOUR,
-    "opposing": OPPOSING_CONTACT_COLOUR,
-}  # colours of the sliding rules, in the order of a legend
+NOT_OPPOSING_CONTACT_COLOUR = "#0072b2"
+ALL_CONTACTS_COLOUR = "#332288"
+# A legend lists the sliding rules in this order.
+SLIDING_RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_CONTACT_COLOUR}
 AREA_COLOUR = "#009e73"
-FORCE_COLOUR = "#000000"  # colour of elastic forces
-FRICTION_COLOUR = "#cc79a7"  # colour of friction forces
+FORCE_COLOUR = "#000000"
+FRICTION_COLOUR = "#cc79a7"
 UPPER_BODY_COLOUR = "#c6d9e7"
 LOWER_BODY_COLOUR = "#e3d5bb"
-SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")  # colours of curves for the lowest and the highest tau0
-MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}  # colours of curves along x and along y of a map
-SELF_LOCKED_COLOUR = "#7a0019"  # colour of the cells of a friction chart in which the bodies lock
+# Colours of curves for the lowest and the highest tau0.
+SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")
+MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}
+# Cells of a friction chart in which the bodies lock have this colour.
+SELF_LOCKED_COLOUR = "#7a0019"
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Other colour maps: viridis for D, grey for heights, inferno for pressures."""
 COLOUR_RANGE_QUANTILES = (0.01, 0.95)
@@ -66,7 +71,8 @@ COLOUR_BAR_TICKS = (
     0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
 )  # fmt: skip
 """Friction coefficients, all of them round numbers, from which the ticks of a colour bar are chosen."""
-SLIP_COLOUR_MAP = "YlOrRd"  # colour map of the tangential load at which a point starts to slip
+# Colour map of the tangential load at which a point starts to slip.
+SLIP_COLOUR_MAP = "YlOrRd"
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}
 """Legend labels of the sliding rules."""
@@ -119,7 +125,7 @@ def axis_label(name: str) -> str:
 def literal_text(text: str) -> str:
     """Escape a text from a file or from the user, so that a figure draws "$" and a leading "_" unchanged."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
-    # Matplotlib omits labels that start with "_" from legends
+    # Matplotlib omits labels that start with "_" from legends.
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
 
 
@@ -161,7 +167,7 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
 
 # ---- Figure files ----------------------------------------------------------------------------------------------------
 
-FIGURE_FORMATS = ("png", "pdf", "svg")  # file formats of figures
+FIGURE_FORMATS = ("png", "pdf", "svg")
 
 FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", ".svg": b"<dc:title>stiction "}
 """Bytes by which a figure file that stiction wrote is recognized, by file name extension."""

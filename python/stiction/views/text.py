@@ -59,8 +59,10 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-MIN_STATED_GROOVE_EFFECT = 0.01  # minimum relative difference of friction between axes for which grooves are reported
-MAX_PRINTED_POINTS = 15  # maximum number of rows in the first table of a result with several result points
+# Grooves are reported from this relative difference of friction between axes on.
+MIN_STATED_GROOVE_EFFECT = 0.01
+# The first table of a result with several result points has at most this number of rows.
+MAX_PRINTED_POINTS = 15
 
 
 def study_result_text(

@@ -21,8 +21,10 @@ from stiction.views.style import (
 # The figure shows an input if the interval would be narrower by more than this fraction with an exact value of the
 # input.
 MIN_DRAWN_INTERVAL_REDUCTION = 0.02
-MAX_DRAWN_INPUTS = 5  # maximum number of inputs in the figure of the uncertainty budget
-MAX_ROW_LABEL_WIDTH = 20  # maximum number of characters in a line of an input's label; longer labels are wrapped
+# The figure of the uncertainty budget shows at most this number of inputs.
+MAX_DRAWN_INPUTS = 5
+# An input's label with more characters is wrapped.
+MAX_ROW_LABEL_WIDTH = 20
 
 
 _CONTRIBUTION_STYLES = {

@@ -31,15 +31,19 @@ from stiction.views.style import (
     place_axes,
 )
 
-# minimum half width (grid spacings) of the magnified range in the figure of contact forces
+# Minimum half width (grid spacings) of the magnified range in the figure of contact forces.
 _MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES = 40
-_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # height range (µm) below which an axis is labelled in nm
-_MAX_ARROW_LENGTH = 0.45  # maximum length (inches) of an arrow that represents a force
-_MIN_VISIBLE_FORCE_RATIO = 0.05  # minimum length of a visible arrow, divided by that of the longest one
-EDGE_CONTACT_COLOUR = "#e00030"  # colour of contacts that the edge of the map cuts
+# An axis is labelled in nm below this height range (µm).
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
+# Maximum length (inches) of an arrow that represents a force.
+_MAX_ARROW_LENGTH = 0.45
+# Shorter arrows, relative to the longest arrow, are invisible.
+_MIN_VISIBLE_FORCE_RATIO = 0.05
+# Contacts that the edge of the map cuts have this colour.
+EDGE_CONTACT_COLOUR = "#e00030"
 # Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
-# minimum half width (grid spacings) of the magnified range in the figure of two profiles
+# Minimum half width (grid spacings) of the magnified range in the figure of two profiles.
 _MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES = 60
 
 
@@ -70,9 +74,8 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         )
         zoom_centre = float(centre_x[largest_contact_index])
         in_window = np.abs(x - zoom_centre) <= half_width
-        zoomed_axes.set_title(
-            "contact with the largest load", loc="left", fontsize=6, pad=3
-        )  # set the title before the layout is computed, so that space is reserved for it
+        # The title is set before the layout is computed, so that space is reserved for it.
+        zoomed_axes.set_title("contact with the largest load", loc="left", fontsize=6, pad=3)
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])
         overview_axes.axvspan(zoom_centre - half_width, zoom_centre + half_width, color="0.5", alpha=0.25, linewidth=0)
@@ -94,7 +97,8 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
-    place_axes(figure)  # fixes the size of the axes, on which the lengths of arrows depend
+    # The lengths of arrows depend on the size of the axes, which this call fixes.
+    place_axes(figure)
     if contact_force.size:
         max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
         (unit_x, _), (_, unit_y), (origin_x, origin_y) = zoomed_axes.transData.transform(
@@ -184,7 +188,7 @@ def _draw_forces(
     largest_force = max(float(np.hypot(*force[is_drawn].T).max(initial=0.0)) for force in (elastic, friction))
     for force, colour in ((elastic, FORCE_COLOUR), (friction, FRICTION_COLOUR)):
         is_nonzero = is_drawn & (np.hypot(*force.T) > 0)
-        # Specify arrows in inches, so that their directions do not depend on the scales of the axes.
+        # Arrows are specified in inches, so that their directions do not depend on the scales of the axes.
         axes.quiver(
             *positions[is_nonzero].T,
             *force[is_nonzero].T,
@@ -202,7 +206,8 @@ def _draw_forces(
 # ---- All contacts of a member ---------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area (square points) of the marker for the contact with the largest load
+# Area (square points) of the marker for the contact with the largest load.
+_MAX_MARKER_AREA = 60.0
 
 
 def contacts_and_pressure_figure(
@@ -381,12 +386,11 @@ def _draw_profile_contacts(
 ) -> None:
     """Draw two profiles in full length, and a magnified part around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    is_finite = np.isfinite(gap)  # missing heights are interpolated between measured heights
+    # Missing heights are interpolated between measured heights.
+    is_finite = np.isfinite(gap)
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
-    centre_positions, width = (
-        picture["contact_x"].values,
-        picture["contact_patch_area"].values,
-    )  # profiles are assumed to be 1 µm wide, so a contact area in µm² equals the contact width in µm
+    # Profiles are assumed to be 1 µm wide, so a contact area in µm² equals the contact width in µm.
+    centre_positions, width = picture["contact_x"].values, picture["contact_patch_area"].values
     zoom_slice = slice(
         *np.searchsorted(x, _choose_zoom_range(x, centre_positions, width, picture["contact_force"].values))
     )

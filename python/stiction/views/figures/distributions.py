@@ -22,7 +22,8 @@ from stiction.views.style import (
     new_figure,
 )
 
-MIN_COMPASS_DIRECTIONS = 3  # minimum number of directions of motion for which friction is drawn as a polar plot
+# Friction is drawn as a polar plot for at least this number of directions of motion.
+MIN_COMPASS_DIRECTIONS = 3
 MAX_COMPASS_RINGS = 5
 
 
@@ -123,7 +124,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 def _find_polar_angle_of_labels(degrees: Floats) -> float:
     """Return the direction (degrees) in the first quadrant that is farthest from all points and from the spokes."""
-    # Use the first of several equally distant directions.
+    # Among equally distant directions, `argmax` returns the first.
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
     distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)

@@ -47,15 +47,17 @@ from stiction.views.style import (
 MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.85
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
-CURVE_LABEL_SPACING = 2.4  # minimum distance (mm) between curve labels
+# Minimum distance (mm) between curve labels.
+CURVE_LABEL_SPACING = 2.4
 # Largest ratio of an axis limit to the largest mean. Interval bands that extend further are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
-HEADING_HEIGHT = 4.0  # height (mm) of a heading line above a figure
+# Height (mm) of a heading line above a figure.
+HEADING_HEIGHT = 4.0
 MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
 
-# contributions of red, green and blue to the luminance of a colour
+# Red, green and blue contribute with these weights to the luminance of a colour.
 _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -147,7 +149,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-            # Place the legend above the panel, so that it covers no curve.
+            # Above the panel, the legend covers no curve.
             ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
@@ -221,7 +223,8 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    ticks = ticks[:: max(1, -(-len(ticks) // 8))]  # keep at most about 8 ticks, because more labels do not fit
+    # More than about 8 tick labels do not fit.
+    ticks = ticks[:: max(1, -(-len(ticks) // 8))]
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
     axes.xaxis.tick_top()
@@ -239,7 +242,8 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     lower_limit, upper_limit = (
         np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
     )
-    step = 10.0 ** np.floor(np.log10(lower_limit)) / 2  # step of which both limits of the colour scale are multiples
+    # Both limits of the colour scale are multiples of this step.
+    step = 10.0 ** np.floor(np.log10(lower_limit)) / 2
     lower_limit, upper_limit = max(np.floor(lower_limit / step) * step, step), np.ceil(upper_limit / step) * step
     return LogNorm(lower_limit, max(upper_limit, lower_limit + step))
 
@@ -289,11 +293,12 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        # Draw a black and a white line, because one of them is visible on any colour.
+        # Of a black and a white line, one is visible on any colour.
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            axes.add_artist(patch)  # `add_patch` would be slow, because it computes axis limits from all cells
+            # `add_patch` would be slow, because it computes axis limits from all cells.
+            axes.add_artist(patch)
 
 
 _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white", "hatch": "\\\\", "linewidth": 0}
@@ -332,7 +337,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
     handles: list[Any] = []
     if has_asperities and (find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION).any():
         invalid_label = "model not valid (dotted): most load on overlaps $> R/10$"
-        # Draw denser hatching in the legend than in the chart, because the legend patch is small.
+        # The legend patch is small, so its hatching is denser than in the chart.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
     fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
@@ -410,7 +415,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # Compute the axis limits from the means alone, so that very wide interval bands are cut off.
+        # The axis limits follow from the means alone, so that very wide interval bands are cut off.
         positive_areas = (area_factor * area)[area > 0]
         ax.set_ylim(positive_areas.min() / MAX_DRAWN_BAND_RATIO, positive_areas.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)

@@ -34,7 +34,7 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the limit of the friction axis to the highest mean. Wider intervals are cut off."""
 
-# Maximum number of directions for which a figure shows single directions besides their mean.
+# A figure shows single directions besides their mean for at most this number of directions.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
@@ -70,7 +70,8 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: closure and closure stiffness over nominal pressure."""
-    pressure_per_load = 1000 / float(points["nominal_area"])  # nominal pressure divided by the load, MPa/mN
+    # Nominal pressure divided by the load (MPa/mN).
+    pressure_per_load = 1000 / float(points["nominal_area"])
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
@@ -150,13 +151,14 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-MIN_MARKER_WAVELENGTH_RATIO = 1.05  # minimum ratio of two wavelengths whose markers do not overlap
+# The markers of two wavelengths do not overlap from this ratio on.
+MIN_MARKER_WAVELENGTH_RATIO = 1.05
 SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
-# longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff
+# Longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff.
 MAX_CLOSED_FORM_TO_CUTOFF_RATIO = 8.0
-# shortest wavelength for which extrapolated friction is drawn, as a fraction of the shortest cutoff
+# Shortest wavelength for which extrapolated friction is drawn, as a fraction of the shortest cutoff.
 MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
@@ -205,7 +207,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # End the unresolved band left of the first point, even if unfiltered scans resolve no shorter wavelength than
+        # The unresolved band ends left of the first point, even if unfiltered scans resolve no shorter wavelength than
         # the first cutoff.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
@@ -279,7 +281,8 @@ def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        return  # both directions have the same friction if it acts at all contacts
+        # Both directions have the same friction if it acts at all contacts.
+        return
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
         name = f"  upper body to {direction_text(float(direction))} alone"

@@ -105,7 +105,8 @@ def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-NUM_CURVE_POINTS = 200  # number of points to which a drawn curve is interpolated
+# A drawn curve is interpolated to this number of points.
+NUM_CURVE_POINTS = 200
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
@@ -126,7 +127,8 @@ def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) ->
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-_MAX_MARKER_AREA = 60.0  # area (square points) of the largest marker of a contact
+# Area (square points) of the largest marker of a contact.
+_MAX_MARKER_AREA = 60.0
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
@@ -213,7 +215,8 @@ def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: in
     """
     lines = np.moveaxis(counts, axis, 0)
     sums = np.pad(lines, [(width, width - 1)] + [(0, 0)] * (lines.ndim - 1))
-    for num_zeros in (0, 1):  # summation over `width` elements, twice
+    # Two sums over `width` elements in succession have triangular weights.
+    for num_zeros in (0, 1):
         cumulative = np.cumsum(np.pad(sums, [(num_zeros, 0)] + [(0, 0)] * (lines.ndim - 1)), axis=0)
         sums = cumulative[width:] - cumulative[:-width]
     return np.moveaxis(sums, 0, axis)
@@ -229,7 +232,8 @@ _ONSET_PANELS = {
 }
 """Unit factor, axis label, and whether the axis is logarithmic, for each panel."""
 
-LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")  # colours of onset curves, from the lowest to the highest load
+# Colours of onset curves, from the lowest to the highest load.
+LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:

@@ -21,11 +21,12 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_LENGTH_IN_MILLIMETRES, PAGE_WIDTH, new_figure
 
-# maximum number of drawn points of a profile; neighbouring points of a longer profile are averaged
+# Neighbouring points of a profile with more points are averaged before it is drawn.
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_SPECTRUM_COLOUR, FITTED_LINE_COLOUR = "#0072b2", "#d55e00"
-TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)  # allowed distances between ticks, divided by a power of ten
+# Allowed distances between ticks, divided by a power of ten.
+TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
 
 
 def characterisation_figure(body: Profile | Surface | Characterisation, **options: Any) -> Figure:
@@ -88,7 +89,8 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
-    axes.locator_params(axis="x", nbins=3)  # few ticks, because the panel is narrow for a profile
+    # The panel is narrow for a profile, so it has few ticks.
+    axes.locator_params(axis="x", nbins=3)
 
 
 def _draw_spectrum(axes: Axes, result: Characterisation) -> None:
@@ -132,7 +134,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         exponent, exponent_scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
-        # Draw the fitted line through the mean level of the spectrum in the fitted band.
+        # The fitted line passes through the mean level of the spectrum in the fitted band.
         mean_log_factor = np.log(
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()
@@ -157,7 +159,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    # Limit the colour scale by quantiles, because single dust grains would otherwise determine its range.
+    # Quantiles limit the colour scale, because single dust grains would otherwise determine its range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,

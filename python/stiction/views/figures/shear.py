@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from stiction._number_format import choose_prefixed_unit
 from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_CONTACT_COLOUR, new_figure
 
-MARKER_AREA = 2.0  # area (square points) of the marker for a contact point
+# Area (square points) of the marker for a contact point.
+MARKER_AREA = 2.0
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
 """Colour map of pressures, without pale colours, which would not be visible on white."""
 
@@ -82,7 +83,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
         return
     y = pressure["y"].values / factor
     rows, columns = np.nonzero(megapascals > 0)
-    # Draw markers larger than a grid cell, because a single cell would be invisible.
+    # Markers are larger than a grid cell, because a single cell would be invisible.
     image = axes.scatter(
         x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=PRESSURE_COLOURS, vmin=0
     )

@@ -153,7 +153,8 @@ def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tup
             case "area":
                 for suffix, motion_result in iterate_motions(result):
                     yield f"area{suffix}", partial(_area_figure, motion_result)
-            case "onset":  # only studies with one direction and friction at all contacts store the onset
+            # Only studies with one direction and friction at all contacts store the onset.
+            case "onset":
                 yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
 
 

@@ -149,7 +149,7 @@ def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-# formats of percentages, equal to those of `stiction at --verbose`
+# `stiction at --verbose` prints percentages with the same formats.
 _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 

@@ -191,7 +191,8 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     ]
 
 
-MAX_LISTED_PROCESSING_STEPS = 20  # maximum number of listed processing steps of a body
+# At most this number of processing steps of a body is listed.
+MAX_LISTED_PROCESSING_STEPS = 20
 
 
 def _history_markup(side: str, history: BodyHistory) -> str:

@@ -71,7 +71,7 @@ def read_package_file(name: str) -> str:
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
     """Return the scripts of a page and their data as HTML: `facts` as JSON, and arrays as encoded numbers."""
-    # Escape "<", so that the JSON text contains no tag that would end the script element.
+    # Without "<", the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
     packed_numbers = "".join(script_template.format(*item) for item in packed_arrays.items())
@@ -81,7 +81,8 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-MAX_SHOWN_LINE_LENGTH = 400  # maximum number of characters of a line from a file in a report
+# Maximum number of characters of a line from a file in a report.
+MAX_SHOWN_LINE_LENGTH = 400
 
 
 def escape_html(text: object) -> str:

@@ -221,9 +221,10 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# Maximum number of vertices of a figure element that is drawn as vectors. Larger elements become pixels.
+# A figure element with at most this number of vertices is drawn as vectors. Larger elements become pixels.
 MAX_SVG_VERTICES = 1000
-RASTER_DPI = 200  # resolution (dots per inch) of figure elements that are drawn as pixels
+# Resolution (dots per inch) of figure elements that are drawn as pixels.
+RASTER_DPI = 200
 
 _CSS_COLOURS = {
     **dict.fromkeys(("#000000", "#262626", "#333333", "#404040", "#444444"), "var(--ink)"),

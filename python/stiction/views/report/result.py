@@ -120,7 +120,8 @@ def evaluate_report(
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
-    with contextlib.suppress(ValueError):  # the error is raised again when the report is requested
+    # The error is raised again when the report is requested.
+    with contextlib.suppress(ValueError):
         collect_data_once()
     with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
         yield partial(_draw_report, collect_data_once, get_content)
@@ -142,7 +143,8 @@ def _draw_report(
     get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
     """Draw the figures of a report in a copy of this process, and yield a function that returns the report."""
-    from stiction.views.report.pictures import draw_panels  # imported here, because the module imports Matplotlib
+    # The module of `draw_panels` imports Matplotlib, so it is imported only here.
+    from stiction.views.report.pictures import draw_panels
 
     with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:
         yield lambda: _build_page(get_data(), get_panel_markup(), *get_content())

@@ -15,10 +15,11 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_NUMBER_ROUNDED_TO_ONE, NumberFormat
 
-# Number of leading bytes of each double that a report stores. Four bytes give a relative precision of 5e-7.
+# A report stores this number of leading bytes of each double. Four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
-_COMPRESSION_LEVEL = 7  # zlib level; six times as fast as level 9, and files are only 0.5 % larger
+# Level 7 of zlib is six times as fast as level 9, and files are only 0.5 % larger.
+_COMPRESSION_LEVEL = 7
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
@@ -139,7 +140,8 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, formats, texts)
 
 
-QUANTITY_DIGITS = 2  # number of printed digits of an interval's half width, equal to that on the terminal
+# The half width of an interval has this number of printed digits, as on the terminal.
+QUANTITY_DIGITS = 2
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
