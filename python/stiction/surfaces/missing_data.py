@@ -22,9 +22,10 @@ MIN_OUTLIER_SIGMAS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-# smallest deviation of an outlier from its neighbours, in median absolute deviations
+# Smallest deviation of an outlier from its neighbours, in median absolute deviations.
 _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
-MAX_OUTLIER_GROUP_SIZE = 4  # maximum number of adjacent outliers; more adjacent points are a feature of the surface
+# Maximum number of adjacent outliers. More adjacent points are a feature of the surface.
+MAX_OUTLIER_GROUP_SIZE = 4
 
 # Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
 # Independent rounding errors give 0.25 steps from means of neighbours, 0.21 to 0.33 from lines through neighbours.
@@ -36,20 +37,22 @@ _MAX_FLAT_FRACTION = 0.25
 # If at least this fraction of the points is rough, flat regions count as clipped or filled.
 _MIN_ROUGH_FRACTION = 0.02
 
-_WINDOW_WIDTHS = {1: 31, 2: 7}  # width (points) of the window for local medians in profiles (key 1) and maps (key 2)
-# Minimum number of neighbour means from which the height of a point is estimated.
-# With three means, the median is correct even if an outlier affects one mean.
+# Width (points) of the window for local medians in profiles (key 1) and maps (key 2).
+_WINDOW_WIDTHS = {1: 31, 2: 7}
+# Minimum number of neighbour means from which the height of a point is estimated. With three means, the median is
+# correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance.
-# Each point is compared with at least five lines.
+# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance. Each point is
+# compared with at least five lines.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
-# maximum number of points of a map whose deviations from neighbours are computed in one strip of rows
+# Deviations from neighbours are computed for strips of rows with at most this number of points.
 _MAX_STRIP_POINTS = 16_384
-_MAX_WINDOWS_PER_BATCH = 100_000  # maximum number of windows whose medians are computed together
-# minimum number of edge points, or of rough points beside flat regions, for a separate median deviation
+# The medians of at most this number of windows are computed together.
+_MAX_WINDOWS_PER_BATCH = 100_000
+# A separate median deviation requires this number of edge points, or of rough points beside flat regions.
 _MIN_EDGE_POINTS = 20
 
 
@@ -145,7 +148,8 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Compare only outliers of the whole scan with their neighbourhood, because this test only removes candidates.
+        # Only outliers of the whole scan are compared with their neighbourhood, because this test only removes
+        # candidates.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -156,7 +160,8 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
         is_deviating = ratio > _MIN_OUTLIER_RATIO
         if not is_deviating.any():
             break
-        from scipy.ndimage import maximum_filter  # takes 0.1 s, and most scans have no outliers
+        # This import takes 0.1 s, and most scans have no outliers.
+        from scipy.ndimage import maximum_filter
 
         is_local_maximum = is_deviating & (ratio >= maximum_filter(ratio, size=3))
         is_outlier |= is_local_maximum
@@ -214,7 +219,8 @@ def _find_neighbour_deviations(
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    resolution = 1.01 * max(step, round_off)  # deviations above this limit (µm) exceed one rounding step
+    # Deviations above this limit (µm) exceed one rounding step.
+    resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter
 
@@ -275,7 +281,8 @@ def _compute_deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Extrapolate each height linearly from its neighbours: from both sides in profiles, from eight directions in maps.
+    # Each height is extrapolated linearly from its neighbours: from both sides in profiles, from eight directions in
+    # maps.
     extrapolated_heights = (
         [_compute_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1

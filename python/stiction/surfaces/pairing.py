@@ -34,14 +34,18 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift between two maps is the map length divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
-MIN_PIECE_SIDE_POINTS = 16  # minimum number of rows and of columns of a piece that is cut from a map
-MAX_SURROGATE_SIDE_POINTS = 512  # maximum number of rows and of columns of a surrogate map
+# A piece that is cut from a map has at least this number of rows and of columns.
+MIN_PIECE_SIDE_POINTS = 16
+MAX_SURROGATE_SIDE_POINTS = 512
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-_PLASTIC_NUMBER = 1.324717957244746  # real root of x^3 = x + 1, the base of two-dimensional quasi-random points
-_QUINTIC_ROOT = 1.1673039782614187  # real root of x^5 = x + 1, the base of four-dimensional quasi-random points
-GRID_POINTS_PER_WAVELENGTH = 4  # number of grid points per shortest wavelength of a generated surface
+# This real root of x^3 = x + 1 is the base of two-dimensional quasi-random points.
+_PLASTIC_NUMBER = 1.324717957244746
+# This real root of x^5 = x + 1 is the base of four-dimensional quasi-random points.
+_QUINTIC_ROOT = 1.1673039782614187
+# A generated surface has this number of grid points per shortest wavelength.
+GRID_POINTS_PER_WAVELENGTH = 4
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
@@ -73,7 +77,8 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    count: int | None = None  # number of equally spaced pairs of lines, or None for an unlimited sequence of pairs
+    # Number of equally spaced pairs of lines, or None for an unlimited sequence of pairs.
+    count: int | None = None
 
     def max_pair_count(self) -> int | None:
         """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
@@ -145,7 +150,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # Use a step near the golden ratio times the line count, and without a common divisor with the line count.
+        # The step is near the golden ratio times the line count, and has no common divisor with the line count.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -277,10 +282,13 @@ class MapPairs:
     image.
     """
 
-    upper: Surface  # map of the upper body after flipping: heights are positive upwards, into the body
+    # Map of the upper body after flipping. Its heights are positive upwards, into the body.
+    upper: Surface
     lower: Surface
-    level: SurfaceTrend = "plane"  # trend that is subtracted from each piece of a map
-    seed: int = 2016  # seed of the random phases of surrogates
+    # This trend is subtracted from each piece of a map.
+    level: SurfaceTrend = "plane"
+    # Seed of the random phases of surrogates.
+    seed: int = 2016
     # Shifts (x, y) of the upper map (µm) that replace the default shifts.
     shifts: tuple[tuple[float, float], ...] | None = None
 
@@ -452,9 +460,11 @@ class SquarePiecePairs:
 class IsotropicSurfacePairs(SquarePiecePairs):
     """Pairs of pieces from isotropic random height maps that have the spectra of two profiles."""
 
-    upper: Profile  # levelled and flipped profile of the upper body
+    # Levelled and flipped profile of the upper body.
+    upper: Profile
     lower: Profile
-    level: SurfaceTrend = "plane"  # trend that is subtracted from each surrogate map
+    # This trend is subtracted from each surrogate map.
+    level: SurfaceTrend = "plane"
     seed: int = 2016
 
     @cached_property
@@ -507,14 +517,13 @@ class SpectralSurfacePairs(SquarePiecePairs):
     # Spectrum of the upper body. It is also the spectrum of the flipped body.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
-    level: SurfaceTrend = "plane"  # trend that is subtracted from each generated surface
+    # This trend is subtracted from each generated surface.
+    level: SurfaceTrend = "plane"
     seed: int = 2016
-    # cutoff wavelengths (µm) of the upper and the lower body; 0 means unfiltered
+    # Cutoff wavelengths (µm) of the upper and the lower body. 0 means unfiltered.
     cut_off: tuple[float, float] = (0.0, 0.0)
-    finest_spacing: float = (
-        # Shortest cutoff (µm) of a study, which determines the grid of the generated surfaces at all cutoffs.
-        0.0
-    )
+    # Shortest cutoff (µm) of a study. It determines the grid of the generated surfaces at all cutoffs.
+    finest_spacing: float = 0.0
 
     @cached_property
     def _grid_spacing(self) -> float:  # type: ignore[override]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from stiction._repr import TextReprMixin, format_number_and_unit, table_html
 
-NOT_LEVELLED_VALUE = "no"  # value of the field `levelled` if the heights are not levelled
+# Value of the field `levelled` if the heights are not levelled.
+NOT_LEVELLED_VALUE = "no"
 
 
 @dataclass(frozen=True)

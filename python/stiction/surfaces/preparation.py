@@ -18,9 +18,10 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-GridAlignment = Literal["start", "middle"]  # part of the longer of two bodies that is kept: its start or its middle
-# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
-# The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+# Part of the longer of two bodies that is kept: its start or its middle.
+GridAlignment = Literal["start", "middle"]
+# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing. The
+# tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
 # A levelled body contains only round-off if its largest height is below this fraction of the original largest height.
 LEVELLING_ROUND_OFF = 1e-14
@@ -427,7 +428,7 @@ def _resample_along_axis(
         return heights[selected_slice] if axis == 0 else heights[:, selected_slice]
     from scipy.interpolate import CubicSpline
 
-    # Prevent round-off from moving a position beyond the last point.
+    # Round-off must not move a position beyond the last point.
     positions = np.minimum(start + np.arange(points) * ratio, last_index)
     if heights.dtype == np.bool_:
         return _resample_missing_mask(heights, positions, axis)
@@ -506,11 +507,11 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    # For each point of the rotated map, compute the position in the original map.
+    # Each point of the rotated map has this position in the original map.
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    # Prevent round-off from moving positions beyond the sides of the map.
+    # Round-off must not move positions beyond the sides of the map.
     source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
     heights, missing = spline.ev(source_row, source_column), None
     if surface.missing is not None:

@@ -23,13 +23,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-Side = Literal["lower", "upper"]  # one of the two bodies of a pair
+# One of the two bodies of a pair.
+Side = Literal["lower", "upper"]
 # Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-MAX_POINTS = 100_000_000  # maximum number of points of a generated body; its heights then take 0.8 GB of memory
+# The heights of a generated body with this number of points take 0.8 GB of memory.
+MAX_POINTS = 100_000_000
 # Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-MIN_POINTS = 4  # minimum number of points of a profile, for a natural cubic spline with two interior points
+# A natural cubic spline with two interior points needs this number of points.
+MIN_POINTS = 4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +52,7 @@ class Body(PlotReprMixin):
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
             raise ValueError(f"spacing must be {allowed}, got {short_repr(spacing)}")
-        # Copy the heights, because the caller may modify the array.
+        # The caller may modify the array of heights, so it is copied.
         if heights.flags.writeable or not heights.flags.owndata:
             heights = make_read_only(heights.copy())
         object.__setattr__(self, "heights", heights)
@@ -59,7 +62,8 @@ class Body(PlotReprMixin):
         if self.missing is not None:
             try:
                 missing = np.array(self.missing)
-            except ValueError:  # NumPy rejects a nested list whose rows have different lengths
+            except ValueError:
+                # NumPy rejects a nested list whose rows have different lengths.
                 missing = np.array(None)
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
@@ -68,7 +72,7 @@ class Body(PlotReprMixin):
             object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickle a body with its constructor, which makes the heights read-only again.
+        # Unpickling calls the constructor of a body, which makes the heights read-only again.
         return partial(type(self), spacing=self.spacing, history=self.history, missing=self.missing), (self.heights,)
 
     @property

@@ -18,22 +18,30 @@ from stiction.surfaces.preparation import inscribed_rectangle, interpolate_rotat
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
 
-MAX_ROTATION = 3.0  # largest rotation (degrees) in the search for the best fit of two faces
-ROTATION_STEP = 0.5  # rotation step (degrees) in the search for the best fit of two coarse maps
-GRID_TOLERANCE = 0.02  # a shift that differs from whole points by less than this fraction of a point is rounded
+# Largest rotation (degrees) in the search for the best fit of two faces.
+MAX_ROTATION = 3.0
+# Rotation step (degrees) in the search for the best fit of two coarse maps.
+ROTATION_STEP = 0.5
+# A shift that differs from whole points by less than this fraction of a point is rounded.
+GRID_TOLERANCE = 0.02
 # Two faces fit only if their slope correlation at all other shifts is below this fraction of the largest correlation.
 MAX_SECOND_CORRELATION_RATIO = 0.7
-MIN_OVERLAP_FRACTION = 0.5  # minimum overlap of two faces along each axis, relative to the length of the shorter face
-# minimum number of points along each axis of coarse profiles (key 1) or maps (key 2) whose slopes are correlated
+# Minimum overlap of two faces along each axis, relative to the length of the shorter face.
+MIN_OVERLAP_FRACTION = 0.5
+# Coarse profiles (key 1) or maps (key 2) whose slopes are correlated have at least this number of points along each
+# axis.
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# maximum number of points along each axis of coarse profiles (key 1) or maps (key 2) in the search for the best fit
+# In the search for the best fit, coarse profiles (key 1) or maps (key 2) have at most this number of points along each
+# axis.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
-_MAX_REFINEMENTS = 20  # maximum number of Gauss-Newton steps in the registration of two faces
+# The registration of two faces makes at most this number of Gauss-Newton steps.
+_MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
 _STEP_FRACTIONS = (1.0, 0.5, 0.25)
 # The registration has converged if a step moves no corner of the upper face by more than this distance (points).
 _CONVERGENCE_DISTANCE = 1e-4
-_CORRELATION_PEAK_HALF_WIDTH = 0.05  # half width of the correlation peak of two faces, as a fraction of their length
+# Half width of the correlation peak of two faces, as a fraction of their length.
+_CORRELATION_PEAK_HALF_WIDTH = 0.05
 
 
 @dataclass(frozen=True)

@@ -24,15 +24,20 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MIN_HEIGHT_RANGE = 1e-70  # minimum height range of a scan (µm); powers of smaller heights underflow
-MIN_CORRELATION = 0.5  # minimum height correlation at which two scans are regarded as scans of the same area
+# Minimum height range (µm) of a scan. Powers of smaller heights underflow.
+MIN_HEIGHT_RANGE = 1e-70
+# Two scans are regarded as scans of the same area only from this height correlation on.
+MIN_CORRELATION = 0.5
 # Standard deviations (points) of the Gaussian filters that smooth both scans in successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
-_NUM_REFINEMENT_STEPS = 4  # number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans
+# Number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans.
+_NUM_REFINEMENT_STEPS = 4
 # Distance (points) of independent heights in white noise after a Gaussian filter (standard deviation one point).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-_OVERLAP_MARGIN = 3  # number of points that spline interpolation requires beyond the overlap of two scans
-_NUM_TRIAL_CUTOFFS = 400  # number of cutoffs that are tried in the search for the shortest sufficient cutoff
+# Spline interpolation requires this number of points beyond the overlap of two scans.
+_OVERLAP_MARGIN = 3
+# This number of cutoffs is tried in the search for the shortest sufficient cutoff.
+_NUM_TRIAL_CUTOFFS = 400
 # A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4
 
@@ -318,7 +323,8 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
-    if _is_integer_shift(shift):  # a shift by a whole number of points needs no interpolation
+    # A shift by a whole number of points needs no interpolation.
+    if _is_integer_shift(shift):
         return a[overlap], b[np.ix_(*(np.round(axis_positions).astype(np.intp) for axis_positions in positions))]
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5)
 

@@ -27,12 +27,14 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 # Factor c of `instrument_limit`: a tip of radius R follows a surface only if the surface's rms curvature is below c/R.
 TIP_CURVATURE_FACTOR = 0.1
-# number of wave number bins per decade in which rms slope and rms curvature are computed
+# Rms slope and rms curvature are computed in this number of wave number bins per decade.
 _ROUGHNESS_BINS_PER_DECADE = 48
-_NOISE_BINS_PER_OCTAVE = 8  # number of wave number bins per octave in the search for instrument noise
-_WINDOW_OCTAVES = (1.0, 2.0)  # widths (octaves) of the windows in which the exponent of a spectrum is fitted
-# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0.
-# The exponents of measured and surface spectrum must differ by at least this number of standard deviations.
+# The search for instrument noise uses this number of wave number bins per octave.
+_NOISE_BINS_PER_OCTAVE = 8
+# The exponent of a spectrum is fitted in windows of these widths (octaves).
+_WINDOW_OCTAVES = (1.0, 2.0)
+# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0. The exponents
+# of measured and surface spectrum must differ by at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument at wavelengths up to this limit (points), else to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
@@ -43,14 +45,15 @@ _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_UNATTRIBUTED_FRACTION = 0.1
-# Ratio of a filter's cutoff to the wavelength that the filter must remove.
-# At a ratio of 1.9, a Gaussian filter transmits 8 % of the amplitude.
+# Ratio of a filter's cutoff to the wavelength that the filter must remove. At a ratio of 1.9, a Gaussian filter
+# transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4  # smallest fraction of the mean square slope that is not due to round-off
+# A smaller fraction of the mean square slope is round-off.
+_MIN_SLOPE_FRACTION = 1e-4
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent.
-# In 1080 generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
+# A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent. In 1080
+# generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
@@ -60,11 +63,12 @@ _MAX_FLAT_EXPONENT = 0.35
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
-# Kinds of noise that are always attributed to the instrument, and never to the surface.
+# These kinds of noise are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0  # maximum ratio of noise densities along x and y that are regarded as equal
-# A spectrum can hide noise if its density is at least this multiple of the noise density.
-# The ratio of spectral to noise density is below 1 to allow for random scatter.
+# Noise densities along x and y are regarded as equal up to this ratio.
+_MAX_EQUAL_NOISE_RATIO = 2.0
+# A spectrum can hide noise if its density is at least this multiple of the noise density. The ratio of spectral to
+# noise density is below 1 to allow for random scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # Noise along one axis can be hidden along the other only if at least this number of lines have independent noise.
 _MIN_INDEPENDENT_LINES = 8.0
@@ -443,7 +447,7 @@ def instrument_limit(
         _find_noise_and_texture(*disturbance, periodic=periodic, textured=texture) for disturbance in spectra
     ]
     total_mean_square_slope = sum(float(np.square(q) @ density) * float(q[0]) / math.pi for q, density, *_ in spectra)
-    # Ignore noise along an axis without roughness, where the spectrum contains only round-off.
+    # Along an axis without roughness, the spectrum contains only round-off, which is not reported as noise.
     noise_wavelengths = [
         disturbance.wavelength_limit
         if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_mean_square_slope
@@ -463,7 +467,7 @@ def instrument_limit(
     )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
         is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
-        # If noise differs between x and y, report the axis with more noise in the mean square slope.
+        # If noise differs between x and y, the axis with more noise in the mean square slope is reported.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
@@ -534,7 +538,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
         log_lower, log_upper = (
             (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
         )
-    # Round the cutoff to two digits, so that repeated scans usually get the same cutoff.
+    # The cutoff is rounded to two digits, so that repeated scans usually get the same cutoff.
     return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
@@ -624,12 +628,13 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _NoiseAndTexture(NamedTuple):
     """Noise and periodic texture in a line spectrum: the wavelength limit of the noise, and the texture period."""
 
-    # Upper limit of the wavelengths that noise affects, µm; NaN without noise.
+    # Upper limit (µm) of the wavelengths that noise affects. It is NaN without noise.
     wavelength_limit: float
     noise_kind: str
-    # contribution of noise to the mean square slope of the profile or map lines
+    # Contribution of noise to the mean square slope of the profile or map lines.
     mean_square_slope: float
-    period: float  # wavelength of a periodic texture, µm; NaN without a texture
+    # Wavelength (µm) of a periodic texture. It is NaN without a texture.
+    period: float
 
 
 def _find_noise_and_texture(
@@ -641,7 +646,7 @@ def _find_noise_and_texture(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _NoiseAndTexture(math.nan, "noise floor", 0.0, period)
-        # Search for noise above the first harmonic, near which cusps of unequal depth cause a hump.
+        # Noise is searched for above the first harmonic, near which cusps of unequal depth cause a hump.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
@@ -696,7 +701,7 @@ def _find_noise_wavelength(
     The limit is NaN if there is no noise.
     """
     no_noise = math.nan, "noise floor"
-    # Exclude the first two harmonics, to which the Hann window adds power from longer wavelengths.
+    # The Hann window adds power from longer wavelengths to the first two harmonics, so they are excluded.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     if q.size < _NOISE_BINS_PER_OCTAVE:
@@ -829,6 +834,6 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether rounding of the heights causes the noise of a body."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step s adds noise with the variance s²/12.
-    # The mean square second difference of white noise is six times its variance.
+    # Rounding to a step s adds noise with the variance s²/12. The mean square second difference of white noise is six
+    # times its variance.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

@@ -39,11 +39,12 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
-_NUM_FLANK_POINTS = 4  # number of points on each side of a spike from which its height is measured
-# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
-# In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
+# The height of a spike is measured from this number of points on each side.
+_NUM_FLANK_POINTS = 4
+# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height. In a Gaussian
+# groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
 _MIN_SPIKE_STEP_RATIO = 0.7
-# minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height
+# Minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height.
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
 
 # A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
@@ -54,10 +55,11 @@ MIN_LAY_RATIO = 2.0
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
-MAX_LAY_RATIO = 1000.0  # largest reported ratio of the rms slopes across and along the lay of a map
-# Number of strips along each axis of a scan whose rms slopes are compared.
+# Largest reported ratio of the rms slopes across and along the lay of a map.
+MAX_LAY_RATIO = 1000.0
+# The rms slopes of this number of strips along each axis of a scan are compared.
 _NUM_STRIPS = 8
-# Minimum number of points per strip; in smaller scans, no drift of the roughness is searched for.
+# If strips have fewer points, no drift of the roughness is searched for.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
 """Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
@@ -236,7 +238,8 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     if min(heights.shape) <= _NUM_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
     differences = [np.diff(heights, axis=axis) / body.spacings[axis] for axis in range(heights.ndim)]
-    if heights.ndim == 2:  # compute the derivatives along x and y at the centres of the grid cells
+    # The derivatives along x and y are computed at the centres of the grid cells.
+    if heights.ndim == 2:
         differences = [
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2
         ]  # fmt: skip
@@ -304,11 +307,12 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import maximum_filter, median_filter
 
-    rounding_error = body.height_step / math.sqrt(12)  # rms error of a height due to rounding
+    # Rounding causes this rms error of a height.
+    rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point beside a large second difference is also sharp, as in a spike of several points.
-        # At both ends of a profile, the second difference is unknown and set to 0.
+        # A point beside a large second difference is also sharp, as in a spike of several points. At both ends of a
+        # profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -318,7 +322,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # Use the rounding error as lower limit of the usual distance, because the median of rounded heights can be 0.
+    # The rounding error is a lower limit of the usual distance, because the median of rounded heights can be 0.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 
@@ -344,7 +348,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 
     for (group,) in find_objects(label(outliers)[0]):
         width = group.stop - group.start
-        # Skip a group of outliers at an end of the profile, because it may be one side of a groove or a ridge.
+        # A group of outliers at an end of the profile is skipped, because it may be one side of a groove or a ridge.
         if width > 1 and (group.start == 0 or group.stop == outliers.size):
             continue
         deviation = max((profile.heights - remaining_heights)[group].tolist(), key=abs)

@@ -26,8 +26,9 @@ from stiction.surfaces.roughness import (
 from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
-DEFAULT_SECTION_COUNT = 5  # default number of sections in an evaluation length
-_RDC_MATERIAL_RATIOS = 0.2, 0.8  # two material ratios: their difference in height is the parameter Rdc
+DEFAULT_SECTION_COUNT = 5
+# The parameter Rdc is the difference in height between these two material ratios.
+_RDC_MATERIAL_RATIOS = 0.2, 0.8
 
 
 class SettingClass(NamedTuple):
@@ -51,7 +52,8 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm (as in ISO 4288)."""
 
-_INITIAL_SETTING_CLASS_INDEX = 2  # index of the setting class at which the search for a suitable class starts
+# The search for a suitable setting class starts at this index.
+_INITIAL_SETTING_CLASS_INDEX = 2
 
 
 class SectionLengthError(ValueError):
@@ -259,7 +261,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # no setting class is consistent: results of one class require another class, and vice versa
+    # No setting class is consistent: results of one class require another class, and vice versa.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:

@@ -264,11 +264,12 @@ def self_affine_surface(
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
     for i in range(max_orders[0] + 1):
-        # Compute wave numbers relative to the wave number of the longest wavelength.
+        # Wave numbers are divided by the wave number of the longest wavelength.
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
         is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            is_included &= j > 0  # coefficients with j < 0 are the complex conjugates of coefficients with j > 0
+            # Coefficients with j < 0 are the complex conjugates of coefficients with j > 0.
+            is_included &= j > 0
         count = int(np.flatnonzero(is_included)[-1]) + 1 if is_included.any() else 0
         if count == 0:
             continue

@@ -23,9 +23,12 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROUND_OFF_FACTOR = 1 + 1e-9  # factor that allows for round-off when two lengths are compared
-_PEAK_BINS_PER_DECADE = 24  # number of bins per decade in the search for peaks of a spectrum
-_PEAK_WINDOW_BINS = 6  # number of bins on each side of a peak from which the median spectral density is computed
+# This factor allows for round-off when two lengths are compared.
+ROUND_OFF_FACTOR = 1 + 1e-9
+# Peaks of a spectrum are searched for in this number of bins per decade.
+_PEAK_BINS_PER_DECADE = 24
+# The median spectral density beside a peak is computed from this number of bins on each side.
+_PEAK_WINDOW_BINS = 6
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of a sum over harmonics: mean(w⁴) / mean(w²)²."""
@@ -95,8 +98,8 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
-    # The first bin starts at the first wave number.
-    # Adding 1e-9 keeps a harmonic at the lower limit of a bin in this bin, despite round-off.
+    # The first bin starts at the first wave number. Adding 1e-9 keeps a harmonic at the lower limit of a bin in this
+    # bin, despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)
@@ -402,7 +405,7 @@ class SurfaceSpectrum(TextReprMixin):
             float(-wave_numbers[0]) if wave_numbers.size % 2 == 0 else float(wave_numbers[-1])
             for wave_numbers in (q_y[:, 0], q_x)
         )
-        # Use only one of two opposite wave vectors, because both describe the same sine wave.
+        # Only one of two opposite wave vectors is used, because both describe the same sine wave.
         is_counted = ((q_y > 0) | ((q_y == 0) & (q_x > 0))) & (q < nyquist_wave_number * (1 - 1e-9))
         ascending_order = np.argsort(q[is_counted], kind="stable")
         directions = np.degrees(

@@ -15,12 +15,13 @@ from stiction.surfaces.profile import MAX_POINTS, Body, Profile, select_from_mas
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
-BodyLike = Any  # type of a function argument that can be a Profile, a Surface, or an array of heights
+# A function argument of this type can be a Profile, a Surface, or an array of heights.
+BodyLike = Any
 
 # Names of the amplitude measures in the C++ core, which processes the heights of a map as a list.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height range of a body (µm); fourth powers of smaller heights underflow.
-# The maximum height range is 1/_MIN_HEIGHT; fourth powers of larger heights overflow.
+# Minimum height range of a body (µm). Fourth powers of smaller heights underflow. The maximum height range is
+# 1/_MIN_HEIGHT. Fourth powers of larger heights overflow.
 _MIN_HEIGHT = 1e-50
 
 

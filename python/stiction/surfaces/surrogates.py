@@ -12,16 +12,18 @@ from stiction.surfaces.profile import Profile, Side, reject_missing_points
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
-_RINGS_PER_DECADE = 12  # number of rings of wave vectors per decade; an empty ring is merged with the next ring
-# Weight of the smoothness penalty, as a number of harmonics: the penalty dominates in rings with fewer harmonics.
+# Number of rings of wave vectors per decade. An empty ring is merged with the next ring.
+_RINGS_PER_DECADE = 12
+# Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with fewer harmonics.
 _SMOOTHNESS_PENALTY = 2.0
-_ROUND_OFF_FRACTION = 1e-14  # densities below this fraction of the largest density count as round-off
-# maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough
+# Densities below this fraction of the largest density count as round-off.
+_ROUND_OFF_FRACTION = 1e-14
+# Maximum number of iterations in the fit of a surrogate's spectrum. About ten are usually enough.
 _MAX_SCORING_STEPS = 1000
 # The fit of a surrogate's spectrum has converged if an iteration changes each ln(density) by less than this number.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default maximum number of rows and of columns of a surrogate.
-# The half-space solution of a map of 512 × 512 points takes some tenths of a second.
+# Default maximum number of rows and of columns of a surrogate. The half-space solution of a map of 512 × 512 points
+# takes some tenths of a second.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
 
@@ -94,9 +96,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Append the mirror image of the profile to remove the jump between the ends.
-        # This adds intermediate harmonics.
-        # The power of an added harmonic is divided equally between the two neighbouring harmonics.
+        # The mirror image of the profile removes the jump between the ends, but adds intermediate harmonics. The power
+        # of an added harmonic is divided equally between the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -238,7 +239,8 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    ring_index = np.searchsorted(edges, q, side="right")  # index 0 stands for wavelengths longer than the profile
+    # Index 0 stands for wavelengths longer than the profile.
+    ring_index = np.searchsorted(edges, q, side="right")
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
     heights, spacings = gaussian_heights(power, seed, repetition, side), (profile.spacing, profile.spacing)
@@ -252,7 +254,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The factor 2 is needed because the real part of complex heights has half of their power.
+    # The real part of complex heights has half of their power, so the factor 2 is needed.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -276,9 +278,9 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     wave_count = np.bincount(bin_index, spectrum.count).astype(np.float64)
     measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / wave_count
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
-    # Add rings for the corners of the grid, where both wave numbers reach the Nyquist wave number.
+    # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Compute the mean spectral density of a line in each bin, for a surface with unit density in one ring.
+    # Mean spectral density of a line in each bin, for a surface with unit density in one ring.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )
@@ -291,7 +293,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     density[-1] = density[-2]
     density = _fit_densities(response, measured_density, wave_count, density)
     predicted_density = response @ density
-    # Scale the densities so that the surrogate has exactly the mean square slope of the profile.
+    # The densities are scaled so that the surrogate has exactly the mean square slope of the profile.
     slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
     density *= float(slope_weights @ measured_density / (slope_weights @ predicted_density))
     return edges, density, np.append(wave_count, 0.0)

@@ -15,21 +15,26 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
-MIN_GRID_POINTS = 9  # minimum number of points in a list of points with grid coordinates in two columns
-# maximum number of grid nodes per point in a list of points with grid coordinates in two columns
+# A list of points with grid coordinates in two columns has at least this number of points.
+MIN_GRID_POINTS = 9
+# A list of points with grid coordinates in two columns has at most this number of grid nodes per point.
 MAX_GRID_NODES_PER_LISTED_POINT = 2
-# maximum number of columns in a list of points, such as coordinates, colours, intensity and normal
+# A list of points has at most this number of columns, such as coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12
-MIN_POINT_ROWS = 12  # minimum number of rows of a table that may be a list of points
-MAX_STATISTIC_LINES = 6  # maximum number of rows or columns of statistics (such as means) along one edge of a matrix
-# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
-# Rounding of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
+# A table with fewer rows cannot be a list of points.
+MIN_POINT_ROWS = 12
+# At most this number of rows or columns along one edge of a matrix are statistics, such as means.
+MAX_STATISTIC_LINES = 6
+# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights. Rounding
+# of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
 MAX_STATISTIC_DEVIATION = 2e-3
-MAX_WRAPPED_COLUMNS = 32  # maximum number of heights per text line of a profile that is written in several lines
-MIN_WRAPPED_LINES = 3  # minimum number of text lines of a profile that is written in several lines
+# Maximum number of heights per text line of a profile that is written in several lines.
+MAX_WRAPPED_COLUMNS = 32
+# Minimum number of text lines of a profile that is written in several lines.
+MIN_WRAPPED_LINES = 3
 # A matrix gets a caveat unless it is more than 100 times as likely as a profile written in several text lines.
 MAX_LIKELIHOOD_RATIO = 100.0
-# the search for a wrapped profile ignores heights beyond this number of median deviations from the median height
+# The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
 # Minimum ratio of mean square height differences in a wrapped profile: neighbours in a column to neighbours in a line.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
@@ -108,7 +113,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    # number of different positions in each column, and index of the position in each row
+    # The dict contains the number of different positions in each column, and the index of the position in each row.
     positions: dict[int, tuple[int, Any]] = {}
     for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, column]).all():
@@ -160,7 +165,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # Compare a few columns with their statistics first, because most matrices contain no statistics.
+            # Most matrices contain no statistics, so a few columns are first compared with their statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
@@ -198,7 +203,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     finite_values = values[np.isfinite(values)]
     if finite_values.size < values.size / 2:
         return ()
-    # Ignore outliers and codes for missing points, which would dominate the mean square differences.
+    # Outliers and codes for missing points would dominate the mean square differences.
     deviations = np.abs(values - np.median(finite_values))
     max_deviation = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= max_deviation, values, np.nan)
@@ -211,7 +216,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # Compute the log-likelihood ratio of map to profile, for normally distributed differences of neighbouring heights.
+    # The log-likelihood ratio of map to profile assumes normally distributed differences of neighbouring heights.
     log_likelihood_ratio = (
         num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
     )

@@ -16,45 +16,47 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of occurrences of an extreme height that may be an uncommon code for missing points.
+# An extreme height that may be an uncommon code for missing points occurs at least this number of times.
 MIN_MISSING_CODE_REPEATS = 2
-# Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
+# A code for missing points differs from the other heights by at least this multiple of their range.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# minimum distances of a repeated code and of a common code such as 9999, as a fraction of the other heights' range
+# A repeated code (first fraction of this range) and a common code such as 9999 (second fraction) may be closer.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# Minimum number of different heights in a scan that is searched for codes for missing points.
+# A scan with fewer different heights is not searched for codes for missing points.
 MIN_DISTINCT_HEIGHTS = 5
-MAX_MISSING_CODES = 4  # maximum number of different codes for missing points below, and above, all measured heights
-# minimum distance of a code for missing points from the median height, in median absolute deviations
+# Maximum number of different codes for missing points below, and above, all measured heights.
+MAX_MISSING_CODES = 4
+# Minimum distance of a code for missing points from the median height, in median absolute deviations.
 MIN_CODE_DEVIATION = 3.0
-# maximum number of heights of a scan from which the median and the frequency of each height are estimated
+# The median and the frequency of each height are estimated from at most this number of heights of a scan.
 MAX_SAMPLED_HEIGHTS = 65_536
-# Minimum number of different heights in a scan that is searched for unusually frequent heights.
+# A scan with fewer different heights is not searched for unusually frequent heights.
 MIN_COMPARED_HEIGHTS = 20
-# number of neighbouring heights, on each side, with which the frequency of a height is compared
+# The frequency of a height is compared with this number of neighbouring heights on each side.
 NUM_NEIGHBOURS = 12
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
-# The symbol m stands for the median frequency of similar heights.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times. The
+# symbol m stands for the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-# minimum and maximum fraction of points with equal height for a caveat about an unusually frequent height
+# An unusually frequent height causes a caveat if between these fractions of the points have this height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
-# The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
+# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS. The symbol
+# m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Maximum fraction of repeated rows for which a caveat is reported.
-# With more repeated rows, the map is probably a profile that was extended along y.
+# Repeated rows cause a caveat up to this fraction of the rows. With more repeated rows, the map is probably a profile
+# that was extended along y.
 MAX_REPEATED_ROWS = 0.9
-# A run of equal heights in a profile gets a caveat if it has at least 8 points.
-# The probability that rounding causes a run of equal heights must also be at most 1e-4.
+# A run of equal heights in a profile gets a caveat if it has at least 8 points. The probability that rounding causes a
+# run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# The height range in a header is wrong if the height range of the scan is at least 10 times larger.
-# A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
+# The height range in a header is wrong if the height range of the scan is at least 10 times larger. A height range that
+# is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
-MIN_CHECKED_POINTS = 20  # minimum number of points of a scan whose heights are checked; smaller arrays may be examples
+# The heights of smaller scans are not checked, because small arrays may be examples.
+MIN_CHECKED_POINTS = 20
 # Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
 
@@ -64,11 +66,16 @@ class ScannedHeights:
     """Heights (µm, NaN at missing points) and spacing of a scan, and whether the heights were read from a text file."""
 
     heights: Floats
-    spacing: tuple[float, ...]  # spacing of a scan (µm) along y and x, or of a profile along x
-    factor: float = 1.0  # conversion factor from the numbers in the file to µm
-    from_file: bool = True  # False for a body in memory: its heights may be computed, so some checks do not apply
-    declared_range: float | None = None  # range of the heights in the header of the file, µm
-    from_text: bool = True  # True for numbers read from text; whole numbers in text may be counts of a converter
+    # Spacing (µm) of a scan along y and x, or of a profile along x.
+    spacing: tuple[float, ...]
+    # Conversion factor from the numbers in the file to µm.
+    factor: float = 1.0
+    # False for a body in memory. Its heights may be computed, so some checks do not apply.
+    from_file: bool = True
+    # Range (µm) of the heights in the header of the file.
+    declared_range: float | None = None
+    # True for numbers read from text. Whole numbers in text may be counts of a converter.
+    from_text: bool = True
 
     @cached_property
     def non_missing_heights(self) -> Floats:
@@ -101,7 +108,8 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    if codes:  # ignore possible codes for missing points in the other plausibility checks
+    # The other plausibility checks ignore possible codes for missing points.
+    if codes:
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
     findings += [(check, text) for check in PLAUSIBILITY_CHECKS[1:] for text in check.find(scan)]
@@ -151,7 +159,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # Search a sample first: a gap next to a code cannot be narrower in a sample than in all heights.
+    # A sample is searched first, because a gap next to a code cannot be narrower in a sample than in all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -171,7 +179,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # possible codes for missing points, their distances from the other heights, and the range of the other heights
+    # The candidates are possible codes for missing points, with their distances from the other heights and the range of
+    # these heights.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]
@@ -254,9 +263,8 @@ def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]
         return None
     first_index, end_index = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first_index:end_index], np.abs(distinct_heights[first_index:end_index])
-    step = float(
-        np.diff(distinct_heights[first_index:end_index]).min()
-    )  # smallest difference between heights in the file
+    # Smallest difference between heights in the file.
+    step = float(np.diff(distinct_heights[first_index:end_index]).min())
     usual_count = max(
         float(near_counts[(distances > 0) & (distances < (num_nearest + 0.5) * step)].sum()) / (2 * num_nearest)
         for num_nearest in NUM_NEAREST_HEIGHTS
@@ -275,10 +283,11 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
-        ends = np.flatnonzero(np.diff(scan.heights) != 0)  # index of the last height in each run of equal heights
+        # Index of the last height in each run of equal heights.
+        ends = np.flatnonzero(np.diff(scan.heights) != 0)
         runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # Compute the fraction of points whose height equals the height of the previous point, without the longest run.
+        # Fraction of points whose height equals the height of the previous point, without the longest run.
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN_LENGTH <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY

@@ -34,11 +34,13 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# Largest size of a text file, in bytes: parsing needs ten times as much memory as the text.
+# Parsing needs ten times as much memory as the text of the file.
 MAX_TEXT_BYTES = 300_000_000
-MAX_POINTS_PER_BYTE = 100  # maximum number of points of a compressed map per byte of its file
-MAX_POINTS_OF_SMALL_MAP = 1_000_000  # number of points that a map may have regardless of the file size
-# smallest and largest spacing or size that a header can declare, µm
+# Maximum number of points of a compressed map per byte of its file.
+MAX_POINTS_PER_BYTE = 100
+# A map may have this number of points, regardless of the file size.
+MAX_POINTS_OF_SMALL_MAP = 1_000_000
+# Smallest and largest spacing or size (µm) that a header can declare.
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
 """Smallest and largest factor or length that a header can declare, in any unit."""
@@ -49,7 +51,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Regular expression for a decimal number, which a unit may follow. Hexadecimal and incomplete numbers do not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# ZIP compression methods that can be read in pieces of limited size
+# These ZIP compression methods can be read in pieces of limited size.
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -107,7 +109,8 @@ class DeclaredLength:
     length: float
     digit: float
     unit: str
-    line: str = ""  # header line that declares the length
+    # Header line that declares the length.
+    line: str = ""
 
     def to_micrometres(self) -> float:
         """Convert the length to µm.
@@ -137,7 +140,8 @@ class UnclearSpacing:
     """
 
     line: str
-    lengths: tuple[float, ...] = ()  # lengths in the header line (µm): one, or one for each axis in unknown order
+    # Lengths in the header line (µm): one, or one for each axis in unknown order.
+    lengths: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -145,11 +149,13 @@ class HeightProvenance:
     """Provenance of the heights in a scan file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
-    column: str = ""  # column, channel or block of the file that contains the heights
+    # Column, channel or block of the file that contains the heights.
+    column: str = ""
     encoding: str = ""
     separator: str = ""
     decimal_mark: str = ""
-    lines: tuple[int, int] | None = None  # first and last line of the heights in a text file, counted from 1
+    # First and last line of the heights in a text file, counted from 1.
+    lines: tuple[int, int] | None = None
     lines_above: int = 0
     lines_below: int = 0
 
@@ -164,24 +170,35 @@ class RawHeights:
     Missing heights are NaN.
     """
 
-    heights: Floats  # heights in the unit of the file, with the shape (n,) or (rows, columns)
+    # Heights in the unit of the file, with the shape (n,) or (rows, columns).
+    heights: Floats
     unit: str | None = None
-    positions: Floats | None = None  # positions of the n points of a profile
-    # function that returns the place value of the last printed digit of each position
+    # Positions of the n points of a profile.
+    positions: Floats | None = None
+    # Function that returns the place value of the last printed digit of each position.
     digits: PlaceValueFunction | None = None
-    position_unit: str | None = None  # unit of the positions or, without positions, of the spacing
-    spacing: tuple[float, ...] | None = None  # spacing (Δx,) or (Δy, Δx) of heights without positions
-    declared_spacing: DeclaredLength | None = None  # grid spacing that the file declares
-    # spacing of the rows and spacing of the columns that the file declares
+    # Unit of the positions or, without positions, of the spacing.
+    position_unit: str | None = None
+    # Spacing (Δx,) or (Δy, Δx) of heights without positions.
+    spacing: tuple[float, ...] | None = None
+    # Grid spacing that the file declares.
+    declared_spacing: DeclaredLength | None = None
+    # Spacing of the rows and spacing of the columns that the file declares.
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of the map that the file declares
-    history: tuple[str, ...] = ()  # choices made when the file was read, such as the column of heights
+    # Height and width of the map that the file declares.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    # Choices made when the file was read, such as the column of heights.
+    history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
-    codes: tuple[float, ...] = ()  # numbers that mark missing points according to the file
-    factor: float | None = None  # declared factor that converts the numbers in a file to `unit`
-    bare_spacing: tuple[float, ...] | None = None  # grid spacing that the file declares without a unit
+    # Numbers that mark missing points according to the file.
+    codes: tuple[float, ...] = ()
+    # Declared factor that converts the numbers in a file to `unit`.
+    factor: float | None = None
+    # Grid spacing that the file declares without a unit.
+    bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
-    height_range: DeclaredLength | None = None  # declared distance from the lowest to the highest height
+    # Declared distance from the lowest to the highest height.
+    height_range: DeclaredLength | None = None
     caveats: tuple[FileCaveat, ...] = ()
 
 
@@ -189,11 +206,16 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    place: int  # index of the column of words in its table
-    words: str  # most frequent words in the column, with counts
-    rarest_word: str  # least frequent word in the column
-    missing: NDArray[np.bool_]  # mask of the rows in which a word marks a missing point
-    units: tuple[str, ...] = ()  # different units of length in the column, if all its words are units
+    # Index of the column of words in its table.
+    place: int
+    # Most frequent words in the column, with counts.
+    words: str
+    # Least frequent word in the column.
+    rarest_word: str
+    # Mask of the rows in which a word marks a missing point.
+    missing: NDArray[np.bool_]
+    # Different units of length in the column, if all its words are units.
+    units: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -203,25 +225,29 @@ class ColumnTable:
     One or two columns form a profile; all columns together may form a map.
     """
 
-    values: Floats  # numbers of the table with the shape (rows, columns), and NaN at missing numbers
-    names: tuple[str, ...] = ()  # names of the columns, or empty
+    # Numbers of the table with the shape (rows, columns), and NaN at missing numbers.
+    values: Floats
+    # Names of the columns, or empty.
+    names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    # function that returns the place value of the last printed digit of each number in a column
+    # Function that returns the place value of the last printed digit of each number in a column.
     digits: Callable[[int], Floats] | None = None
-    # function that returns the place value of the last printed digit of each number in a row
+    # Function that returns the place value of the last printed digit of each number in a row.
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
-    history: tuple[str, ...] = ()  # processing steps listed in the file, applied before the heights were written
-    # True for an array of heights, as in NumPy files and maps of instruments
+    # Processing steps listed in the file, applied before the heights were written.
+    history: tuple[str, ...] = ()
+    # True for an array of heights, as in NumPy files and maps of instruments.
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # column numbers in the file for each column of the table, if the file has more columns
+    # Column numbers in the file for each column of the table, if the file has more columns.
     places: tuple[int, ...] | None = None
     # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
-    word_columns: tuple[WordColumn, ...] = ()  # columns of words, whose numbers in `values` are NaN
+    # Columns of words, whose numbers in `values` are NaN.
+    word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
         """Return a function for the place value of the last printed digit of each number in a column."""
@@ -233,24 +259,39 @@ class ColumnTable:
 class HeaderDeclarations:
     """Declarations in the header of a table: lengths, units, factors and codes for missing points."""
 
-    spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
-    # declared spacings of the rows and of the columns of a map
+    # Declared spacing of a profile, or of a map along one axis.
+    spacing: DeclaredLength | None = None
+    # Declared spacings of the rows and of the columns of a map.
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    row_spacing: DeclaredLength | None = None  # declared spacing of the rows of a map
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
-    height_range: DeclaredLength | None = None  # declared distance from the lowest to the highest height
-    bare_spacing: tuple[float, ...] | None = None  # declared spacing (Δx,) or (Δy, Δx) without a unit
+    # Declared spacing of the rows of a map.
+    row_spacing: DeclaredLength | None = None
+    # Declared height and width of a map.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    # Declared distance from the lowest to the highest height.
+    height_range: DeclaredLength | None = None
+    # Declared spacing (Δx,) or (Δy, Δx) without a unit.
+    bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
-    unit: str | None = None  # declared unit of the heights, which may not be a length
-    position_unit: str | None = None  # declared unit of the positions, which may not be a length
-    factor: float | None = None  # declared factor that converts numbers to `unit`
-    codes: tuple[float, ...] = ()  # numbers that mark missing points according to a header
-    counts: tuple[float, ...] = ()  # integers in a header that are codes for missing points or counts of missing points
-    unapplied_factor_line: str = ""  # header line with a factor or a height range that is not applied
-    points: int | None = None  # declared number of points of a profile
-    tip_radius: DeclaredLength | None = None  # declared radius of the stylus tip
-    unit_line: str = ""  # header line that declares the unit or the factor of the heights
-    slope_line: str = ""  # header line which declares that the numbers of a profile are slopes
+    # Declared unit of the heights, which may not be a length.
+    unit: str | None = None
+    # Declared unit of the positions, which may not be a length.
+    position_unit: str | None = None
+    # Declared factor that converts numbers to `unit`.
+    factor: float | None = None
+    # Numbers that mark missing points according to a header.
+    codes: tuple[float, ...] = ()
+    # Integers in a header that are codes for missing points or counts of missing points.
+    counts: tuple[float, ...] = ()
+    # Header line with a factor or a height range that is not applied.
+    unapplied_factor_line: str = ""
+    # Declared number of points of a profile.
+    points: int | None = None
+    # Declared radius of the stylus tip.
+    tip_radius: DeclaredLength | None = None
+    # Header line that declares the unit or the factor of the heights.
+    unit_line: str = ""
+    # Header line which declares that the numbers of a profile are slopes.
+    slope_line: str = ""
 
 
 @dataclass(frozen=True)
@@ -258,12 +299,14 @@ class HeightChannels:
     """Named channels of a scan file, each with its own heights."""
 
     names: tuple[str, ...]
-    # function that returns the heights or the table of a channel, given its index
+    # Function that returns the heights or the table of a channel, given its index.
     read: Callable[[int], RawHeights | ColumnTable]
-    default: int | None  # index of the channel that is read by default, or None if the caller must choose a channel
+    # Index of the channel that is read by default, or None if the caller must choose a channel.
+    default: int | None
 
 
-ReaderResult = RawHeights | ColumnTable | HeightChannels  # type of the content that a file reader returns
+# Content that a file reader returns.
+ReaderResult = RawHeights | ColumnTable | HeightChannels
 
 
 _COMPOSITE_UNIT_PATTERN = re.compile(

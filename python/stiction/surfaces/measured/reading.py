@@ -65,7 +65,8 @@ _FILE_SIGNATURES = {
 }
 """First bytes of some types of files, with the usual file name extensions and a description of each type."""
 
-MAX_DESCRIPTION_BYTES = 100_000  # maximum size, in bytes, of a text file that describes a data file
+# Maximum size (bytes) of a text file that describes a data file.
+MAX_DESCRIPTION_BYTES = 100_000
 # In the DABAM database, files with format number 1 or 3 contain slopes, and files with number 2 or 4 contain heights.
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 

@@ -47,18 +47,24 @@ MAX_STEP_UNEVENNESS = 1e-3
 Positions stored in single precision have such deviations, which have no visible effect on the heights.
 """
 
-MIN_MATRIX_COLUMNS = 4  # minimum number of columns of a height matrix in a text file
-MAX_TABLE_GRID_POINTS = 100_000_000  # maximum number of grid points of a map that is built from a table
-MAX_LISTED_NAMES = 12  # maximum number of column names that a message lists
-MAX_SELECTED_PROFILE_COLUMNS = 3  # maximum number of columns that a caller can choose: x, y and z
-MIN_JITTERED_POSITIONS = 8  # minimum number of slightly unevenly spaced numbers that are regarded as measured positions
-MAX_JITTER = 0.5  # largest difference between steps of measured positions, relative to the mean step
+# A height matrix in a text file has at least this number of columns.
+MIN_MATRIX_COLUMNS = 4
+# A map that is built from a table has at most this number of grid points.
+MAX_TABLE_GRID_POINTS = 100_000_000
+# A message lists at most this number of column names.
+MAX_LISTED_NAMES = 12
+# A caller can choose at most three columns: x, y and z.
+MAX_SELECTED_PROFILE_COLUMNS = 3
+# At least this number of slightly unevenly spaced numbers are regarded as measured positions.
+MIN_JITTERED_POSITIONS = 8
+# Largest difference between steps of measured positions, relative to the mean step.
+MAX_JITTER = 0.5
 # A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
 MIN_TILT_CORRELATION = 0.98
 # A first number with fewer decimals gets a caveat only above at least this number of values with equal decimals.
 MIN_COMPARED_NUMBERS = 20
-# Minimum step of a column of positions, in units of the last printed digit.
-# If the step is below three such units, coarsely rounded heights may have equal steps by chance.
+# Minimum step of a column of positions, in units of the last printed digit. If the step is below three such units,
+# coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -72,9 +78,9 @@ _NUMBERING_NAME_PATTERN = LazyPattern(
 )
 _VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# Matches names of flag columns that do not show whether 1 means valid or invalid.
+# These names of flag columns do not show whether 1 means valid or invalid.
 _FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
-# matches a multiple of a unit, such as "10 nm" but not "1 nm"
+# This pattern matches a multiple of a unit, such as "10 nm" but not "1 nm".
 _NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
 _RAW_HEIGHTS_PATTERN = LazyPattern(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
 _X_COLUMN_PATTERN, _Y_COLUMN_PATTERN = (
@@ -126,7 +132,7 @@ def _find_column_or_channel_index(
     """Return the index of the column or channel that the caller selects by name or number."""
     text = str(selected).strip()
     normalising_functions: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
-    # "Height (trace)" ends with a remark, not with a unit
+    # "Height (trace)" ends with a remark, not with a unit.
     if "(" not in text or is_unit(unit_in_column_name(text) or ""):
         normalising_functions.append(_remove_unit_from_name)
     for normaliser in normalising_functions:
@@ -287,7 +293,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
             f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
             f"only the heights (--columns {_list_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
         )
-    # Remove empty rows below the shorter of two tables that stand side by side in a file.
+    # Below the shorter of two tables that stand side by side in a file, rows are empty.
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.last_digit_value_function(places[0])
@@ -343,7 +349,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
     Returns the heights and, if a number was removed, a history entry.
     """
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        # number of entries at the start of the column that may be counts or sizes instead of heights
+        # Up to three entries at the start of the column may be counts or sizes instead of heights.
         for leading_number_count in range(place + 1, 4):
             if heights[place] != heights.size - leading_number_count:
                 continue
@@ -371,7 +377,8 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
         or table.row_digits is None
     ):
         return ()
-    for num_trailing in (1, 2, 3):  # a spacing or a size may stand before or after the count of points
+    # A spacing or a size may stand before or after the count of points.
+    for num_trailing in (1, 2, 3):
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
             place_text = "the last number" if num_trailing == 1 else f"one of the last {num_trailing} numbers"
@@ -583,7 +590,8 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first_number not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first_number + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            return table, ()  # use the row numbers as positions, with a caveat
+            # The row numbers become positions, with a caveat.
+            return table, ()
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
     first_number = table.values[1, 0] if is_numbered else np.nan
@@ -677,8 +685,8 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions and heights of a tilted surface both rise in unequal steps.
-    # Heights of a tilted surface rise in every line.
+    # Measured positions and heights of a tilted surface both rise in unequal steps. Heights of a tilted surface rise in
+    # every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

@@ -50,7 +50,8 @@ _SPACING_PATTERN = LazyPattern(
 _UNQUALIFIED_NAME_PATTERN = LazyPattern(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Regular expression for names that may also denote other lengths, such as the pitch of a grating."""
 
-MIN_SPECIMEN_DISTANCE = 100.0  # a "sample spacing" above this limit (µm) may be the distance between specimens
+# A "sample spacing" above this limit (µm) may be the distance between specimens.
+MIN_SPECIMEN_DISTANCE = 100.0
 
 _POINTS_REMARK_PATTERN = LazyPattern(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
@@ -112,12 +113,16 @@ _SIZE_PATTERNS = tuple(
 class SpacingDeclarations:
     """Spacings and size of a scan that the header of a file declares."""
 
-    spacing: DeclaredLength | None = None  # declared spacing of a profile, or of a map along one axis
-    # declared spacings of the rows and of the columns of a map
+    # Declared spacing of a profile, or of a map along one axis.
+    spacing: DeclaredLength | None = None
+    # Declared spacings of the rows and of the columns of a map.
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # declared height and width of a map
-    row_spacing: DeclaredLength | None = None  # declared spacing of the rows of a map
-    bare_spacing: tuple[float, ...] | None = None  # declared spacing (Δx,) or (Δy, Δx) without a unit
+    # Declared height and width of a map.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    # Declared spacing of the rows of a map.
+    row_spacing: DeclaredLength | None = None
+    # Declared spacing (Δx,) or (Δy, Δx) without a unit.
+    bare_spacing: tuple[float, ...] | None = None
     unclear: UnclearSpacing | None = None
 
 
@@ -192,7 +197,7 @@ def _parse_spacing_line(
         and parse_length_unit(bracketed_unit) is None
         and not _POINTS_REMARK_PATTERN.fullmatch(bracketed_unit)
     ):
-        # the axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um"
+        # The axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um".
         return UnclearSpacing(line.strip())
     if match is None:
         has_length = (length_match := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _parse_optional_unit(
@@ -201,14 +206,17 @@ def _parse_spacing_line(
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     declared_numbers = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
     if any("," in item[0] and text.count(",") > len(declared_numbers) * 2 - 1 for item in declared_numbers):
-        return UnclearSpacing(line.strip())  # the comma may separate two spacings, or may be a decimal mark
+        # The comma may separate two spacings, or may be a decimal mark.
+        return UnclearSpacing(line.strip())
     if any(
         item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I)
         for item in declared_numbers
     ):
-        return None  # the length may be a height resolution in nm per bit
+        # The length may be a height resolution in nm per bit.
+        return None
     if is_resolution and not any(item[2] for item in declared_numbers):
-        return None  # the line declares the resolution of the instrument, not the spacing
+        # The line declares the resolution of the instrument, not the spacing.
+        return None
     units = [item[1] or declared_numbers[-1][1] or bracketed_unit for item in declared_numbers]
     lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(declared_numbers, units, strict=True)]
     parsed_lengths = [length for length in lengths if length is not None]
@@ -280,7 +288,8 @@ def _parse_bare_number(number: str) -> float | None:
     """
     try:
         return parse_positive_number(number, "as spacing")
-    except FormatError:  # ignore an invalid length, because headers often contain unused lengths
+    except FormatError:
+        # Headers often contain unused lengths, so an invalid length is ignored.
         return None
 
 
@@ -293,7 +302,8 @@ def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength 
         return None
     try:
         length = parse_number(digits, f"in its header line {line[:80]!r}")
-    except FormatError:  # report an invalid length only when it is used, because headers often contain unused lengths
+    except FormatError:
+        # Headers often contain unused lengths, so an invalid length is reported only when it is used.
         return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")

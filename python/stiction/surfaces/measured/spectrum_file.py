@@ -26,8 +26,9 @@ _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
-_NUM_HEADER_BYTES = 100_000  # number of bytes at the start of a spectrum file that must contain the column names
-# Maximum relative variation of the ratio of successive wave numbers in a spectrum file, due to rounding.
+# The column names must stand within this number of bytes at the start of a spectrum file.
+_NUM_HEADER_BYTES = 100_000
+# Rounding varies the ratio of successive wave numbers in a spectrum file by at most this fraction.
 _RATIO_TOLERANCE = 1e-3
 
 
@@ -107,7 +108,8 @@ def _parse_scan_name(text: str) -> str:
 
 def is_spectrum_file(path: Path) -> bool:
     """Return whether a file is a CSV table of a spectrum, written by `write_spectrum` or with the same columns."""
-    if path.suffix.lower() != ".csv" or not path.is_file():  # reading a pipe would block, so only a file is read
+    # Reading a pipe would block, so only a file is read.
+    if path.suffix.lower() != ".csv" or not path.is_file():
         return False
     try:
         with path.open("rb") as file:
@@ -157,13 +159,14 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = parse_path("path", path)
     try:
         text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
-        # Read the numbers of a spectrum file as text, because pandas before version 3 would round them.
+        # Pandas before version 3 would round the numbers of a spectrum file, so they are read as text.
         table = pandas.read_csv(io.StringIO(_HASH_LINE_PATTERN.sub("", text)), dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None
     except UnreadableFileError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
-    except ValueError:  # raised by pandas
+    except ValueError:
+        # Pandas rejects the text of the table.
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
     scans = [match for line in text.split("\n") if (match := _SCAN_LINE_PATTERN.fullmatch(line.rstrip("\r")))]
     names = [match["name"] for match in scans]

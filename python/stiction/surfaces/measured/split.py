@@ -26,14 +26,18 @@ from stiction.surfaces.measured.decode import (
 )
 from stiction.surfaces.measured.raw import FormatError
 
-_MAX_SAMPLE_LINES = 60  # maximum number of text lines from which the separator and the decimal mark are detected
-# Maximum number of characters from which the separator and the decimal mark are detected.
+# The separator and the decimal mark are detected from at most this number of text lines.
+_MAX_SAMPLE_LINES = 60
+# The separator and the decimal mark are detected from at most this number of characters.
 _MAX_SAMPLE_CHARACTERS = 10_000
-# minimum length (characters) to which sample lines are truncated before the separator is detected
+# Sample lines may be truncated to this length (characters) before the separator is detected.
 _MIN_SAMPLED_LINE_LENGTH = 200
-MAX_SAMPLED_ROWS = 20_000  # maximum number of rows of a column from which the last printed digit is determined
-MAX_CELLS_IN_COUNT_LINE = 2  # maximum number of cells in a line of counts or sizes above a table
-_QUOTED_SEPARATOR = "\x1f"  # cell separator in a text whose quotation marks were removed
+# The last printed digit is determined from at most this number of rows of a column.
+MAX_SAMPLED_ROWS = 20_000
+# A line of counts or sizes above a table has at most this number of cells.
+MAX_CELLS_IN_COUNT_LINE = 2
+# Cell separator in a text whose quotation marks were removed.
+_QUOTED_SEPARATOR = "\x1f"
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
 LineNumbers = NDArray[np.int64]
@@ -60,7 +64,8 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    pairs: bool = False  # True if commas are both separators and decimal marks, so that two cells form one number
+    # True if commas are both separators and decimal marks, so that two cells form one number.
+    pairs: bool = False
 
     def __str__(self) -> str:
         names = {"\t": "tab", None: "space", ";": "semicolon", ",": "comma", "|": "bar"}
@@ -111,12 +116,15 @@ class NumberBlock:
     """Matrix of numbers in a text file, with the line number of each row."""
 
     text: DecodedText
-    lines: LineNumbers  # line numbers of the table rows, counted from 0
+    # Line numbers of the table rows, counted from 0.
+    lines: LineNumbers
     dialect: Dialect
-    values: Floats  # numbers in a table, with the shape (rows, columns)
+    # Numbers in a table, with the shape (rows, columns).
+    values: Floats
     # First line with fewer cells, for example where the shorter of two profiles ends.
     first_short_line: int | None = None
-    skipped_lines: tuple[int, ...] = ()  # line numbers of counts and sizes above the table rows
+    # Line numbers of counts and sizes above the table rows.
+    skipped_lines: tuple[int, ...] = ()
 
     def row_cells(self, line: int) -> list[str]:
         """Return the cells of a table row as text."""
@@ -131,7 +139,7 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sampled_lines = np.arange(count)
-        # Take half of the sampled rows from the start of a table, and spread the others over the rest of the table.
+        # Half of the sampled rows are at the start of a table, and the others are spread over the rest of the table.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sampled_lines = np.concatenate([sampled_lines[:half], np.linspace(half, count - 1, half).astype(np.int64)])
@@ -328,7 +336,8 @@ def parse_number_block(
     starts, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
     if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
-        usual_width = 2  # the table has two columns, but in most rows the height is missing
+        # The table has two columns, but in most rows the height is missing.
+        usual_width = 2
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
             f"has lines of {usual_width} cells; at most {MAX_CELLS_PER_LINE} can be read; write one number per line, "
@@ -345,7 +354,8 @@ def parse_number_block(
         row_widths[num_skipped:],
         blob[starts[num_skipped] :] if num_skipped else blob,
     )
-    if (row_widths > usual_width).any():  # separators at the end of a row cause additional cells
+    # Separators at the end of a row cause additional cells.
+    if (row_widths > usual_width).any():
         rows = [
             row.rstrip(cell_separator) if n > usual_width else row
             for n, row in zip(row_widths, blob.splitlines(), strict=True)
@@ -371,7 +381,8 @@ def parse_number_block(
     values = _parse_cells(text, lines, usual_width, blob, cell_separator).reshape(-1, usual_width)
     end_widths = {len(dialect.split_line(text.line(int(row_index)))) for row_index in (*lines[:3], *lines[-3:])}
     while values.shape[1] > max(end_widths | {1}) and np.isnan(values[:, -1]).all():
-        values = values[:, :-1]  # remove the empty cell after a separator at the end of every line
+        # A separator at the end of every line causes an empty cell.
+        values = values[:, :-1]
     first_short_line = int(lines[np.argmax(has_wrong_width)]) if usual_width != 2 and has_wrong_width.any() else None
     return NumberBlock(text, lines, dialect, values, first_short_line, skipped_lines)
 
@@ -447,8 +458,10 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-_TWO_DASHES = int.from_bytes(b"--", "little")  # the bytes of "--" as an integer, equal in both byte orders
-_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")  # matches a number with a blank between its digits
+# The bytes of "--" as an integer are equal in both byte orders.
+_TWO_DASHES = int.from_bytes(b"--", "little")
+# This pattern matches a number with a blank between its digits.
+_BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
@@ -492,7 +505,8 @@ def _parse_cells(text: DecodedText, lines: LineNumbers, width: int, rows: bytes,
                 f"{text.describe_line(int(lines[index // width]))} has {word!r} in cell {index % width + 1}, which is "
                 f"not a number; {describe_remedy_of_word(word)}"
             )
-        values[index] = float(cells[index])  # a number outside the floating-point range becomes infinite or 0
+        # A number outside the floating-point range becomes infinite or 0.
+        values[index] = float(cells[index])
     return values
 
 

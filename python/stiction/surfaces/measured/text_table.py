@@ -36,14 +36,15 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import WordColumnWithMissingLines, describe_words, replace_word_columns
 
-MAX_HISTORY_ENTRY_CHARACTERS = 1000  # maximum number of characters of each processing step that is read from a header
+# Maximum number of characters of each processing step that is read from a header.
+MAX_HISTORY_ENTRY_CHARACTERS = 1000
 
 
 MAX_HISTORY_STEPS = 1000
 
 
-# A few number lines above or below a table are ignored.
-# The maximum count of ignored lines is this fraction of the number of table lines, plus 2.
+# A few number lines above or below a table are ignored. The maximum count of ignored lines is this fraction of the
+# number of table lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
@@ -70,7 +71,8 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     label_line = _include_label_line(text, first, last, dialect)
-    if label_line < first:  # read the word at the start of the label line as a missing number
+    # The word at the start of the label line is read as a missing number.
+    if label_line < first:
         first, text = label_line, replace(text, words=(*text.words, dialect.split_line(text.line(label_line))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
     block = parse_number_block(text, first, last, dialect, ragged=True)

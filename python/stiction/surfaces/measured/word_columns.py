@@ -16,10 +16,14 @@ from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_li
 # The comma is tried last as a cell separator, because it may also be the decimal mark within cells.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-_WORD_REPLACEMENT = "nan"  # text that replaces each word in a column of words
-_MAX_SEPARATOR_SEARCH_LINES = 400  # maximum number of lines from which the cell separator is detected
-MIN_TABLE_ROWS = 4  # minimum number of rows of a table in which columns of words are searched for
-MAX_LISTED_WORDS = 4  # maximum number of words of a column that a message lists
+# This text replaces each word in a column of words.
+_WORD_REPLACEMENT = "nan"
+# The cell separator is detected from at most this number of lines.
+_MAX_SEPARATOR_SEARCH_LINES = 400
+# Columns of words are searched for only in tables with at least this number of rows.
+MIN_TABLE_ROWS = 4
+# A message lists at most this number of words of a column.
+MAX_LISTED_WORDS = 4
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class WordColumnWithMissingLines:
 
     place: int
     counts: Mapping[str, int]
-    missing_lines: tuple[int, ...]  # line numbers (from 0) of missing points
+    # Line numbers (from 0) of missing points.
+    missing_lines: tuple[int, ...]
 
 
 def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[WordColumnWithMissingLines, ...]]:
@@ -97,11 +102,13 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 class _TableWithTextColumns:
     """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
 
-    numeric_columns: set[int] = field(default_factory=set)  # indices of columns that contain numbers
+    # Indices of columns that contain numbers.
+    numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    word_counts: dict[int, Counter[str]] = field(default_factory=dict)  # how often each word occurs, by column
-    # lines in which a word marks a missing point, by column
+    # Number of occurrences of each word, by column.
+    word_counts: dict[int, Counter[str]] = field(default_factory=dict)
+    # Lines in which a word marks a missing point, by column.
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 
@@ -139,9 +146,8 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
                 table.missing_lines.setdefault(index, []).append(line)
     for index, counts in kinds.items():
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
-        if (
-            words and not {cell.casefold() for cell in counts} <= given_words
-        ):  # ignore a column in which all words mark missing points
+        # A column in which all words mark missing points is ignored.
+        if words and not {cell.casefold() for cell in counts} <= given_words:
             table.word_counts[index] = words
     return table
 

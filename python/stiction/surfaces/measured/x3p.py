@@ -34,10 +34,13 @@ _XML_NUMBER_PATTERN = re.compile(
 )
 """Regular expression for numbers in XML Schema, which have ASCII digits and no underscores."""
 
-_MAX_MAIN_XML_BYTES = 4_000_000  # maximum size of main.xml in bytes, without the points that it lists
-_MAX_XML_ELEMENTS = 100_000  # maximum number of XML elements in main.xml, without the points that it lists
+# Maximum size (bytes) of main.xml, without the points that it lists.
+_MAX_MAIN_XML_BYTES = 4_000_000
+# Maximum number of XML elements in main.xml, without the points that it lists.
+_MAX_XML_ELEMENTS = 100_000
 _MAX_BYTES_PER_POINT = 200
-_MAX_SPARE_MASK_BYTES = 64  # maximum number of bytes after the last point of a validity mask
+# A validity mask may have this number of bytes after its last point.
+_MAX_SPARE_MASK_BYTES = 64
 _MAX_XML_DEPTH = 6
 
 
@@ -51,7 +54,8 @@ def read_x3p(data: bytes) -> RawHeights:
             return _read_archive(archive)
     except FormatError:
         raise
-    except Exception as error:  # zipfile and zlib raise many classes of errors for a corrupt archive
+    except Exception as error:
+        # The archive is corrupt. The modules zipfile and zlib raise many classes of errors.
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 
@@ -124,7 +128,8 @@ class _MainXml:
         self._element_path: list[str] = []
         self._words: list[str] = []
         self._element_count = 0
-        parser = expat.ParserCreate(namespace_separator="}")  # some programs add an XML namespace to all elements
+        # Some programs add an XML namespace to all elements.
+        parser = expat.ParserCreate(namespace_separator="}")
         parser.buffer_text = True
         parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = self._reject_document_type
         parser.StartElementHandler = self._handle_start_tag
@@ -182,7 +187,7 @@ class _StoredAxis:
         self.stored = _STORED_NUMBER_TYPES[stored_type]
         self.increment = _parse_element_number(root, f"{path}/Increment", math.nan)
         self.caveats: tuple[FileCaveat, ...] = ()
-        # the increment in an X3P file does not apply to lengths stored as floating-point numbers
+        # The increment in an X3P file does not apply to lengths stored as floating-point numbers.
         if self.is_absolute and stored_type in ("F", "D"):
             if abs(self.increment) > 0 and self.increment != 1:
                 self.caveats = (
@@ -197,7 +202,8 @@ class _StoredAxis:
             self.increment = 1.0
         elif self.is_absolute and not abs(self.increment) > 0:
             raise FormatError(f"stores {name} as integers, but has no Increment that scales them")
-        elif name == "Z":  # reject a negative height factor, which would turn the heights upside down
+        elif name == "Z":
+            # A negative height factor would turn the heights upside down.
             self.increment = parse_positive_number(
                 _get_element_text(root, f"{path}/Increment"), f"for {path}/Increment"
             )
