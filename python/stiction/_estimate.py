@@ -21,7 +21,7 @@ MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
 # These codes are stored instead of the number of decimals of an upper limit.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# No number has more decimals, and rounding replaces at most this many digits before the decimal point by 0.
+# Numbers have at most this many decimals, and rounding replaces at most this many digits before the decimal point by 0.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
@@ -257,7 +257,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
     """Return the number of decimals of values rounded to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # For example, 0.01234 with four digits gives the integer 1234.
+        # Each number becomes an integer of its significant digits: 0.01234 with four digits becomes 1234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
         # Quotients find trailing zeros ten times as fast as remainders.

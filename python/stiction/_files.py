@@ -99,7 +99,7 @@ def create_atomically(path: Path, content: bytes) -> None:
     except FileExistsError:
         raise
     except OSError:
-        # The disk is full, or the file system has no hard links.
+        # The error occurs if the disk is full, or if the file system has no hard links.
         if os.path.lexists(path):
             raise
         write_atomically(path, content)

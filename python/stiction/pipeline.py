@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 LinePrintFunction = Callable[[str], Any]
 
-# An estimate of the computing time is always printed from this time (s) on.
+# An estimate of the computing time is always printed if it is at least this time (s).
 MIN_ANNOUNCED_TIME = 20.0
 
 _COMPANION_FILES = {
@@ -207,7 +207,7 @@ def _import_result_packages() -> None:
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
     """Print the line about the positions of a pair, and the time of the cutoff study that follows the result."""
     print_remark(task)
-    # A scan file is missing.
+    # The error occurs if a scan file is missing.
     with contextlib.suppress(ValueError):
         cutoff_study = find_cutoff_study(stored_result.study, stored_result.path)
         if cutoff_study is not None and cutoff_study.open() is None:
@@ -232,7 +232,7 @@ def _compute_alternatives(
     try:
         names = find_alternatives(stored_result.study)
     except ValueError:
-        # A scan file is missing.
+        # The error occurs if a scan file is missing.
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -285,7 +285,7 @@ def compute_companion_files(
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
     except ValueError as error:
-        # A scan file is missing.
+        # The error occurs if a scan file is missing.
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:

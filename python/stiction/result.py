@@ -134,7 +134,7 @@ class Result(Evaluation):
         try:
             return study_result_text(self.summary()).rstrip()
         except ValueError as error:
-            # The surfaces do not touch, or no member is finished.
+            # The error occurs if the surfaces do not touch, or if no member is finished.
             return f"no coefficient: {error}"
 
     def _repr_html_(self) -> str:

@@ -31,8 +31,7 @@ from stiction.solve.store import open_stored_result
 POLL_INTERVAL = 0.4  # s
 # A stopped command is killed after this time (s), in which it can still write results.
 MAX_SHUTDOWN_TIME = 5.0
-# The app waits at most this time (s) for a killed process to end.
-KILLED_PROCESS_TIMEOUT = 1.0
+KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
 # A running command may use this fraction of the machine's memory.
@@ -72,7 +71,6 @@ class Job:
 
     number: int
     title: str
-    # Arguments of a `stiction` command.
     arguments: list[str]
     directory: Path
     # Scans and options for a preview with the asperity model, or None for a command without a preview.
@@ -315,7 +313,7 @@ class JobQueue:
         # A preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # There is no preview, or the page already shows a result of the command itself.
+        # Nothing is shown if there is no preview, or if the page already shows a result of the command.
         if response is None or (source and job.versions):
             return
         job.show_result(
@@ -441,7 +439,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            # If the process did not end first, the event loop would close with an open connection to it.
+            # The process must end before the event loop closes, because its connection would otherwise stay open.
             with suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()

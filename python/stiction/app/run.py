@@ -23,11 +23,9 @@ WORKING_DIRECTORY_PREFIX = "stiction-app-"
 SERVER_IDLE_TIMEOUT = 90.0
 """Time (s) without a request after which the server exits; hidden windows send only one request per minute."""
 
-# The first browser window must connect to the app within this time (s).
-FIRST_WINDOW_TIMEOUT = 600.0
+FIRST_WINDOW_TIMEOUT = 600.0  # s
 
-# A browser must send the headers of a request within this time (s).
-REQUEST_HEADER_TIMEOUT = 20.0
+REQUEST_HEADER_TIMEOUT = 20.0  # s
 MAX_IDLE_CONNECTIONS = 64
 """Maximum number of connections without a complete request head. Beyond it, the oldest connection is closed."""
 

@@ -49,18 +49,16 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# The limit (bytes) is the same as for text files in the readers of measured surfaces.
+# Maximum size (bytes) of an uploaded scan, the same as for text files in the readers of measured surfaces.
 MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
 # Maximum size (bytes) of a request other than an upload of a scan.
 MAX_REQUEST_BYTES = 2**16
-# A request and its response may take at most this time (s).
-MAX_REQUEST_TIME = 120.0
+MAX_REQUEST_TIME = 120.0  # s
 # A browser sends at most six requests at the same time.
 MAX_CONCURRENT_REQUESTS = 64
 MAX_SCAN_NAME_LENGTH = 60  # characters
 MAX_LISTED_RESULTS = 100
-# A scan with more points gets no preview.
 MAX_PREVIEWED_SCAN_POINTS = 2**21
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"

@@ -27,7 +27,7 @@ from stiction.study.interfaces import (
     SLIDING_RULES,
 )
 
-# Fewer tests with sliding do not suffice to estimate the errors of the tests from their scatter.
+# Minimum number of tests with sliding from which the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
 
 

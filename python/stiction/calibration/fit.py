@@ -43,9 +43,7 @@ MAX_PROPOSAL_ROUNDS = 8
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # The final sampling doubles its number of nuisance points until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
-# The probability grid of tau0 and mu0 has these numbers of cells.
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
-# A fit returns this number of samples of mu0 and tau0.
 NUM_STRENGTH_PAIRS = 4000
 # The grid ends where -2 ln(density) exceeds its minimum by this value, which is 5.8 standard deviations.
 MAX_GRID_DEVIANCE = 34.0
@@ -85,8 +83,7 @@ class _GridLimits:
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
     deviance_range: float
-    # Lower and upper limit of tau0 (GPa) at each nuisance point.
-    min_tau0: Floats
+    min_tau0: Floats  # GPa, at each nuisance point
     max_tau0: Floats
     # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). It is None if no contact grows under
     # shear.
@@ -188,7 +185,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Each equation has its area factors and, if contacts grow, so has each measured coefficient.
+        # The keys are equations and, if contacts grow, also measured coefficients.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -207,7 +204,7 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_area_and_friction_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # The softer body shears at these strengths, which no friction test can measure.
+                    # Strengths at which the softer body shears are excluded, because no friction test can measure them.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -930,7 +927,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
-    # This is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
+    # The curvature is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     unbounded_best, best_at_bound = (
         second_row[:, 2] / second_row[:, 1],
@@ -939,7 +936,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # This is a positive multiple of the best mu0 at each tau0.
+        # This mu0 is a positive multiple of the best mu0 at each tau0.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

@@ -10,7 +10,6 @@ from stiction._checks import Floats
 
 # The range of tau0 is found by this number of searches, each with this number of values in a smaller range.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
-# The fit of mu0 for a given tau0 makes this number of Gauss-Newton steps.
 NUM_NEWTON_STEPS = 3
 # Numerical derivatives use this step of mu0, multiplied by 0.1 + mu0.
 MU0_DERIVATIVE_STEP = 1e-4

@@ -45,7 +45,7 @@ def main() -> None:
             from stiction.cli.application import run_command_line
         status = run_command_line()
     except KeyboardInterrupt:
-        # Ctrl-C was pressed during the import of libraries.
+        # The error occurs if Ctrl-C is pressed during the import of libraries.
         status = EXIT_INTERRUPTED
     # The process ends without waiting for threads that are still computing.
     if status == EXIT_INTERRUPTED:

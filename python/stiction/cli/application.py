@@ -44,7 +44,7 @@ def print_message(text: str, kind: str = "") -> None:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
     except OSError:
-        # Standard error is closed, or its disk is full.
+        # The error occurs if standard error is closed, or if its disk is full.
         _redirect_to_null_device(sys.stderr)
 
 
@@ -325,13 +325,13 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # A thread could not start, or a library ran out of memory.
+    # These errors occur if a thread cannot start, or if a library runs out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
         return report_interruption().exit_code
     except SystemExit:
-        # Typer exits if the pipe that reads the help text is closed.
+        # Typer raises SystemExit if the pipe that reads the help text is closed.
         return 0
     finally:
         _discard_unwritable_output()

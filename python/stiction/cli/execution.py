@@ -94,7 +94,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         detail = ""
-        # No result may be stored yet.
+        # It is no error if no result is stored yet.
         with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)

@@ -158,7 +158,7 @@ def pair(
     studies = measured_pair.studies
     # An error about the surfaces is raised here, before any file is written.
     find_body_attributes(studies[0])
-    # The first remark may be the source of the elastic constants, which is printed with the result.
+    # The first remark is skipped if it is the source of the elastic constants, which is printed with the result.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)

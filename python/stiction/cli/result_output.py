@@ -114,7 +114,7 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
-# Another run may change the study while files are written. This number of attempts is made to write them.
+# Maximum number of attempts to write the files of a result while another run changes the study.
 MAX_OUTPUT_ATTEMPTS = 4
 
 

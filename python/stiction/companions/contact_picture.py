@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-# A stored contact map has at most this number of rows or columns.
 MAX_PICTURE_SIDE_POINTS = 512
 # Loads in the figure of an adhesive loading cycle, as multiples of the pull-off force.
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)

@@ -148,7 +148,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    # The solver failed, or the contact law does not describe the onset of sliding.
+    # The errors occur if the solver failed, or if the contact law does not describe the onset of sliding.
     except (NoSolutionError, ValueError):
         return None
     curve: dict[str, Any] = {

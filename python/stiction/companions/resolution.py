@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 
     from stiction.study.measured_bodies import ScanCutoffs
 
-# Subdirectory of a result directory that contains the cutoff study.
 CUTOFF_STUDY_DIRECTORY = "resolution"
 # The cutoff study uses at most this number of members for height maps, which take much longer than profiles.
 NUM_AREAL_MEMBERS = 4
@@ -133,7 +132,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     try:
         cutoff_study = find_cutoff_study(study, result.path)
     except ValueError:
-        # A scan file is missing.
+        # The error occurs if a scan file is missing.
         return None
     cutoff_sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if cutoff_sums is None:
@@ -157,10 +156,8 @@ class ResolvedRoughness:
     shortest: float
     # Two grid spacings, the shortest wavelength of unfiltered scans (µm).
     two_points: float
-    # Longest side of the pressed bodies (µm).
-    longest: float
-    # Rms gradient of the gap of the first member.
-    gradient: float
+    longest: float  # µm, of the pressed bodies
+    gradient: float  # rms gradient of the first member's gap
     roughness: ScaleDependentRoughness
     # Fit of the gap's Hurst exponent, or None if no band is self-affine.
     estimate: HurstEstimate | None

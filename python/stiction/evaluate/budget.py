@@ -55,7 +55,6 @@ if TYPE_CHECKING:
 MAX_BUDGETED_COEFFICIENTS = 100
 """Maximum number of coefficients, at the loads of the study, for which uncertainty budgets are computed."""
 
-# The label of an interface names at most this number of inputs.
 MAX_NAMED_SHARED_INPUTS = 2
 
 INTERVALS_COVERING_ALTERNATIVES = (

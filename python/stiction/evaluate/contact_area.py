@@ -233,7 +233,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
                 AreaFunction(*known_points, nominal_area, hardness, exponent, attractions, indent, known_depths)
             )
         else:
-            # The solver failed for every member.
+            # The area is unknown if the solver failed for every member.
             functions.append(AreaFunction(np.ones(1), np.full(1, np.nan), nominal_area, hardness, exponent))
     return functions
 

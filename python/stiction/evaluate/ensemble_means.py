@@ -29,7 +29,6 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-# A normal stiffness requires at least this number of approaches or loads.
 MIN_STIFFNESS_STEPS = 3
 
 

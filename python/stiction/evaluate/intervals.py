@@ -19,13 +19,12 @@ import stiction._core as _core
 from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
-# Labels along the dimension `statistic` of datasets: a mean and the limits of its interval.
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 # The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
 NUM_SLOPE_FIT_STEPS = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Batches of more values are not evaluated faster.
+# Batches with more than this number of values are not evaluated faster.
 NUM_BATCH_VALUES = 2**17
 # An interval requires at least this number of repetitions.
 MIN_SAMPLE_SIZE = 3
@@ -43,9 +42,9 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-# A sample up to this skewness gets a symmetric interval.
+# A sample gets a symmetric interval up to this skewness.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
-# Student's t distribution with more degrees of freedom counts as normal.
+# Student's t distribution counts as normal above this number of degrees of freedom.
 MAX_DEGREES_OF_FREEDOM = 1e6
 
 

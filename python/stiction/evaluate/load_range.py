@@ -14,7 +14,6 @@ from stiction.study.study import find_step_dimension
 if TYPE_CHECKING:
     import xarray
 
-# This number of loads is evaluated if the study specifies none.
 NUM_DEFAULT_LOADS = 3
 
 

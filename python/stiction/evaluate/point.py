@@ -82,9 +82,7 @@ SLIDING_RULE_ORDER = ("all", "opposing")
 The first rule is reported. It lets friction act at all contacts, because mu0 is measured on smooth faces.
 """
 
-# Dimensions of a study besides load, mu0 and tau0.
 CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
-# Labels of a mean and of the limits of its 95 % interval.
 MEAN_AND_LIMITS = ("mean", "lower", "upper")
 
 

@@ -53,7 +53,7 @@ MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 MAX_STALLED_SOLVES = 20
 # The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-# Round-off may prevent contact solutions from converging to smaller tolerances.
+# Smallest tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
 MIN_SOLUTION_TOLERANCE = 1e-8
 # Tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
@@ -76,8 +76,7 @@ MIN_LOAD_IMPROVEMENT = 0.003
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 # Maximum number of equilibria that are computed at interpolated contact loads.
 MAX_REFINEMENT_SOLVES = 6
-# If the bodies separate after a larger relative change of the external load, they may still have an equilibrium under
-# the load.
+# Largest relative change of the external load at which separation proves that the bodies do not support the new load.
 MAX_LOAD_STEP = 0.1
 # Maximum number of external loads that the search for the pull-off load tries.
 MAX_TRIAL_LOADS = 40

@@ -36,9 +36,8 @@ quarter of the time of solving a contact with free boundaries.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Linear responses to a mean pressure of 1 have no upper limit of the pressure. This number is far above any pressure.
+# No pressure in a linear response to a mean pressure of 1 reaches this upper limit, so the limit has no effect.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
-# Maximum ratio of the longer side of a grid cell to its shorter side.
 MAX_CELL_ASPECT_RATIO = 1e6
 
 

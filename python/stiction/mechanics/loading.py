@@ -24,7 +24,8 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest computed approach, as a fraction of the range of the gap. A single contact carries the whole load below it.
+# Smallest computed approach, as a fraction of the range of the gap. At smaller approaches, a single contact carries the
+# whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
 # Ratio of successive approaches in the search for a load. If the load crosses a requested load twice between two
 # approaches, both crossings are missed.

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 # Traction bounds count as uniform if they differ by at most this fraction.
 UNIFORMITY_TOLERANCE = 1e-12
-# Number of Gauss-Legendre nodes with which a smooth function of an angle is integrated.
 NUM_QUADRATURE_NODES = 24
 
 
@@ -106,7 +105,7 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # Each contact slides completely from this displacement on.
+        # From this displacement, each contact slides completely.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:

@@ -347,7 +347,6 @@ def compute_onset(
     )  # fmt: skip
 
 
-# Both bodies get this Poisson's ratio if the study specifies none.
 DEFAULT_POISSON_RATIO = 0.3
 MIN_RELATIVE_STRENGTH = 1e-9
 """Smallest mu0 or tau0/E* for which an onset of sliding is computed. Smaller friction is lost in round-off."""

@@ -12,7 +12,6 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
-# A fit of the two Iwan parameters requires at least this number of load steps.
 MIN_FIT_POINTS = 3
 
 

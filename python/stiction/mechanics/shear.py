@@ -67,9 +67,7 @@ MIN_ELASTIC_LOAD_RATIO = 1e-4
 MAX_ROUND_OFF_GAP = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
-# The closure of the joint is computed at this number of loads.
 NUM_CLOSURE_LOADS = 8
-# The largest load of the closure of a joint is this multiple of the smallest load.
 MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0
 
 _STEP_QUANTITIES = (

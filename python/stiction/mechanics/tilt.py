@@ -33,7 +33,6 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 # Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
-# Maximum number of contact solutions for one load of a tilting surface.
 MAX_TILT_SOLVES_PER_LOAD = 60
 # One change of the tilt displaces the edge by at most this number of standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
@@ -42,7 +41,6 @@ MAX_EDGE_DISPLACEMENT_STEP = 0.5
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
-# Maximum number of cutting planes in the search for the tilt of rigid surfaces.
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
 RIGID_TILT_TOLERANCE = 1e-12

@@ -40,7 +40,7 @@ class CompanionStudy:
         try:
             stored_result = open_stored_result(self.directory)
         except ValueError:
-            # The directory is damaged.
+            # The error occurs if the directory is damaged.
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

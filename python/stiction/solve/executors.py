@@ -28,14 +28,13 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import ForkProcess
 
-# From this number of grid points on, several threads make a Fourier transform faster.
+# Several threads make a Fourier transform faster if it has at least this number of grid points.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")
 CONNECTION_TIMEOUT = "15s"
-# PR_SET_PDEATHSIG is the operation of the Linux function prctl with this number.
+# Number of the operation PR_SET_PDEATHSIG of the Linux function prctl.
 _SET_PARENT_DEATH_SIGNAL = 1
-# A printed line that reports progress starts with this text.
 PROGRESS_PREFIX = "progress: "
 # Time (s) between two printed lines of progress if the output is not a terminal.
 PROGRESS_LINE_INTERVAL = 60.0

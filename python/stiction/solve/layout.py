@@ -33,7 +33,6 @@ from stiction.study.study import Study, parse_study_of_dataset
 if TYPE_CHECKING:
     import xarray
 
-# Every stored result has this text as its attribute `title`.
 RESULT_TITLE = "stiction study"
 # Maximum size (bytes) of a group of members that are loaded into memory together.
 MAX_PIECE_BYTES = 2**26

@@ -345,8 +345,7 @@ class PressedPair:
 
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
-# Size of a cache line of the processor.
-CACHE_LINE_BYTES = 64
+CACHE_LINE_BYTES = 64  # bytes
 # A result stores the normal load on slipping contacts at this fraction of the sliding load.
 SLIP_LOAD_FRACTION = 0.5
 

@@ -69,8 +69,7 @@ MIN_BLOCK_TIME = 0.2
 MAX_SUBMITTED_TASKS = 1000
 # Maximum number of submitted tasks if the main process writes the block files.
 MAX_TASKS_THAT_RETURN_BLOCKS = 256
-# Time (s) between two updates of the displayed progress.
-PROGRESS_INTERVAL = 0.5
+PROGRESS_INTERVAL = 0.5  # s
 # An interrupted run waits this time (s) for unfinished blocks.
 SHUTDOWN_TIMEOUT = 3.0
 # Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
@@ -203,7 +202,7 @@ def _compute_blocks(
 
     Workers that can access the directory write the block files.
     """
-    # A cluster has no fixed number of workers.
+    # The number of workers is None for a cluster, where it varies.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 
@@ -397,7 +396,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first_index = block * self.block_size
             is_finished = self._is_finished[first_index : first_index + self.block_size]
-            # The edges are the first index of each range of missing members, and the index after its last member.
+            # The edges are alternately the start and the exclusive end of a range of missing members.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first_index + start, first_index + end)

@@ -94,14 +94,11 @@ CONTACT_PICTURE_FILE = "picture.nc"
 ONSET_FILE = "onset.nc"
 # The mean onset curve is stored in this file as a table. It is the backbone curve of a Masing model.
 ONSET_TABLE_FILE = "onset.csv"
-# Every study file that stiction writes starts with these words.
 STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
 # Earlier versions wrote this first line to a study file, without a checksum.
 _OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
-# Maximum size (bytes) of a result that is read into memory in one piece.
 MAX_RESULT_BYTES = 2**31
-# Maximum size (bytes) of a file that stores an onset or a contact map.
 MAX_COMPANION_FILE_BYTES = 2**26
 _BLOCK_NAME_PATTERN = re.compile(r"([0-9]{7,18})-([0-9]{7,18})-([0-9a-f]{8})\.nc")
 MAX_WRITE_ATTEMPTS = 3
@@ -132,8 +129,7 @@ class StoreInfo:
     study: Study
     # Number of finished repetitions, out of `study.ensemble.repetitions`.
     finished: int
-    # Size (bytes) of all block files together.
-    size: int
+    size: int  # bytes, of all block files together
     # Versions of the programs with which the result was computed, by the name of the program.
     versions: dict[str, str]
 
@@ -433,7 +429,7 @@ def _read_dataset(file: h5py.File) -> xarray.Dataset:
         attributes = _read_attributes(variable)
         if DIMENSION_WITHOUT_VARIABLE_TEXT.encode() in bytes(variable.attrs.get("NAME", b"")):
             continue
-        # netCDF stores truth values as integers, which xarray marks with this attribute.
+        # netCDF stores truth values as integers, which xarray marks with the attribute `dtype`.
         if attributes.pop("dtype", "") == "bool":
             values = values.astype(np.bool_)
         dims = [name] if variable.is_scale else [dim[0].name.removeprefix("/") for dim in variable.dims]
@@ -577,7 +573,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
     except (OSError, RuntimeError) as error:
-        # A symbolic link that refers to itself raises a RuntimeError.
+        # RuntimeError is raised if a symbolic link refers to itself.
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None

@@ -66,7 +66,6 @@ from stiction.study.values import (
 )
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees
-# Maximum number of directions of motion in a study of height maps.
 MAX_DIRECTIONS = 360
 # In the asperity model of profiles, the load curve extends beyond the requested loads by this factor.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
@@ -321,7 +320,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
         except (ValueError, IndexError):
-            # The moduli are invalid, which the validation of both keys reports.
+            # The error occurs if the moduli are invalid, which the validation of both keys reports.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),

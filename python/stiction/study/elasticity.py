@@ -30,21 +30,17 @@ NUM_ELASTIC_CONSTANT_DIGITS = 6
 class PairElasticity:
     """Elastic constants of a pair of bodies, and the hardness of the softer body."""
 
-    # Effective modulus E* (GPa).
-    effective_modulus: float
+    effective_modulus: float  # E*, GPa
     # Fraction of the elastic compliance that is due to the lower body. It is 0.5 if only E* is given.
     compliance_share: float = 0.5
-    # Poisson's ratio of the softer body.
-    poisson_ratio: float | None = None
-    # Hardness (GPa) of the softer body.
-    hardness: MaterialValue | None = None
+    poisson_ratio: float | None = None  # of the softer body
+    hardness: MaterialValue | None = None  # GPa, of the softer body
     # Description of E* and of the materials for users, if materials are given.
     source: str = ""
     hardness_source: str = ""
     # Names of the materials of the upper and the lower body.
     materials: tuple[str, str] | None = None
-    # Poisson's ratios of the upper and the lower body.
-    poisson_ratios: tuple[float, float] | None = None
+    poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
     # Note that a material was given under an alternative name.
     alias_note: str = ""
 

@@ -72,7 +72,6 @@ InputKind = Literal["", "pressure", "modulus", "hardness"]
 MAX_POISSON_RATIO = 0.5
 # Largest accepted α of junction growth. A von Mises body whose hardness is three times its yield strength has α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
-# This text of the input "junction growth" selects slip-line theory.
 SLIP_LINE_TEXT = "slip-line"
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
@@ -306,7 +305,6 @@ def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
     return first_text, last_text
 
 
-# Number of binary digits of each coordinate of a Sobol point.
 SOBOL_BITS = 30
 
 SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (

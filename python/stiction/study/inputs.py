@@ -38,7 +38,6 @@ SIZE_EFFECT = UncertainInput(
 )  # fmt: skip
 """Distribution of the characteristic length h* (µm) of the indentation size effect of metals."""
 
-# Label of junction growth by slip-line theory.
 _SLIP_LINE_LABEL = "the ratio of hardness to shear strength"
 
 

@@ -42,7 +42,6 @@ from stiction.study.values import SettingsSection
 if TYPE_CHECKING:
     import pandas
 
-# Every interface file starts with this line.
 INTERFACE_FILE_HEADER = "# stiction interface"
 INTERFACE_FILE_COLUMNS = (
     "mu0",
@@ -62,7 +61,6 @@ Below the first limit, the tests exclude the sliding rule. Below the second limi
 
 # The lower limit of an interval is replaced by the bound 0 if it exceeds 0 by less than this fraction of the width.
 BOUND_TOLERANCE = 0.01
-# An interval of the strength contains the true strength with this probability.
 INTERVAL_COVERAGE = 0.95
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
@@ -78,7 +76,6 @@ The entry is missing if no test depends on α, or if α differs between tests.
 
 # Largest normal score that is recovered from a file without columns of scores.
 MAX_SCORE_OF_OLD_FILE = 5.0
-# Titles of the columns with normal scores in an interface file start with this text.
 _SCORE_COLUMN_PREFIX = "score of "
 
 

@@ -147,7 +147,6 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
 DEFAULT_NUM_SHIFTS = 16
 DEFAULT_NUM_SURROGATES = 16
-# Maximum number of relative positions of two lines or two maps.
 MAX_RELATIVE_POSITIONS = 100_000
 
 

@@ -86,8 +86,7 @@ of array axes.
 class BodyAttributes:
     """Attributes that describe measured bodies in a result; empty for generated bodies."""
 
-    # Nominal area (µm²) of one member.
-    nominal_area: float | None = None
+    nominal_area: float | None = None  # µm², of one member
     # Attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`.
     attributes: dict[str, Any] = field(default_factory=dict)
 
@@ -113,7 +112,6 @@ class MemberSource(Protocol):
         """Return the bodies, the area and the grid that all members have in common."""
 
 
-# Levelling and resampling is cached for at most this number of pairs of lines.
 MAX_CACHED_LINE_PAIRS = 4
 
 

@@ -36,7 +36,6 @@ from stiction.surfaces.surface import Surface
 
 # Maximum size (bytes) of the profiles of one body that are generated together.
 MAX_BATCH_BYTES = 64_000_000
-# At most this number of pairs of filtered and levelled scans is cached.
 MAX_CACHED_PAIRS = 16
 # The fraction of measured points is averaged over this number of members.
 NUM_AVERAGED_MEMBERS = 16

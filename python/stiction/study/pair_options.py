@@ -418,7 +418,6 @@ class FormField:
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
-    # Label of the default in the drop-down list of a form.
     default_label: str = ""
     # Choices in the drop-down list of a form, each with its label.
     choices: tuple[tuple[str, str], ...] = ()

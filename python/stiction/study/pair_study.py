@@ -80,7 +80,6 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 # A load of 0 is replaced by this fraction of the largest attraction on one grid cell.
 ZERO_LOAD_REPLACEMENT = 1e-3
-# Contact law of the asperity model if none is given.
 DEFAULT_CONTACT_LAW = "hertz-sphere"
 # Ratio of hardness to yield strength in the contact law of Jackson and Green.
 HARDNESS_TO_YIELD_RATIO = 2.84

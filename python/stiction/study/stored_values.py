@@ -25,7 +25,6 @@ ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
-# Stored values are compared in pieces of this length.
 _CHUNK_SIZE = 2**14
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {

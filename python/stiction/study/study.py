@@ -83,7 +83,6 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_STUDY_BYTES = 1_000_000  # bytes
-# Maximum number of combinations of load, mu0 and tau0 in a study of measured surfaces.
 MAX_PARAMETER_COMBINATIONS = 1000
 
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
@@ -99,10 +98,8 @@ _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
 # Dotted key in which two studies differ, and its TOML value in each study.
 StudyDifference = tuple[str, str, str]
-# A message lists at most this number of differences between two studies.
 MAX_LISTED_DIFFERENCES = 4
 
-# Section `[surfaces]` of a study file.
 SurfaceSettings = GeneratedSurfaceSettings | MeasuredSurfaceSettings
 SURFACE_SETTINGS_CLASSES: tuple[type[SurfaceSettings], ...] = get_args(SurfaceSettings)
 
@@ -204,7 +201,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             else InterfaceSettings.model_validate(source)
         )
     except ValidationError:
-        # The interface is invalid, which its own validation reports.
+        # The error occurs if the interface is invalid, which its own validation reports.
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -288,7 +285,7 @@ def _add_bracketing_loads(
             # The validation of the section rejects an upper load that is still too large.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):
-        # Some values are invalid, which the validation of the section reports.
+        # The errors occur if values are invalid, which the validation of the section reports.
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, highest_load)
@@ -356,7 +353,7 @@ class Study(SettingsSection):
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):
-            # The loads are invalid, which the validation of the section reports.
+            # The errors occur if the loads are invalid, which the validation of the section reports.
             return data
         return {
             **data,
@@ -613,7 +610,7 @@ class Study(SettingsSection):
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
         except PydanticCustomError:
-            # The value is invalid, which the validation of its key reports.
+            # The error occurs if the value is invalid, which the validation of its key reports.
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)

@@ -33,14 +33,12 @@ from stiction._units import Quantity, quantity, short_repr
 from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
-# Maximum number of values that a study can list for one parameter.
 MAX_NUM_PARAMETER_VALUES = 10_000
 # Maximum number of values of mu0, tau0, cutoff, load or time that a study can list.
 MAX_SHORT_LIST_LENGTH = 100
-# A key of a study file may have at most this number of dots. The run time of tomllib increases with its square.
+# Maximum number of dots in a key of a study file. The run time of tomllib increases with the square of this number.
 MAX_KEY_DOTS = 100
-# Largest absolute value of a direction of motion, in degrees.
-MAX_DIRECTION_DEGREES = 360
+MAX_DIRECTION_DEGREES = 360  # degrees
 
 
 def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[object], Quantity]:
@@ -364,7 +362,6 @@ def check_keys(
 _SettingsClass = TypeVar("_SettingsClass", bound=SettingsSection)
 
 
-# One message lists at most this number of errors in a study.
 MAX_LISTED_FAULTS = 5
 
 
@@ -489,7 +486,6 @@ def _convert_validation_error(section_class: type[SettingsSection], fault: Error
     return key, message
 
 
-# A message suggests at most this number of similar names for an unknown key.
 MAX_SUGGESTIONS = 3
 
 

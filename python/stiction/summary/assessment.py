@@ -54,16 +54,15 @@ MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 
 # The coefficient is quoted only if no single contact carries more than this fraction of the load.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# A larger fraction of the load on contacts at the edge of the grid causes a caveat.
+# Largest fraction of the load on contacts at the edge of the grid without a caveat.
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
-# A larger fraction of the load on one contact causes a caveat.
 MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
 # Contacts are assumed to have merged above this ratio of true to nominal area.
 MIN_MERGED_AREA_FRACTION = 0.3
 # A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-# A larger fraction of interpolated points in a scan causes a caveat.
+# Largest fraction of interpolated points in a scan without a caveat.
 MAX_INTERPOLATED_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
@@ -76,12 +75,12 @@ With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-# A larger ratio of the grid spacings of two scans causes a caveat.
+# Largest ratio of the grid spacings of two scans without a caveat.
 MAX_SPACING_RATIO = 3.0
 
 # The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# The interval has no upper limit if a larger fraction of the input samples has no upper limit of friction.
+# Largest fraction of input samples without an upper limit of friction for which the interval has an upper limit.
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
@@ -115,7 +114,7 @@ docs/explanation/adhesion.md describes the fit.
 MAX_DEVIATION_FROM_MU0 = 0.02
 # This factor raises ties such as 2.25, so that they round up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
-# A larger relative half width of an interval causes a caveat.
+# Largest relative half width of an interval without a caveat.
 MAX_RELATIVE_HALF_WIDTH = 0.5
 
 

@@ -32,7 +32,6 @@ from stiction.surfaces.surface import Surface
 
 # Small-slope estimates assume this friction coefficient mu0 of the interface.
 ASSUMED_MU0 = 0.4
-# Number of wave number bins per decade in the spectrum of a surface.
 RADIAL_BINS_PER_DECADE = 20
 # Variance of ln(spectral density) in a bin times the number of harmonics in the bin, after a Hann window.
 _HANN_LOG_VARIANCE = 2.0

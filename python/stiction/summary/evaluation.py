@@ -44,7 +44,6 @@ from stiction.summary.joint_table import (
 )
 from stiction.summary.summary import PointSummary, Summary, summarize
 
-# `Result.reached_loads` returns at most this number of loads.
 MAX_REACHED_LOADS = 100_000
 
 if TYPE_CHECKING:

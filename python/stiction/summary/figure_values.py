@@ -23,13 +23,10 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.surfaces.surface import Surface
 
-# A figure shows at most this number of profiles, one per fractal dimension.
 MAX_DRAWN_PROFILES = 5
-# The figure of the contact area shows at most this number of curves, one per fractal dimension.
 MAX_DRAWN_CURVES = 8
 # A figure compares surfaces with these length scales, given as multiples of the study's length scale.
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
-# A surface in a figure has at most this number of rows and of columns.
 MAX_SURFACE_SIDE_POINTS = 400
 # A figure shows at most two values of tau0: the lowest and the highest.
 MAX_DRAWN_STRENGTHS = 2

@@ -23,14 +23,13 @@ from stiction.summary.summary import assess_coefficients
 if TYPE_CHECKING:
     import xarray
 
-FRICTION_TABLE_TITLE = "stiction table"  # attribute `title` of a friction table
-# A stiffness requires at least this number of pressures.
+FRICTION_TABLE_TITLE = "stiction table"
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3
 # For isotropic surfaces, the coefficient is averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 # The laws of area and stiffness are fitted up to this true area fraction.
 MAX_FITTED_AREA_FRACTION = 0.1
-# A larger relative deviation of a mean from a fitted law causes a caveat.
+# Largest relative deviation of a mean from a fitted law without a caveat.
 MAX_LAW_DEVIATION = 0.1
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 

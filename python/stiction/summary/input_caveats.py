@@ -70,7 +70,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-# A larger ratio of the spectra of two scans of one surface causes a caveat.
+# Largest ratio of the spectra of two scans of one surface without a caveat.
 MAX_RATIO_OF_TWO_SPECTRA = 2.0
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""

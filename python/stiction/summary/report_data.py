@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
     from stiction.surfaces.measured.reading import FileReading
 
-# For at most this number of scans per body, a report describes how the file was read.
 MAX_DESCRIBED_FILE_READINGS = 4
 
 

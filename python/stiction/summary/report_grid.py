@@ -44,7 +44,6 @@ MAX_TAU0_OVER_MODULUS = 0.02
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
-# The report of generated surfaces has this number of loads.
 NUM_REPORT_LOADS = 40
 # A report on measured surfaces evaluates these quantities besides friction for all mu0 and tau0.
 QUANTITIES_BESIDES_FRICTION = ("contact_count", "gentle_friction")

@@ -16,7 +16,6 @@ MAX_BLOCKS = 64
 A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
 """
 
-# Minimum number of blocks of averaged heights along each axis of a scan.
 MIN_BLOCKS = 16
 MIN_PARABOLA_DOMINANCE = 5.0
 """A fitted parabola dominates a map if its mean square height exceeds that of the fitted cubic and quartic terms by

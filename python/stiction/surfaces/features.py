@@ -16,7 +16,6 @@ from stiction._checks import Floats
 
 # In Wolf pruning, a hill or dale with a height below this fraction of the maximum height is merged with a neighbour.
 PRUNING_FRACTION = 0.05
-# Five-point parameters are averages over this number of peaks or pits.
 NUM_AVERAGED_FEATURES = 5
 
 _IndexArray = NDArray[np.intp]

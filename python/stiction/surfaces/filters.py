@@ -19,9 +19,9 @@ FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
 # Shortest cutoff of a filter, in points. At 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
 MIN_CUTOFF_POINTS = 0.5
-# From this cutoff (points) on, the filter fits straight lines near the ends of a profile.
+# The filter fits straight lines near the ends of a profile if the cutoff is at least this number of points.
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0
-# Half width of the weight function, in cutoff wavelengths. At larger distances, all weights are below 1e-15 of the
+# Half width of the weight function, in cutoff wavelengths. Beyond this distance, all weights are below 1e-15 of the
 # largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of filter weights on each side of a point. With a cutoff of two or three points, the weights decay
@@ -29,7 +29,7 @@ _WEIGHT_HALF_WIDTH = 1.6
 _MIN_HALF_WIDTH_POINTS = 64
 # The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
-# A local polynomial's normal equations count as singular if a normalised pivot is smaller.
+# A local polynomial's normal equations count as singular if a normalised pivot is below this number.
 _MIN_PIVOT = 1e-9
 # Scale of Tukey's biweight, in median absolute deviations. For normally distributed heights, the scale of the biweight
 # is three standard deviations.

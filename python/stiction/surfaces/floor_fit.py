@@ -27,7 +27,6 @@ _INITIAL_DAMPING = 1e-3
 class BinnedSpectrum(NamedTuple):
     """Spectrum averaged in bins of the wave number, with the statistical weight of each bin."""
 
-    # Logarithm of the wave number.
     log_q: Floats
     density: Floats
     # Shape parameter of the gamma distribution of the spectral density in each bin.

@@ -26,7 +26,6 @@ from stiction.surfaces.surface import Surface
 # Hidden noise is fitted to the spectrum at wavelengths up to this number of points.
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
-# A fit of hidden noise requires at least this number of spectral bins.
 _MIN_FIT_BINS = 8
 # Assumed relative deviation of the true spectral density from a power law in each bin.
 _RELATIVE_MODEL_ERROR = 0.1

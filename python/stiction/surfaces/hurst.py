@@ -20,7 +20,7 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
-# A wider 95 % interval of a Hurst exponent is of no use.
+# Largest width of a useful 95 % interval of a Hurst exponent.
 MAX_HURST_INTERVAL_WIDTH = 0.5
 # A Hurst exponent is fitted to a wavelength band with at least this number of harmonics.
 MIN_BAND_HARMONICS = 8
@@ -34,7 +34,6 @@ _NUM_EXCLUDED_HARMONICS = 2
 # 95 % quantile of the chi-squared distribution with one degree of freedom.
 _CHI_SQUARED_95 = 3.841
 _BINS_PER_DECADE = 12
-# A piece of the spectrum with its own power law has at least this number of bins.
 _MIN_PIECE_BINS = 4
 # Assumed relative deviation of the true spectrum from a power law in each bin. Every measured spectrum deviates from a
 # power law by at least 10 %.
@@ -100,7 +99,7 @@ class PowerLawFit:
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
     """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
-    # These rows have exponents that have not converged yet.
+    # These rows of spectra have exponents that have not converged yet.
     open_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.
     for _ in range(_NUM_NEWTON_STEPS):
@@ -382,7 +381,6 @@ def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, F
 class _SpectrumBins:
     """Spectrum averaged in bins of equal width in the logarithm of the wave number."""
 
-    # Index of the first harmonic in every bin.
     first: NDArray[np.intp]
     log_q: Floats
     power: Floats
@@ -497,8 +495,7 @@ def _fit_spectrum_pieces(
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for bin_count in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
-        # All pieces with this number of bins are fitted together. They have the order of the sliding windows, by
-        # ascending first bin.
+        # All pieces with the same number of bins are fitted together, in the order of their first bins.
         pieces = piece_ends - starts == bin_count
         window_rows = (sliding_window_view(values, bin_count) for values in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*window_rows)

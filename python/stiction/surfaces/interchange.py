@@ -22,11 +22,9 @@ SPACING_TOLERANCE = 1e-6
 class ExtractedHeights(NamedTuple):
     """Heights extracted from an object of this or another library, with spacing, history and missing points."""
 
-    # Heights (µm) of shape (n,) or (rows, columns).
-    heights: Floats
+    heights: Floats  # µm, of shape (n,) or (rows, columns)
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
-    # Mask of the missing points of a Profile or a Surface.
     missing: Any = None
 
 

@@ -26,7 +26,6 @@ MAX_POWER_LAW_MISFIT = 1.5
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
-# The seven-point slope formula requires this number of points of a line.
 _MIN_LINE_POINTS = 7
 
 

@@ -50,7 +50,6 @@ _MAX_OUTLIER_PASSES = 8
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 # Deviations from neighbours are computed for strips of rows with at most this number of points.
 _MAX_STRIP_POINTS = 16_384
-# The medians of at most this number of windows are computed together.
 _MAX_WINDOWS_PER_BATCH = 100_000
 # A separate median deviation requires this number of edge points, or of rough points beside flat regions.
 _MIN_EDGE_POINTS = 20

@@ -34,7 +34,6 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift between two maps is the map length divided by this number, so that three quarters overlap.
 MAX_SHIFT_DIVISOR = 4
-# A piece that is cut from a map has at least this number of rows and of columns.
 MIN_PIECE_SIDE_POINTS = 16
 MAX_SURROGATE_SIDE_POINTS = 512
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
@@ -44,7 +43,6 @@ _GOLDEN_RATIO = (5**0.5 - 1) / 2
 _PLASTIC_NUMBER = 1.324717957244746
 # This real root of x^5 = x + 1 is the base of four-dimensional quasi-random points.
 _QUINTIC_ROOT = 1.1673039782614187
-# A generated surface has this number of grid points per shortest wavelength.
 GRID_POINTS_PER_WAVELENGTH = 4
 
 
@@ -287,7 +285,6 @@ class MapPairs:
     lower: Surface
     # This trend is subtracted from each piece of a map.
     level: SurfaceTrend = "plane"
-    # Seed of the random phases of surrogates.
     seed: int = 2016
     # Shifts (x, y) of the upper map (µm) that replace the default shifts.
     shifts: tuple[tuple[float, float], ...] | None = None

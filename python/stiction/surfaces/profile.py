@@ -23,15 +23,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
-# One of the two bodies of a pair.
 Side = Literal["lower", "upper"]
 # Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-# The heights of a generated body with this number of points take 0.8 GB of memory.
+# Maximum number of points of a generated body. Its heights then take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
 # Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-# A natural cubic spline with two interior points needs this number of points.
+# Minimum number of points of a profile, for a natural cubic spline with two interior points.
 MIN_POINTS = 4
 
 

@@ -18,10 +18,8 @@ from stiction.surfaces.preparation import inscribed_rectangle, interpolate_rotat
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
 
-# Largest rotation (degrees) in the search for the best fit of two faces.
-MAX_ROTATION = 3.0
-# Rotation step (degrees) in the search for the best fit of two coarse maps.
-ROTATION_STEP = 0.5
+MAX_ROTATION = 3.0  # degrees
+ROTATION_STEP = 0.5  # degrees
 # A shift that differs from whole points by less than this fraction of a point is rounded.
 GRID_TOLERANCE = 0.02
 # Two faces fit only if their slope correlation at all other shifts is below this fraction of the largest correlation.
@@ -34,7 +32,6 @@ _MIN_COARSE_POINTS = {1: 64, 2: 16}
 # In the search for the best fit, coarse profiles (key 1) or maps (key 2) have at most this number of points along each
 # axis.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
-# The registration of two faces makes at most this number of Gauss-Newton steps.
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
 _STEP_FRACTIONS = (1.0, 0.5, 0.25)

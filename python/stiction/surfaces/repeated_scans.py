@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 # Minimum height range (µm) of a scan. Powers of smaller heights underflow.
 MIN_HEIGHT_RANGE = 1e-70
-# Two scans are regarded as scans of the same area only from this height correlation on.
+# Minimum height correlation of two scans that are regarded as scans of the same area.
 MIN_CORRELATION = 0.5
 # Standard deviations (points) of the Gaussian filters that smooth both scans in successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
@@ -36,7 +36,6 @@ _NUM_REFINEMENT_STEPS = 4
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 # Spline interpolation requires this number of points beyond the overlap of two scans.
 _OVERLAP_MARGIN = 3
-# This number of cutoffs is tried in the search for the shortest sufficient cutoff.
 _NUM_TRIAL_CUTOFFS = 400
 # A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4

@@ -31,9 +31,7 @@ DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 # The decay lengths for Sal and Str are measured at this autocorrelation value, the default of ISO 25178-3.
 DECAY_AUTOCORRELATION = 0.2
-# The autocorrelation length is searched for in this number of directions.
 _NUM_DIRECTIONS = 720
-# The spectral power is summed over this number of sectors of two degrees.
 _NUM_SECTORS = 90
 
 

@@ -27,11 +27,9 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 # Factor c of `instrument_limit`: a tip of radius R follows a surface only if the surface's rms curvature is below c/R.
 TIP_CURVATURE_FACTOR = 0.1
-# Rms slope and rms curvature are computed in this number of wave number bins per decade.
 _ROUGHNESS_BINS_PER_DECADE = 48
-# The search for instrument noise uses this number of wave number bins per octave.
 _NOISE_BINS_PER_OCTAVE = 8
-# The exponent of a spectrum is fitted in windows of these widths (octaves).
+# Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
 _WINDOW_OCTAVES = (1.0, 2.0)
 # A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0. The exponents
 # of measured and surface spectrum must differ by at least this number of standard deviations.
@@ -48,7 +46,7 @@ MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove. At a ratio of 1.9, a Gaussian filter
 # transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-# A smaller fraction of the mean square slope is round-off.
+# A fraction of the mean square slope below this limit is round-off.
 _MIN_SLOPE_FRACTION = 1e-4
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6

@@ -39,7 +39,6 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
-# The height of a spike is measured from this number of points on each side.
 _NUM_FLANK_POINTS = 4
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height. In a Gaussian
 # groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
@@ -57,9 +56,8 @@ The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
 # Largest reported ratio of the rms slopes across and along the lay of a map.
 MAX_LAY_RATIO = 1000.0
-# The rms slopes of this number of strips along each axis of a scan are compared.
 _NUM_STRIPS = 8
-# If strips have fewer points, no drift of the roughness is searched for.
+# Minimum number of points per strip. In smaller scans, no drift of the roughness is searched for.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
 """Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
@@ -307,7 +305,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import maximum_filter, median_filter
 
-    # Rounding causes this rms error of a height.
+    # Rounding causes an rms error of this size in each height.
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))

@@ -52,7 +52,6 @@ SETTING_CLASSES = (
 )
 """Setting classes of ISO 21920-3, selected by limits of Ra and, for periodic profiles, of RSm (as in ISO 4288)."""
 
-# The search for a suitable setting class starts at this index.
 _INITIAL_SETTING_CLASS_INDEX = 2
 
 

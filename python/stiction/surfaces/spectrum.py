@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 # This factor allows for round-off when two lengths are compared.
 ROUND_OFF_FACTOR = 1 + 1e-9
-# Peaks of a spectrum are searched for in this number of bins per decade.
 _PEAK_BINS_PER_DECADE = 24
 # The median spectral density beside a peak is computed from this number of bins on each side.
 _PEAK_WINDOW_BINS = 6

@@ -18,9 +18,7 @@ from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, WIDE_INTERVAL_C
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
 
-# This method of `Result` prints all result points and all caveats.
 COMPLETE_OUTPUT_METHOD = "summary()"
-# At most this number of groups of similar caveats is printed for several result points.
 MAX_CAVEAT_GROUPS = 6
 
 

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
 # Tests narrow an interval if they move one of its limits by at least this fraction of its width.
 MIN_NARROWING_FRACTION = 0.05
-# A figure shows at most this number of samples (mu0, tau0).
 MAX_SHOWN_SAMPLES = 800
 
 

@@ -39,7 +39,7 @@ _MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_LONGER_WAVELENGTHS = 4
 # A reported peak contributes at least this fraction to the fourth spectral moment.
 _MIN_PEAK_MOMENT_FRACTION = 0.1
-# The scatter of a spectrum about its fit is reported from this dispersion on.
+# The scatter of a spectrum about its fit is reported if the dispersion is at least this number.
 _MIN_REPORTED_DISPERSION = 2.0
 
 # Units in printed tables, by the unit in JSON.

@@ -30,7 +30,6 @@ _COLUMN_TITLES = {
 }  # fmt: skip
 """Column titles that replace those of `column_title_and_factor`, each with the factor that converts to its unit."""
 
-# At most this number of remedies is printed below a table.
 MAX_LISTED_REMEDIES = 3
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
 _LAW_PARAMETERS = ("area_factor", "stiffness_factor", "stiffness_exponent")

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
     from stiction.summary.joint_table import JointRow, JointTable
 
-# A comment line of a finite-element input card has at most this number of characters.
-CARD_WIDTH = 100
+CARD_WIDTH = 100  # characters
 CURVE_DIGITS = 6
 """Number of significant digits of pressures and closures in cards, from which other programs compute stiffnesses."""
 _ASCII_REPLACEMENTS = {

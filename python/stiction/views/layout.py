@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 # Text has at least this width (characters), even if the terminal is narrower.
 MIN_TERMINAL_WIDTH = 40
-# Minimum width (characters) of the first column of a printed table.
-MIN_LABEL_WIDTH = 16
+MIN_LABEL_WIDTH = 16  # characters
 
 TextRows = Sequence[Sequence[str]]
 

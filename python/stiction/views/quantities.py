@@ -25,8 +25,7 @@ from stiction.views.point import coordinate_text, point_load_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Maximum width (characters) of a heading above a column of numbers.
-MAX_HEADING_WIDTH = 20
+MAX_HEADING_WIDTH = 20  # characters
 _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5), ("pressure", 0.9))
 
 

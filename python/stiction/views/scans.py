@@ -36,15 +36,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# A printed table of slopes has at most this number of wavelengths.
 MAX_SLOPE_ROWS = 12
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
 """Materials for which the figure draws a line at hardness / E*, with E* of two bodies of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_CONTACT_COLOUR, AREA_COLOUR, OPPOSING_CONTACT_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
-# A scan's name in a figure has at most this number of characters.
-MAX_LABEL_LENGTH = 24
+MAX_LABEL_LENGTH = 24  # characters
 
 
 # ---- Joined spectrum -------------------------------------------------------------------------------------------------

@@ -30,20 +30,20 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-# The interval of a dilation angle is printed from this width (degrees) on.
+# The interval of a dilation angle is printed if its width (degrees) is at least this number.
 MIN_PRINTED_ANGLE_RANGE = 1.0
-# A larger load fraction at the edges of the faces causes a caveat.
+# Largest load fraction at the edges of the faces without a caveat.
 MAX_EDGE_LOAD_FRACTION = 0.2
-# A larger load fraction on yielded points causes a caveat.
+# Largest load fraction on yielded points without a caveat.
 MAX_YIELDED_LOAD_FRACTION = 0.5
-# A larger initial contact area, as a fraction of the overlap area, causes a caveat.
+# Largest initial contact area, as a fraction of the overlap area, without a caveat.
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
 # Registered faces have a caveat if the rms gap exceeds both a multiple of the gap noise and a fraction of the rms
 # height change over the sampling interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
-# A lower initial correlation between the slopes of both faces causes a caveat.
+# Lowest initial correlation between the slopes of both faces without a caveat.
 MIN_FIT_CORRELATION = 0.5
 
 _CSV_COLUMNS = {

@@ -23,12 +23,11 @@ if TYPE_CHECKING:
 INCHES_PER_MILLIMETRE = 1 / 25.4
 # Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-# Width (inches) of a figure for two columns.
+# Width (inches) of a figure for both columns of a page.
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
-# An axis is labelled in mm from this length (µm) on.
+# An axis is labelled in mm if its length (µm) is at least this number.
 MIN_LENGTH_IN_MILLIMETRES = 1000.0
-# A text from a file or from the user has at most this number of characters in a figure.
-MAX_LITERAL_TEXT_LENGTH = 300
+MAX_LITERAL_TEXT_LENGTH = 300  # characters
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
     **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 7),
@@ -39,7 +38,7 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "figure.dpi": 300,
     "hatch.linewidth": 0.4,
-    # Journals require embedded fonts.
+    # Font type 42 embeds fonts, as journals require.
     "pdf.fonttype": 42,
     "svg.fonttype": "path",
     # With a constant salt, equal figures give identical files.
@@ -58,10 +57,8 @@ FORCE_COLOUR = "#000000"
 FRICTION_COLOUR = "#cc79a7"
 UPPER_BODY_COLOUR = "#c6d9e7"
 LOWER_BODY_COLOUR = "#e3d5bb"
-# Colours of curves for the lowest and the highest tau0.
 SHEAR_STRENGTH_COLOURS = ("#444444", "#aa4499")
 MAP_AXIS_COLOURS = {"x": "#0072b2", "y": "#d55e00"}
-# Cells of a friction chart in which the bodies lock have this colour.
 SELF_LOCKED_COLOUR = "#7a0019"
 FRICTION_COLOUR_MAP = "plasma"
 """Colour map of friction coefficients. Other colour maps: viridis for D, grey for heights, inferno for pressures."""

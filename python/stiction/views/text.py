@@ -59,9 +59,8 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-# Grooves are reported from this relative difference of friction between axes on.
+# Grooves are reported if friction differs between the axes by at least this fraction.
 MIN_STATED_GROOVE_EFFECT = 0.01
-# The first table of a result with several result points has at most this number of rows.
 MAX_PRINTED_POINTS = 15
 
 

@@ -18,7 +18,6 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 # The lines of a text are classified in steps of this number of characters.
 PIECE_LENGTH = 250_000
-# A message shows at most this number of characters of a line.
 _MAX_SHOWN_LENGTH = 60
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2

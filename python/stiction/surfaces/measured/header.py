@@ -180,7 +180,7 @@ _HEIGHT_RANGE_PATTERN = LazyPattern(
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-# A longer word (characters) cannot be an unknown unit.
+# Maximum number of characters of a word that may be an unknown unit.
 MAX_UNIT_LENGTH = 12
 _HISTORY_PREFIX = "# history: "
 

@@ -65,7 +65,6 @@ class ReadOptions:
     crop: tuple[float, ...] | None
     # Numbers that mark missing points, in the unit of the file.
     codes: tuple[float, ...] = ()
-    # Words that mark missing points.
     words: tuple[str, ...] = ()
     # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()

@@ -9,10 +9,8 @@ from typing import Any
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.raw import FormatError, ReaderResult, parse_number, parse_positive_number
 
-# Rows of cells, by sheet name.
-WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]
+WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
 
-# A header may declare at most this number of points or lines.
 MAX_DECLARED_COUNT = 100_000_000
 
 

@@ -21,7 +21,7 @@ MIN_GRID_POINTS = 9
 MAX_GRID_NODES_PER_LISTED_POINT = 2
 # A list of points has at most this number of columns, such as coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12
-# A table with fewer rows cannot be a list of points.
+# Minimum number of rows of a table that may be a list of points.
 MIN_POINT_ROWS = 12
 # At most this number of rows or columns along one edge of a matrix are statistics, such as means.
 MAX_STATISTIC_LINES = 6

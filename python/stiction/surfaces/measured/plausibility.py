@@ -18,15 +18,16 @@ from stiction.surfaces.measured.raw import FileCaveat
 
 # An extreme height that may be an uncommon code for missing points occurs at least this number of times.
 MIN_MISSING_CODE_REPEATS = 2
-# A code for missing points differs from the other heights by at least this multiple of their range.
+# Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# A repeated code (first fraction of this range) and a common code such as 9999 (second fraction) may be closer.
+# Minimum distances of a repeated code and of a common code such as 9999 from the other heights, as fractions of the
+# range of these heights.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# A scan with fewer different heights is not searched for codes for missing points.
+# Minimum number of different heights of a scan that is searched for codes for missing points.
 MIN_DISTINCT_HEIGHTS = 5
 # Maximum number of different codes for missing points below, and above, all measured heights.
 MAX_MISSING_CODES = 4
@@ -34,7 +35,7 @@ MAX_MISSING_CODES = 4
 MIN_CODE_DEVIATION = 3.0
 # The median and the frequency of each height are estimated from at most this number of heights of a scan.
 MAX_SAMPLED_HEIGHTS = 65_536
-# A scan with fewer different heights is not searched for unusually frequent heights.
+# Minimum number of different heights of a scan that is searched for unusually frequent heights.
 MIN_COMPARED_HEIGHTS = 20
 # The frequency of a height is compared with this number of neighbouring heights on each side.
 NUM_NEIGHBOURS = 12
@@ -55,7 +56,7 @@ MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # The height range in a header is wrong if the height range of the scan is at least 10 times larger. A height range that
 # is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
-# The heights of smaller scans are not checked, because small arrays may be examples.
+# Minimum number of points of a scan whose heights are checked. Smaller arrays may be examples.
 MIN_CHECKED_POINTS = 20
 # Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -263,7 +264,6 @@ def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]
         return None
     first_index, end_index = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
     near_counts, distances = counts[first_index:end_index], np.abs(distinct_heights[first_index:end_index])
-    # Smallest difference between heights in the file.
     step = float(np.diff(distinct_heights[first_index:end_index]).min())
     usual_count = max(
         float(near_counts[(distances > 0) & (distances < (num_nearest + 0.5) * step)].sum()) / (2 * num_nearest)

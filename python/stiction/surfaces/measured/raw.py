@@ -34,7 +34,7 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# Parsing needs ten times as much memory as the text of the file.
+# Maximum size (bytes) of a text file. Parsing needs ten times as much memory as the text.
 MAX_TEXT_BYTES = 300_000_000
 # Maximum number of points of a compressed map per byte of its file.
 MAX_POINTS_PER_BYTE = 100
@@ -109,7 +109,6 @@ class DeclaredLength:
     length: float
     digit: float
     unit: str
-    # Header line that declares the length.
     line: str = ""
 
     def to_micrometres(self) -> float:
@@ -185,8 +184,7 @@ class RawHeights:
     declared_spacing: DeclaredLength | None = None
     # Spacing of the rows and spacing of the columns that the file declares.
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Height and width of the map that the file declares.
-    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of the map
     # Choices made when the file was read, such as the column of heights.
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
@@ -206,11 +204,8 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    # Index of the column of words in its table.
-    place: int
-    # Most frequent words in the column, with counts.
-    words: str
-    # Least frequent word in the column.
+    place: int  # index of the column in its table
+    words: str  # most frequent words, with counts
     rarest_word: str
     # Mask of the rows in which a word marks a missing point.
     missing: NDArray[np.bool_]
@@ -227,7 +222,6 @@ class ColumnTable:
 
     # Numbers of the table with the shape (rows, columns), and NaN at missing numbers.
     values: Floats
-    # Names of the columns, or empty.
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
     # Function that returns the place value of the last printed digit of each number in a column.
@@ -261,14 +255,10 @@ class HeaderDeclarations:
 
     # Declared spacing of a profile, or of a map along one axis.
     spacing: DeclaredLength | None = None
-    # Declared spacings of the rows and of the columns of a map.
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Declared spacing of the rows of a map.
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # of the rows and of the columns of a map
     row_spacing: DeclaredLength | None = None
-    # Declared height and width of a map.
-    size: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Declared distance from the lowest to the highest height.
-    height_range: DeclaredLength | None = None
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
+    height_range: DeclaredLength | None = None  # from the lowest to the highest height
     # Declared spacing (Δx,) or (Δy, Δx) without a unit.
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
@@ -284,9 +274,7 @@ class HeaderDeclarations:
     counts: tuple[float, ...] = ()
     # Header line with a factor or a height range that is not applied.
     unapplied_factor_line: str = ""
-    # Declared number of points of a profile.
     points: int | None = None
-    # Declared radius of the stylus tip.
     tip_radius: DeclaredLength | None = None
     # Header line that declares the unit or the factor of the heights.
     unit_line: str = ""
@@ -305,7 +293,6 @@ class HeightChannels:
     default: int | None
 
 
-# Content that a file reader returns.
 ReaderResult = RawHeights | ColumnTable | HeightChannels
 
 

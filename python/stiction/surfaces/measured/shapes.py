@@ -47,11 +47,8 @@ MAX_STEP_UNEVENNESS = 1e-3
 Positions stored in single precision have such deviations, which have no visible effect on the heights.
 """
 
-# A height matrix in a text file has at least this number of columns.
 MIN_MATRIX_COLUMNS = 4
-# A map that is built from a table has at most this number of grid points.
 MAX_TABLE_GRID_POINTS = 100_000_000
-# A message lists at most this number of column names.
 MAX_LISTED_NAMES = 12
 # A caller can choose at most three columns: x, y and z.
 MAX_SELECTED_PROFILE_COLUMNS = 3

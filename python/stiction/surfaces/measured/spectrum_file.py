@@ -166,7 +166,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     except UnreadableFileError as error:
         raise FormatError(f"{printable_path(path)}: {error}") from None
     except ValueError:
-        # Pandas rejects the text of the table.
+        # Pandas raises ValueError if the text is not a table.
         raise FormatError(f"{printable_path(path)} is not a table with the columns of a spectrum") from None
     scans = [match for line in text.split("\n") if (match := _SCAN_LINE_PATTERN.fullmatch(line.rstrip("\r")))]
     names = [match["name"] for match in scans]

@@ -36,7 +36,6 @@ from stiction.surfaces.measured.split import (
 )
 from stiction.surfaces.measured.word_columns import WordColumnWithMissingLines, describe_words, replace_word_columns
 
-# Maximum number of characters of each processing step that is read from a header.
 MAX_HISTORY_ENTRY_CHARACTERS = 1000
 
 

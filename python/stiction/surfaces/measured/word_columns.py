@@ -16,13 +16,11 @@ from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_li
 # The comma is tried last as a cell separator, because it may also be the decimal mark within cells.
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
-# This text replaces each word in a column of words.
 _WORD_REPLACEMENT = "nan"
 # The cell separator is detected from at most this number of lines.
 _MAX_SEPARATOR_SEARCH_LINES = 400
 # Columns of words are searched for only in tables with at least this number of rows.
 MIN_TABLE_ROWS = 4
-# A message lists at most this number of words of a column.
 MAX_LISTED_WORDS = 4
 
 
@@ -32,8 +30,7 @@ class WordColumnWithMissingLines:
 
     place: int
     counts: Mapping[str, int]
-    # Line numbers (from 0) of missing points.
-    missing_lines: tuple[int, ...]
+    missing_lines: tuple[int, ...]  # counted from 0
 
 
 def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[WordColumnWithMissingLines, ...]]:
@@ -102,7 +99,6 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 class _TableWithTextColumns:
     """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
 
-    # Indices of columns that contain numbers.
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)

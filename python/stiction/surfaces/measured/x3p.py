@@ -34,12 +34,10 @@ _XML_NUMBER_PATTERN = re.compile(
 )
 """Regular expression for numbers in XML Schema, which have ASCII digits and no underscores."""
 
-# Maximum size (bytes) of main.xml, without the points that it lists.
+# Maximum size (bytes) and maximum number of XML elements of main.xml, without the points that it lists.
 _MAX_MAIN_XML_BYTES = 4_000_000
-# Maximum number of XML elements in main.xml, without the points that it lists.
 _MAX_XML_ELEMENTS = 100_000
 _MAX_BYTES_PER_POINT = 200
-# A validity mask may have this number of bytes after its last point.
 _MAX_SPARE_MASK_BYTES = 64
 _MAX_XML_DEPTH = 6
 

@@ -21,9 +21,8 @@ from stiction.views.style import (
 # The figure shows an input if the interval would be narrower by more than this fraction with an exact value of the
 # input.
 MIN_DRAWN_INTERVAL_REDUCTION = 0.02
-# The figure of the uncertainty budget shows at most this number of inputs.
 MAX_DRAWN_INPUTS = 5
-# An input's label with more characters is wrapped.
+# Maximum number of characters in a line of an input's label. Longer labels are wrapped.
 MAX_ROW_LABEL_WIDTH = 20
 
 

@@ -37,9 +37,8 @@ _MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES = 40
 _MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
 # Maximum length (inches) of an arrow that represents a force.
 _MAX_ARROW_LENGTH = 0.45
-# Shorter arrows, relative to the longest arrow, are invisible.
+# Minimum length of a visible arrow, as a fraction of the length of the longest arrow.
 _MIN_VISIBLE_FORCE_RATIO = 0.05
-# Contacts that the edge of the map cuts have this colour.
 EDGE_CONTACT_COLOUR = "#e00030"
 # Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5

@@ -47,12 +47,10 @@ from stiction.views.style import (
 MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.85
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
-# Minimum distance (mm) between curve labels.
-CURVE_LABEL_SPACING = 2.4
+CURVE_LABEL_SPACING = 2.4  # mm
 # Largest ratio of an axis limit to the largest mean. Interval bands that extend further are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
-# Height (mm) of a heading line above a figure.
-HEADING_HEIGHT = 4.0
+HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
@@ -149,7 +147,7 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-            # Above the panel, the legend covers no curve.
+            # The legend is above the panel, where it covers no curve.
             ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(

@@ -151,7 +151,7 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-# The markers of two wavelengths do not overlap from this ratio on.
+# Minimum ratio of two wavelengths whose markers do not overlap.
 MIN_MARKER_WAVELENGTH_RATIO = 1.05
 SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""

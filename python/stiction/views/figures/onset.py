@@ -105,7 +105,6 @@ def _prepend_zero(values: Floats) -> Floats:
     return np.concatenate([[0.0], np.asarray(values, dtype=np.float64)])
 
 
-# A drawn curve is interpolated to this number of points.
 NUM_CURVE_POINTS = 200
 
 
@@ -232,7 +231,7 @@ _ONSET_PANELS = {
 }
 """Unit factor, axis label, and whether the axis is logarithmic, for each panel."""
 
-# Colours of onset curves, from the lowest to the highest load.
+# The colours of onset curves are sorted from the lowest to the highest load.
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
 
 

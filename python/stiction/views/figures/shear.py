@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from stiction._number_format import choose_prefixed_unit
 from stiction.views.style import AREA_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, OPPOSING_CONTACT_COLOUR, new_figure
 
-# Area (square points) of the marker for a contact point.
-MARKER_AREA = 2.0
+MARKER_AREA = 2.0  # square points
 PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 256)), "pressure")
 """Colour map of pressures, without pale colours, which would not be visible on white."""
 

@@ -191,7 +191,6 @@ def _heading_lines(data: MeasuredReportData) -> list[str]:
     ]
 
 
-# At most this number of processing steps of a body is listed.
 MAX_LISTED_PROCESSING_STEPS = 20
 
 

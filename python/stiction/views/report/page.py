@@ -81,8 +81,7 @@ def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> st
     )
 
 
-# Maximum number of characters of a line from a file in a report.
-MAX_SHOWN_LINE_LENGTH = 400
+MAX_SHOWN_LINE_LENGTH = 400  # characters
 
 
 def escape_html(text: object) -> str:

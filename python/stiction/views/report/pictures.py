@@ -223,8 +223,7 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 
 # A figure element with at most this number of vertices is drawn as vectors. Larger elements become pixels.
 MAX_SVG_VERTICES = 1000
-# Resolution (dots per inch) of figure elements that are drawn as pixels.
-RASTER_DPI = 200
+RASTER_DPI = 200  # dots per inch
 
 _CSS_COLOURS = {
     **dict.fromkeys(("#000000", "#262626", "#333333", "#404040", "#444444"), "var(--ink)"),
