@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-# A map is drawn in nm instead of µm if its heights span less than this range (µm).
+# Height range (µm) below which a map is drawn in nm.
 _MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
 _MAX_SCALE_BAR_FRACTION = 0.25
 PRESSURE_COLOUR_MAP = "inferno"

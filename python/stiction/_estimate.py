@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
 
-# A printed number has at most this number of significant digits, even if its interval is very narrow.
+# Maximum number of significant digits of a printed number, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
 # An upper limit that exceeds the value by more than this factor is printed with one digit.
@@ -21,7 +21,7 @@ MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
 # These codes are stored instead of the number of decimals of an upper limit.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# Numbers have at most this many decimals, and rounding replaces at most this many digits before the decimal point by 0.
+# Maximum number of decimals, and maximum number of digits before the decimal point that rounding replaces by 0.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]

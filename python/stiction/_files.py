@@ -23,14 +23,14 @@ PARTIAL_FILE_NAME_PATTERN = re.compile(r"\.stiction-([0-9a-f]{8})-([0-9]+)-([0-9
 The name contains the machine, the process id, the run and a random number.
 """
 
-# A partial file from another machine counts as abandoned after this time (s).
+# Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
 # Time (s) between two refreshes of a directory claim. It is short, so that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 # This random text identifies the run, because the operating system reuses process numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
-# The reader searches this number of bytes at both ends of a file for the bytes that mark the file type.
+# Number of bytes at each end of a file in which a reader searches for the bytes that mark the file type.
 _NUM_SEARCHED_BYTES = 2**16
 
 

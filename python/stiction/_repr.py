@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
-# A figure up to this width (inches) fills one column, and gets a higher resolution in a notebook.
+# Maximum width (inches) of a figure for one column, which gets a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4

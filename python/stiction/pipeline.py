@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 LinePrintFunction = Callable[[str], Any]
 
-# An estimate of the computing time is always printed if it is at least this time (s).
+# Computing time (s) above which an estimate of the time is always printed.
 MIN_ANNOUNCED_TIME = 20.0
 
 _COMPANION_FILES = {

@@ -29,20 +29,20 @@ from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # s
-# A stopped command is killed after this time (s), in which it can still write results.
+# Time (s) in which a stopped command can still write results before it is killed.
 MAX_SHUTDOWN_TIME = 5.0
 KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
-# A running command may use this fraction of the machine's memory.
+# Fraction of the machine's memory that a running command may use.
 JOB_MEMORY_FRACTION = 0.5
-# Memory limit of a preview, and of each of the two short processes that may run at once, as a fraction of the machine's
-# memory.
+# Fraction of the machine's memory that a preview may use. Each of two short processes that run at the same time may use
+# as much.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # A command prints this end of its JSON record before it draws figures.
 END_OF_JSON_RECORD = b"\n}\n"
-# Files that the user can save after each command. The keys are the offered names, the values the names on disk.
+# Files that the user can save after each command. Each value is the name of the file that the command writes.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},

@@ -30,13 +30,13 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit, 
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Each adaptation of the proposal evaluates this number of nuisance points, each a sample of all nuisance parameters.
+# Number of nuisance points in each adaptation of the proposal. A nuisance point is a sample of all nuisance parameters.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
-# The final importance sampling stops at this number of nuisance points.
+# Maximum number of nuisance points in the final importance sampling.
 MAX_NUISANCE_POINTS = 8192
 # The final sampling starts with 2**k times the first number for k nuisance parameters, but at most the second number.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-# Nuisance parameters are limited to this number of standard deviations from their mean.
+# Largest distance of a nuisance parameter from its mean, in standard deviations.
 MAX_NORMAL_SCORE = 5.0
 MAX_PROPOSAL_ROUNDS = 8
 # The proposal is adapted until the effective sample size exceeds this fraction of the number of nuisance points.
@@ -45,7 +45,7 @@ MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# The grid ends where -2 ln(density) exceeds its minimum by this value, which is 5.8 standard deviations.
+# Difference between -2 ln(density) at the edge of the grid and its minimum. It corresponds to 5.8 standard deviations.
 MAX_GRID_DEVIANCE = 34.0
 # Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
@@ -53,7 +53,7 @@ PROPOSAL_DEGREES_OF_FREEDOM = 5.0
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
-# At most this number of nuisance points is evaluated together if contacts grow under shear, to limit the memory.
+# Maximum number of nuisance points that are evaluated together if contacts grow under shear, to limit the memory.
 MAX_GROWTH_BATCH_POINTS = 256
 GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"
 
@@ -83,7 +83,8 @@ class _GridLimits:
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
     deviance_range: float
-    min_tau0: Floats  # GPa, at each nuisance point
+    # Limits of tau0 (GPa) at each nuisance point.
+    min_tau0: Floats
     max_tau0: Floats
     # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). It is None if no contact grows under
     # shear.
@@ -466,8 +467,8 @@ class CalibrationProblem:
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
-        # A score of a pair's area error is stored only if no other contact was tested. Another contact could determine
-        # mu0 and tau0 alone, so that the tests need not contain all errors of the pair's scans.
+        # Scores of area errors are stored only if all tests used the same surfaces. Of several surfaces, one may
+        # determine mu0 and tau0 alone, independently of the area errors of the others.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
         scores_by_name = {

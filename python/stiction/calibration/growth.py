@@ -8,7 +8,8 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# The range of tau0 is found by this number of searches, each with this number of values in a smaller range.
+# Successive searches narrow the range of tau0. The constants are the number of tau0 values per search, and the number
+# of searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
 # Numerical derivatives use this step of mu0, multiplied by 0.1 + mu0.

@@ -17,7 +17,7 @@ from stiction.study.interfaces import ValueWithLimits, round_median_strength
 
 # Relative error of the planned tests, used if the errors of the present tests are unknown.
 DEFAULT_RELATIVE_ERROR = 0.05
-# The loads of planned tests on a ball span this factor.
+# Ratio of the largest to the smallest load of planned tests on a ball.
 BALL_LOAD_RANGE = 100.0
 
 

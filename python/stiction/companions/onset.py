@@ -47,7 +47,7 @@ NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-# An onset curve takes about this many times as long to compute as a contact solution.
+# Computing time of an onset curve, divided by the computing time of a contact solution.
 ONSET_TO_SOLUTION_TIME_RATIO = 8
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)

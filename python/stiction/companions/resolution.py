@@ -43,14 +43,14 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
-# The cutoff study uses at most this number of members for height maps, which take much longer than profiles.
+# Maximum numbers of members in a cutoff study. Height maps take much longer than profiles.
 NUM_AREAL_MEMBERS = 4
 NUM_LINE_MEMBERS = 16
-# The cutoffs above 0 form a geometric sequence with ratio 2 of at most this length.
+# Maximum number of cutoffs above 0, which form a geometric sequence with ratio 2.
 MAX_CUTOFFS = 4
-# Rounding to four digits changes a number by at most this fraction.
+# Largest relative error of a number that is rounded to four digits.
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4
-# No cutoff exceeds this fraction of the shortest side of the scans.
+# Longest cutoff in a cutoff study, as a fraction of the shortest side of the scans.
 MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
@@ -156,8 +156,10 @@ class ResolvedRoughness:
     shortest: float
     # Two grid spacings, the shortest wavelength of unfiltered scans (µm).
     two_points: float
-    longest: float  # µm, of the pressed bodies
-    gradient: float  # rms gradient of the first member's gap
+    # Longest side (µm) of the pressed bodies.
+    longest: float
+    # Rms gradient of the gap of the first member.
+    gradient: float
     roughness: ScaleDependentRoughness
     # Fit of the gap's Hurst exponent, or None if no band is self-affine.
     estimate: HurstEstimate | None
@@ -256,7 +258,7 @@ class CutoffResult:
     """Friction, roughness, area fraction and pressure of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    # Friction for each sliding rule, rms gradient, area fraction and pressure at a cutoff.
+    # Rms gradient, area fraction, pressure and, for each sliding rule, friction at a cutoff.
     values: dict[str, float]
     contact_status: str
     # Cutoffs (µm) of all upper and all lower scans.

@@ -387,8 +387,8 @@ class _QuantitiesWithCombinedIntervals:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not vary along a dimension has one interval for all indices of this dimension, which
-            # is computed once, at index 0.
+            # A quantity that does not vary along a dimension has a single interval, which is computed at index 0 of
+            # this dimension.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -444,7 +444,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs for all mu0 and tau0. The keys are the indices along the other dimensions.
+    # Quantities at the central inputs for all mu0 and tau0, by the indices along all other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))

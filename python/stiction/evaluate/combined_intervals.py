@@ -276,7 +276,8 @@ class CombinedIntervals:
         )
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
-        # An interface that was calibrated on this pair already contains the errors of the pair's true area.
+        # If the interface was calibrated on this pair, its strength already includes the errors of the pair's true
+        # area.
         sources = (*self.standard_errors, *self.drifts, *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()))
         self.names = (
             *self.inputs,

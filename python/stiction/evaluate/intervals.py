@@ -20,15 +20,15 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-# The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
+# Number of loading steps on each side of a load to which the slope of a curve is fitted.
 NUM_SLOPE_FIT_STEPS = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Batches with more than this number of values are not evaluated faster.
+# Maximum number of values in a batch. Larger batches are not evaluated faster.
 NUM_BATCH_VALUES = 2**17
-# An interval requires at least this number of repetitions.
+# Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
-# An interval of the mean requires at least this number of neighbouring positions.
+# Minimum number of neighbouring positions for an interval of the mean.
 MIN_NEIGHBOURING_VALUES = 8
 MIN_RELATIVE_CHANGE = -1 + 1e-12
 """Relative change of a mean on leaving out one repetition, above which the mean certainly keeps its sign.

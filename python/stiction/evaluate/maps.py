@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# For one result cell, at most this number of points of load curves is in memory at the same time.
+# Maximum number of points of load curves that are in memory at the same time for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
 # Each combination of these dimensions is a cell of a result, which has one roughness or one cutoff.
 MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")

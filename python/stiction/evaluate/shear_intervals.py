@@ -27,7 +27,7 @@ from stiction.study.interfaces import InterfaceStrength
 if TYPE_CHECKING:
     import xarray as xr
 
-# At least this number of input samples is drawn, even for many displacements.
+# Minimum number of input samples, even for many displacements.
 MIN_INPUT_SAMPLES = 2**10
 # The product of the numbers of samples and displacements is limited, because it determines the memory.
 MAX_CURVE_VALUE_COUNT = 2**21

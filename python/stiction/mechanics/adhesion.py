@@ -41,13 +41,13 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 # Number of plain steps of the attraction between two extrapolated steps. Plain steps damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
-# An extrapolated step is at most this many times as long as the plain step.
+# Maximum ratio of the lengths of an extrapolated and a plain step.
 MAX_EXTRAPOLATION_FACTOR = 10.0
 # Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60
-# The search for the pull-off load of maps computes at most this number of contact solutions for one contact load. The
-# limit is low, because the attraction of soft bodies converges slowly, and energy minimizations are faster.
+# Maximum number of contact solutions for one contact load in the search for the pull-off load of maps. It is small,
+# because the attraction of soft bodies converges slowly, and energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # Maximum number of successive contact solutions that do not reduce the residual of the attraction.
 MAX_STALLED_SOLVES = 20
@@ -64,13 +64,16 @@ MAX_SOLUTION_TOLERANCE = 1e-3
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-# While the bodies separate, each contact load is this fraction of the previous contact load.
+# Ratio of successive contact loads while the bodies separate.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# The search for the pull-off load ends if the bodies separate under a load that is lower by at most this fraction.
+# The search for the pull-off load ends if the bodies separate under a load that is below the lowest equilibrium load by
+# at most this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# A minimum of the external load is accepted if plain steps separate the bodies under a load lower by this fraction.
+# A minimum of the external load is accepted if plain steps separate the bodies under a load below the minimum by this
+# fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# An interpolated equilibrium is computed only if its predicted external load is lower than all others by this fraction.
+# An interpolated equilibrium is computed only if its predicted external load is below the loads of all computed
+# equilibria by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01

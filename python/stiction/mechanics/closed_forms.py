@@ -23,7 +23,7 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# This number of bisections determines the logarithm of an ellipse's axis ratio to the last bit.
+# Number of bisections that determine the logarithm of an ellipse's axis ratio to the last bit.
 _NUM_BISECTIONS = 64
 # A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
 _SLOPE_TOLERANCE = 1e-9

@@ -86,7 +86,7 @@ MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
 The second constant is the number of entries of the table along each axis.
 """
 
-# After this number of Newton steps, the yield pressure of slip lines is exact to round-off.
+# Number of Newton steps after which the yield pressure of slip lines is exact to round-off.
 NUM_PRESSURE_STEPS = 3
 
 
@@ -348,7 +348,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    # At a mean pressure of 1, the rate would be 0, and its logarithm infinite.
+    # At a mean pressure of 1, the logarithm of the rate would be infinite, because the rate is 0.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)

@@ -32,7 +32,7 @@ Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per th
 quarter of the time of solving a contact with free boundaries.
 """
 
-# A trial tilt displaces the edge by this fraction of the mean displacement due to the load.
+# Displacement of the edge by a trial tilt, as a fraction of the mean displacement due to the load.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7

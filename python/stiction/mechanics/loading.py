@@ -33,7 +33,7 @@ _SUCCESSIVE_APPROACH_RATIO = 1.1
 # Number of approaches that are computed together. Larger approaches take longer, so the computation stops after the
 # batch in which all loads are reached.
 _APPROACHES_PER_BATCH = 16
-# Contact candidates are searched up to this multiple of the largest requested approach.
+# Approach up to which contact candidates are searched for, as a multiple of the largest requested approach.
 _CANDIDATE_APPROACH_FACTOR = 5.0
 
 

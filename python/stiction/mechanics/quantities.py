@@ -66,7 +66,7 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Numerator of a ratio such as a validity indicator or a stiffness per area. It is the name of a quantity.
+    # Name of the quantity in the numerator of a ratio, such as a validity indicator or a stiffness per area.
     numerator: str = ""
     # Names of the quantities whose sum is the denominator of a validity indicator.
     denominator: tuple[str, ...] = ()

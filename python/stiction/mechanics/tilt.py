@@ -34,10 +34,10 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 # Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
-# One change of the tilt displaces the edge by at most this number of standard deviations of the gap.
+# Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# This number is added to the moment per unit slope, so that the Newton equations have a solution. Its unit is (mean
-# pressure) · (side length)² / (standard deviation of the gap).
+# Number added to the moment per unit slope, so that the Newton equations have a solution. Its unit is (mean pressure) ·
+# (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6

@@ -19,13 +19,13 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# This fraction of a body's grid points counts as steep, namely the points with the largest slopes.
+# Fraction of a body's grid points that count as steep, namely the points with the largest slopes.
 STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""
 
-# A contact with at most this number of grid cells counts as small. Its area depends on the grid.
+# Maximum number of grid cells of a small contact, whose area depends on the grid.
 MAX_CELLS_OF_SMALL_CONTACT = 4
 
 

@@ -346,7 +346,7 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE_BYTES = 64  # bytes
-# A result stores the normal load on slipping contacts at this fraction of the sliding load.
+# Tangential load, as a fraction of the sliding load, for which a result stores the normal load on slipping contacts.
 SLIP_LOAD_FRACTION = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-# A run has at least this number of blocks, so that no worker waits long for the last block.
+# Minimum number of blocks in a run, so that no worker waits long for the last block.
 MIN_BLOCKS_PER_RUN = 16
 # Minimum computing time (s) of a block. The first file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
@@ -70,7 +70,7 @@ MAX_SUBMITTED_TASKS = 1000
 # Maximum number of submitted tasks if the main process writes the block files.
 MAX_TASKS_THAT_RETURN_BLOCKS = 256
 PROGRESS_INTERVAL = 0.5  # s
-# An interrupted run waits this time (s) for unfinished blocks.
+# Time (s) that an interrupted run waits for unfinished blocks.
 SHUTDOWN_TIMEOUT = 3.0
 # Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
 MAX_BYTES_IN_MEMORY = 2**34
@@ -351,9 +351,9 @@ def _describe_remaining_work(
     )
 
 
-# A new estimate of the run time is printed only if at least this time (s) remains.
+# Minimum remaining time (s) for which a new estimate of the run time is printed.
 MIN_REPORTED_TIME = 60.0
-# A new estimate requires that members take this many times as long as first estimated.
+# Minimum ratio of the measured to the first estimated time of a member for which a new estimate is printed.
 MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
@@ -459,7 +459,7 @@ class SharedResultDirectory:
     """Result directory in which workers write block files themselves, if they can access the directory."""
 
     path: Path
-    # A file with this name exists in the blocks directory until the run ends.
+    # Name of a file that exists in the blocks directory until the run ends.
     token: str
 
     def is_accessible(self) -> bool:

@@ -83,16 +83,16 @@ if TYPE_CHECKING:
     import xarray
 
 STUDY_FILE = "study.toml"
-# A shear test is stored in this file. It is not the result of a study.
+# Name of the file of a shear test, which is not the result of a study.
 SHEAR_TEST_FILE_NAME = "shear.nc"
 BLOCKS_DIRECTORY = "blocks"
-# Earlier versions stored true areas at other hardnesses in this file.
+# Name of the file in which earlier versions stored true areas at other hardnesses.
 AREAS_BY_HARDNESS_FILE = "hardness.nc"
-# The contact map of a typical member is stored in this file.
+# Name of the file with the contact map of a typical member.
 CONTACT_PICTURE_FILE = "picture.nc"
-# The onset of sliding is stored in this file, with the curves of tangential load against displacement.
+# Name of the file with the onset of sliding: curves of tangential load against displacement.
 ONSET_FILE = "onset.nc"
-# The mean onset curve is stored in this file as a table. It is the backbone curve of a Masing model.
+# Name of the file with the mean onset curve as a table. It is the backbone curve of a Masing model.
 ONSET_TABLE_FILE = "onset.csv"
 STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
@@ -129,7 +129,8 @@ class StoreInfo:
     study: Study
     # Number of finished repetitions, out of `study.ensemble.repetitions`.
     finished: int
-    size: int  # bytes, of all block files together
+    # Size (bytes) of all block files together.
+    size: int
     # Versions of the programs with which the result was computed, by the name of the program.
     versions: dict[str, str]
 

@@ -67,10 +67,10 @@ from stiction.study.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees
 MAX_DIRECTIONS = 360
-# In the asperity model of profiles, the load curve extends beyond the requested loads by this factor.
+# Factor by which the load curve of profiles extends beyond the requested loads in the asperity model.
 ASPERITY_LOAD_MARGIN_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# In the half-plane model of profiles, the load curve extends beyond the requested loads by this factor.
+# Factor by which the load curve of profiles extends beyond the requested loads in the half-plane model.
 HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
 # Maximum ratio of successive loads at which height maps are pressed.

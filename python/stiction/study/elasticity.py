@@ -20,9 +20,9 @@ from stiction.mechanics.materials import (
     softest_material,
 )
 
-# Young's modulus, Poisson's ratio and hardness of a material are rounded to this number of digits.
+# Number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded.
 NUM_MATERIAL_DIGITS = 3
-# With this number of digits of elastic constants, E* of every pair of materials has three correct digits.
+# Number of digits of elastic constants for which E* of every pair of materials has three correct digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -40,7 +40,8 @@ class PairElasticity:
     hardness_source: str = ""
     # Names of the materials of the upper and the lower body.
     materials: tuple[str, str] | None = None
-    poisson_ratios: tuple[float, float] | None = None  # of the upper and the lower body
+    # Poisson's ratios of the upper and the lower body.
+    poisson_ratios: tuple[float, float] | None = None
     # Note that a material was given under an alternative name.
     alias_note: str = ""
 

@@ -78,7 +78,7 @@ MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Smallest and largest accepted exponent m of the area of yielding contacts. Fine asperities have exponents far above
 # the lower limit, and surface steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
-# Contacts may lose at most this fraction of their true area when they are sheared.
+# Largest fraction of the true area that contacts may lose when they are sheared.
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
@@ -138,7 +138,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # The negative numbers, which have this probability, are cut off from the normal distribution.
+        # The normal distribution is truncated at zero. Its negative numbers have this probability.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(

@@ -37,10 +37,9 @@ from stiction.surfaces.surface import Surface
 # Maximum size (bytes) of the profiles of one body that are generated together.
 MAX_BATCH_BYTES = 64_000_000
 MAX_CACHED_PAIRS = 16
-# The fraction of measured points is averaged over this number of members.
+# Number of members over which the fraction of measured points is averaged.
 NUM_AVERAGED_MEMBERS = 16
-# A scan whose file is missing is assumed to have this number of points. The key is False for a profile and True for a
-# map.
+# Assumed number of points of a scan whose file is missing, for a profile (False) and a map (True).
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------

@@ -196,7 +196,7 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    # Message of a condition, after the option name. {name} stands for another option.
+    # Message if the condition is not met. It follows the option name, and {name} stands for another option.
     message: str
 
 

@@ -76,9 +76,9 @@ from stiction.surfaces.surface import Surface, as_body
 
 # Default number of relative positions of two profiles. These positions take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
-# Adhesive contacts are computed at this number of additional loads, in the two decades below the requested loads.
+# Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
-# A load of 0 is replaced by this fraction of the largest attraction on one grid cell.
+# Load that replaces a load of 0, as a fraction of the largest attraction on one grid cell.
 ZERO_LOAD_REPLACEMENT = 1e-3
 DEFAULT_CONTACT_LAW = "hertz-sphere"
 # Ratio of hardness to yield strength in the contact law of Jackson and Green.
@@ -888,7 +888,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, these settings of the surfaces equal those of the final study, which shares the cached bodies.
+        # With checksums, the surface settings equal those of the final study, so that both share the cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property

@@ -47,12 +47,12 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
-# A mean is quoted only if all members together have at least this number of contacts.
+# Minimum number of contacts in all members together for which a mean is quoted.
 MIN_TOTAL_CONTACTS = 10
 MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 """Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# The coefficient is quoted only if no single contact carries more than this fraction of the load.
+# Largest fraction of the load that a single contact may carry if the coefficient is quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
 # Largest fraction of the load on contacts at the edge of the grid without a caveat.
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
@@ -112,7 +112,7 @@ docs/explanation/adhesion.md describes the fit.
 
 # A coefficient counts as equal to mu0 if it differs from mu0 by at most this fraction.
 MAX_DEVIATION_FROM_MU0 = 0.02
-# This factor raises ties such as 2.25, so that they round up as in the report.
+# Factor that raises ties such as 2.25, so that they round up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
 # Largest relative half width of an interval without a caveat.
 MAX_RELATIVE_HALF_WIDTH = 0.5

@@ -30,7 +30,7 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-# Small-slope estimates assume this friction coefficient mu0 of the interface.
+# Friction coefficient mu0 of the interface that small-slope estimates assume.
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
 # Variance of ln(spectral density) in a bin times the number of harmonics in the bin, after a Hann window.

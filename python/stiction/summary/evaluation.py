@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# If a study has a range of fractal dimensions, this number of them is shown.
+# Number of fractal dimensions that are shown if a study has a range of fractal dimensions.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 

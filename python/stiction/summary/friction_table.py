@@ -27,7 +27,7 @@ FRICTION_TABLE_TITLE = "stiction table"
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3
 # For isotropic surfaces, the coefficient is averaged over these directions of motion (degrees).
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-# The laws of area and stiffness are fitted up to this true area fraction.
+# Largest true area fraction to which the laws of area and stiffness are fitted.
 MAX_FITTED_AREA_FRACTION = 0.1
 # Largest relative deviation of a mean from a fitted law without a caveat.
 MAX_LAW_DEVIATION = 0.1

@@ -37,7 +37,7 @@ Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 
 # Maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
-# A report shows at most this number of mu0 or tau0 of a study. A longer list is thinned out.
+# Maximum number of mu0 or tau0 of a study in a report. A longer list is thinned out.
 MAX_SHOWN_MU0_OR_TAU0 = 9
 # Largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0.
 MAX_TAU0_OVER_MODULUS = 0.02

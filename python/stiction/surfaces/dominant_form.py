@@ -31,7 +31,7 @@ MIN_STEP_SHARPNESS = 0.8
 Smooth forms have a smaller fraction.
 """
 
-# A height step of a map is searched for in this number of directions (0°, 2.5°, ... 177.5°).
+# Number of directions (0°, 2.5°, ... 177.5°) in which a height step of a map is searched for.
 _STEP_ANGLE_COUNT = 72
 # Each side of a height step must have at least this fraction of the points of a scan.
 _STEP_MARGIN = 0.02

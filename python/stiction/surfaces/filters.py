@@ -19,7 +19,7 @@ FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
 # Shortest cutoff of a filter, in points. At 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
 MIN_CUTOFF_POINTS = 0.5
-# The filter fits straight lines near the ends of a profile if the cutoff is at least this number of points.
+# Minimum cutoff (points) for which the filter fits straight lines near the ends of a profile.
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0
 # Half width of the weight function, in cutoff wavelengths. Beyond this distance, all weights are below 1e-15 of the
 # largest weight.
@@ -334,8 +334,8 @@ def _fit_local_polynomials(
     ]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # As in `rfftn`, half of the transform is computed along the last array axis, and the full transform along other
-    # axes.
+    # As in `rfftn`, the transform is halved along the last array axis only, because real heights have a symmetric
+    # transform.
     kernel_transforms = [
         [
             _reshape_along_axis(

@@ -12,7 +12,7 @@ from stiction._checks import Floats
 
 # A noise floor is significant if adding it to the power laws raises the log-likelihood of the fit by more than 2.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
-# The fit starts with this noise level, given as a fraction of the lowest spectral density.
+# Initial noise level of the fit, as a fraction of the lowest spectral density.
 _INITIAL_FLOOR_FRACTION = 0.3
 # The fit has converged if a step decreases the negative log-likelihood by less than this fraction.
 _LOSS_TOLERANCE = 1e-13

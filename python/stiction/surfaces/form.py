@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 # Coordinates (x, y) in µm relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# The squared cosine of the slope angle is at least this number. Its formula is negative beyond the equator of a sphere.
+# Lower limit of the squared cosine of the slope angle. The formula for it is negative beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
 # The fit of a round form has converged if residuals and parameters change by less than this fraction.
 _FIT_TOLERANCE = 1e-12

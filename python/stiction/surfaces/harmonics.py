@@ -16,17 +16,17 @@ MIN_HARMONIC_DISTANCE = 10
 _MIN_FIRST_HARMONIC_BIN = 2.5
 # Maximum number of harmonics whose density is compared with the density between harmonics.
 _MAX_COMPARED_HARMONICS = 8
-# A spectrum with a texture has at least this number of significant harmonics in addition to the first. More than a
-# third of the compared harmonics must be significant, too.
+# Minimum number of significant harmonics of a texture in addition to the first harmonic. More than a third of the
+# compared harmonics must be significant, too.
 _MIN_SIGNIFICANT_HARMONICS = 2
-# At most this number of spectral peaks is tested as the first harmonic of a texture.
+# Maximum number of spectral peaks that are tested as the first harmonic of a texture.
 _MAX_TESTED_PEAKS = 6
 # A harmonic is significant if its density exceeds the density between harmonics by this factor. By chance, about one
 # bin in 1000 has ten times the density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
 # Half width of the peak of a harmonic after a Hann window, in bins.
 _PEAK_HALF_WIDTH = 2.5
-# The first harmonic is searched for at this number of positions per bin.
+# Number of positions per bin at which the first harmonic is searched for.
 _STEPS_PER_BIN = 16
 # The spectrum without harmonics is estimated from this quantile of the densities between two harmonics. A low quantile
 # leaves out the peaks of harmonics, including aliased harmonics.

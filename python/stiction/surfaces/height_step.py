@@ -10,7 +10,7 @@ from stiction._checks import Floats
 # Second differences of the heights count as equal if they differ by at most this fraction of the height range. This
 # tolerance exceeds the round-off of levelling and of single-precision heights.
 _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
-# A second difference is attributed to rounding only if it occurs at least this number of times.
+# Minimum number of occurrences of a second difference that is attributed to rounding.
 _MIN_REPETITIONS = 5
 # If heights are rounded, at least this fraction of the second differences occurs repeatedly.
 _MIN_REPEATED_FRACTION = 0.5

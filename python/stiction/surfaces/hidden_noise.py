@@ -23,7 +23,7 @@ from stiction.surfaces.scale import (
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-# Hidden noise is fitted to the spectrum at wavelengths up to this number of points.
+# Longest wavelength (points) of the spectrum to which hidden noise is fitted.
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8

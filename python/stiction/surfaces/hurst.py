@@ -22,13 +22,13 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
 # Largest width of a useful 95 % interval of a Hurst exponent.
 MAX_HURST_INTERVAL_WIDTH = 0.5
-# A Hurst exponent is fitted to a wavelength band with at least this number of harmonics.
+# Minimum number of harmonics in a wavelength band to which a Hurst exponent is fitted.
 MIN_BAND_HARMONICS = 8
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
-# After a Hann window, this number of lowest harmonics is excluded. The window adds power from the mean and from longer
-# wavelengths to these harmonics.
+# Number of lowest harmonics that are excluded after a Hann window, which adds power from the mean and from longer
+# wavelengths to them.
 _NUM_EXCLUDED_HARMONICS = 2
 
 # 95 % quantile of the chi-squared distribution with one degree of freedom.
@@ -38,15 +38,15 @@ _MIN_PIECE_BINS = 4
 # Assumed relative deviation of the true spectrum from a power law in each bin. Every measured spectrum deviates from a
 # power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
-# A spectrum is divided into one more piece with its own power law if the log-likelihood increases by this number. This
-# increase must be large, because a power law has three parameters and can begin at any of about 50 bins.
+# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law. It
+# must be large, because a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
 # Minimum width of the fitted wave number band in ln(q). It is about half a decade.
 _MIN_BAND_WIDTH = math.log(3)
-# A fit includes a roll-off as an additional parameter if the log-likelihood increases by at least this number.
+# Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 

@@ -22,7 +22,8 @@ SPACING_TOLERANCE = 1e-6
 class ExtractedHeights(NamedTuple):
     """Heights extracted from an object of this or another library, with spacing, history and missing points."""
 
-    heights: Floats  # µm, of shape (n,) or (rows, columns)
+    # Heights (µm) with the shape (n,) or (rows, columns).
+    heights: Floats
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
     missing: Any = None

@@ -23,8 +23,8 @@ MIN_POINTS_PER_WAVELENGTH = 8
 # Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side. At longer
 # wavelengths, the spectrum depends on the window function.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# This number of wave vectors has spectral densities that together count as one independent value. Opposite wave vectors
-# have equal densities, and the window correlates neighbouring wave vectors.
+# Number of wave vectors whose spectral densities together count as one independent value. Opposite wave vectors have
+# equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 

@@ -16,7 +16,7 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Hurst exponents are fitted for at most this number of lines per map and direction. More lines add little information,
+# Maximum number of lines per map and direction for which Hurst exponents are fitted. More lines add little information,
 # because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")

@@ -48,10 +48,10 @@ _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
-# Deviations from neighbours are computed for strips of rows with at most this number of points.
+# Maximum number of points of a strip of rows for which deviations from neighbours are computed together.
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000
-# A separate median deviation requires this number of edge points, or of rough points beside flat regions.
+# Minimum number of edge points, or of rough points beside flat regions, for a separate median deviation.
 _MIN_EDGE_POINTS = 20
 
 

@@ -32,7 +32,7 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of line pairs. With this number, computing a result with interval takes one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
-# The largest shift between two maps is the map length divided by this number, so that three quarters overlap.
+# Ratio of the map length to the largest shift between two maps, of which three quarters always overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16
 MAX_SURROGATE_SIDE_POINTS = 512

@@ -41,7 +41,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
 """History entries that record a flip: the current entry, and the entry of earlier versions."""
 
-# At this distance (points) from the ends of a spline, the end conditions hardly affect the heights.
+# Distance (points) from the ends of a spline at which the end conditions hardly affect the heights.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)

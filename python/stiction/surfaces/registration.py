@@ -26,11 +26,9 @@ GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 # Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
-# Coarse profiles (key 1) or maps (key 2) whose slopes are correlated have at least this number of points along each
-# axis.
+# Minimum number of points along each axis of coarse profiles (key 1) or maps (key 2) whose slopes are correlated.
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# In the search for the best fit, coarse profiles (key 1) or maps (key 2) have at most this number of points along each
-# axis.
+# Maximum number of points along each axis of coarse profiles (key 1) or maps (key 2) in the search for the best fit.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.

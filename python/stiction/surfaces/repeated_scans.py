@@ -34,7 +34,7 @@ _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 _NUM_REFINEMENT_STEPS = 4
 # Distance (points) of independent heights in white noise after a Gaussian filter (standard deviation one point).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-# Spline interpolation requires this number of points beyond the overlap of two scans.
+# Number of points that spline interpolation requires beyond the overlap of two scans.
 _OVERLAP_MARGIN = 3
 _NUM_TRIAL_CUTOFFS = 400
 # A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).

@@ -336,7 +336,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each cell of four points has four triangles, whose sides along x and y give the slope of the triangle.
+    # Each cell of four points contains four triangles. The sides of a triangle along x and y give its slope.
     for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])

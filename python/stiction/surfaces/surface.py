@@ -20,8 +20,8 @@ BodyLike = Any
 
 # Names of the amplitude measures in the C++ core, which processes the heights of a map as a list.
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height range of a body (µm). Fourth powers of smaller heights underflow. The maximum height range is
-# 1/_MIN_HEIGHT. Fourth powers of larger heights overflow.
+# Smallest height range (µm) of a body. The largest is 1/_MIN_HEIGHT. Outside these limits, fourth powers of heights
+# underflow or overflow.
 _MIN_HEIGHT = 1e-50
 
 

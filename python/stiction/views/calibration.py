@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 # All values of A/F count as equal up to this relative range.
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
-# Tests narrow an interval if they move one of its limits by at least this fraction of its width.
+# Tests narrow an interval if they move one of its limits by at least this fraction of the interval's width.
 MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800
 

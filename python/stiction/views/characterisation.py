@@ -29,17 +29,17 @@ from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
-# Slopes are printed for this number of wavelengths: 2, 4, 8, ... grid spacings.
+# Number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings.
 NUM_SLOPE_WAVELENGTHS = 4
 # Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 # Minimum spectral density at a reported peak, relative to the density at longer wavelengths.
 _MIN_PEAK_DENSITY_RATIO = 3.0
-# A peak is reported only if the spectrum contains at least this number of longer wavelengths.
+# Minimum number of wavelengths in the spectrum above the wavelength of a reported peak.
 _MIN_LONGER_WAVELENGTHS = 4
-# A reported peak contributes at least this fraction to the fourth spectral moment.
+# Minimum contribution of a reported peak to the fourth spectral moment, as a fraction.
 _MIN_PEAK_MOMENT_FRACTION = 0.1
-# The scatter of a spectrum about its fit is reported if the dispersion is at least this number.
+# Minimum dispersion of a spectrum about its fit for which the scatter is reported.
 _MIN_REPORTED_DISPERSION = 2.0
 
 # Units in printed tables, by the unit in JSON.

@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-# Text has at least this width (characters), even if the terminal is narrower.
+# Minimum width (characters) of printed text, even if the terminal is narrower.
 MIN_TERMINAL_WIDTH = 40
 MIN_LABEL_WIDTH = 16  # characters
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-# The interval of a dilation angle is printed if its width (degrees) is at least this number.
+# Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
 MIN_PRINTED_ANGLE_RANGE = 1.0
 # Largest load fraction at the edges of the faces without a caveat.
 MAX_EDGE_LOAD_FRACTION = 0.2

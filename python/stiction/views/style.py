@@ -25,7 +25,7 @@ INCHES_PER_MILLIMETRE = 1 / 25.4
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 # Width (inches) of a figure for both columns of a page.
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
-# An axis is labelled in mm if its length (µm) is at least this number.
+# Length (µm) above which an axis is labelled in mm.
 MIN_LENGTH_IN_MILLIMETRES = 1000.0
 MAX_LITERAL_TEXT_LENGTH = 300  # characters
 

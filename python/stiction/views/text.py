@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-# Grooves are reported if friction differs between the axes by at least this fraction.
+# Minimum relative difference of friction between the axes for which grooves are reported.
 MIN_STATED_GROOVE_EFFECT = 0.01
 MAX_PRINTED_POINTS = 15
 

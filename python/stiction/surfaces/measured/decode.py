@@ -14,9 +14,9 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# The header of a known file layout is searched for in this many lines, and in this many characters per line.
+# Number of lines, and number of characters per line, in which the header of a known file layout is searched for.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-# The lines of a text are classified in steps of this number of characters.
+# Number of characters per step when the lines of a text are classified.
 PIECE_LENGTH = 250_000
 _MAX_SHOWN_LENGTH = 60
 

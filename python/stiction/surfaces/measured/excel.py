@@ -20,7 +20,7 @@ from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_
 MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row of a sheet, to limit the memory: eight tags for each possible column.
 MAX_TAGS_PER_ROW = 8 * 16_384
-# A formula whose result is not stored in the workbook is replaced by this text.
+# Text that replaces a formula whose result is not stored in the workbook.
 _FORMULA_WITHOUT_VALUE = "unevaluated formula"
 _FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
@@ -51,7 +51,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     except (FormatError, MemoryError):
         raise
     except Exception as error:
-        # Openpyxl raises many classes of errors.
+        # Openpyxl raises many classes of errors for a damaged workbook.
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged workbook ({type(error).__name__}: {reason})") from None
     layout = next((layout for layout in WORKBOOK_LAYOUTS if layout.recognises(sheets)), None)

@@ -103,7 +103,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
     except FormatError:
         raise
     except Exception as error:
-        # SurfaceTopography raises many classes of errors.
+        # SurfaceTopography raises many classes of errors for a file that it cannot read.
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
         # The text of `CannotDetectFileFormat` lists the errors of all readers of SurfaceTopography, so it is left out.
         if type(error).__name__ == "CannotDetectFileFormat":

@@ -45,7 +45,7 @@ The spacing then has a relative error of at most 1/1000.
 _SPACING_RANGE = (1e-6, 1e6)
 # Largest accepted length or height (µm). A larger number has a wrong unit or marks a missing point.
 _MAX_LENGTH = 1e9
-# Codes for missing points that are stored in single precision have this relative rounding error.
+# Relative rounding error of codes for missing points that are stored in single precision.
 MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
 
@@ -68,7 +68,7 @@ class ReadOptions:
     words: tuple[str, ...] = ()
     # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()
-    # True if the caller gives a single unit. It applies to heights, and to positions without a unit in the file.
+    # True if the caller gives a single unit, which applies to heights, and to positions without a unit in the file.
     one_unit: bool = False
 
 

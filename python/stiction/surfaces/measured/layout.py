@@ -9,7 +9,8 @@ from typing import Any
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.raw import FormatError, ReaderResult, parse_number, parse_positive_number
 
-WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]  # rows of cells, by sheet name
+# Rows of cells of each sheet, by the name of the sheet.
+WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]
 
 MAX_DECLARED_COUNT = 100_000_000
 

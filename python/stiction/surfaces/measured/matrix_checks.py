@@ -15,15 +15,15 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
-# A list of points with grid coordinates in two columns has at least this number of points.
+# Minimum number of points in a list of points with grid coordinates in two columns.
 MIN_GRID_POINTS = 9
-# A list of points with grid coordinates in two columns has at most this number of grid nodes per point.
+# Maximum number of grid nodes per point in a list of points with grid coordinates in two columns.
 MAX_GRID_NODES_PER_LISTED_POINT = 2
-# A list of points has at most this number of columns, such as coordinates, colours, intensity and normal.
+# Maximum number of columns in a list of points, such as coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12
 # Minimum number of rows of a table that may be a list of points.
 MIN_POINT_ROWS = 12
-# At most this number of rows or columns along one edge of a matrix are statistics, such as means.
+# Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
 # Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights. Rounding
 # of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
@@ -113,7 +113,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    # The dict contains the number of different positions in each column, and the index of the position in each row.
+    # For each column, the dict contains the number of different positions, and the index of the position in each row.
     positions: dict[int, tuple[int, Any]] = {}
     for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, column]).all():

@@ -18,7 +18,7 @@ from stiction.surfaces.profile import MAX_POINTS
 SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
 """Fields of the spacing array in a file of `write_surface`. A file of `write_profile` has only the last field."""
 
-# The third array of an NPY file stores at most this number of characters of the history.
+# Maximum number of characters of the history that the third array of an NPY file stores.
 _MAX_STORED_HISTORY_LENGTH = 1_000_000
 
 
@@ -91,7 +91,7 @@ def _read_array(file: io.BytesIO, data: bytes) -> NDArray[Any]:
             header = np.lib.format.read_array_header_1_0 if is_version_1 else np.lib.format.read_array_header_2_0
             shape, fortran_order, data_type = header(file)
     except Exception as error:
-        # The NPY header is corrupt. Parsing it can raise many classes of errors.
+        # Parsing a corrupt NPY header can raise many classes of errors.
         reason = " ".join(str(error).split())[:80]
         raise FormatError(f"is a damaged .npy file, or contains Python objects instead of numbers ({reason})") from None
     if data_type.hasobject or any(isinstance(axis_length, bool) for axis_length in shape):

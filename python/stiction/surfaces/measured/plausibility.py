@@ -16,7 +16,7 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# An extreme height that may be an uncommon code for missing points occurs at least this number of times.
+# Minimum number of occurrences of an extreme height that may be an uncommon code for missing points.
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
@@ -33,11 +33,11 @@ MIN_DISTINCT_HEIGHTS = 5
 MAX_MISSING_CODES = 4
 # Minimum distance of a code for missing points from the median height, in median absolute deviations.
 MIN_CODE_DEVIATION = 3.0
-# The median and the frequency of each height are estimated from at most this number of heights of a scan.
+# Maximum number of heights of a scan from which the median and the frequency of each height are estimated.
 MAX_SAMPLED_HEIGHTS = 65_536
 # Minimum number of different heights of a scan that is searched for unusually frequent heights.
 MIN_COMPARED_HEIGHTS = 20
-# The frequency of a height is compared with this number of neighbouring heights on each side.
+# Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
 # A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times. The
 # symbol m stands for the median frequency of similar heights.

@@ -38,7 +38,7 @@ MAX_FILE_BYTES = 2_000_000_000
 MAX_TEXT_BYTES = 300_000_000
 # Maximum number of points of a compressed map per byte of its file.
 MAX_POINTS_PER_BYTE = 100
-# A map may have this number of points, regardless of the file size.
+# Number of points that a map may have regardless of the file size.
 MAX_POINTS_OF_SMALL_MAP = 1_000_000
 # Smallest and largest spacing or size (µm) that a header can declare.
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
@@ -184,7 +184,8 @@ class RawHeights:
     declared_spacing: DeclaredLength | None = None
     # Spacing of the rows and spacing of the columns that the file declares.
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of the map
+    # Declared height and width of the map.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
     # Choices made when the file was read, such as the column of heights.
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
@@ -204,8 +205,10 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    place: int  # index of the column in its table
-    words: str  # most frequent words, with counts
+    # Index of the column of words in its table.
+    place: int
+    # Most frequent words in the column, with their counts.
+    words: str
     rarest_word: str
     # Mask of the rows in which a word marks a missing point.
     missing: NDArray[np.bool_]
@@ -255,10 +258,13 @@ class HeaderDeclarations:
 
     # Declared spacing of a profile, or of a map along one axis.
     spacing: DeclaredLength | None = None
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # of the rows and of the columns of a map
+    # Declared spacings of the rows and of the columns of a map.
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     row_spacing: DeclaredLength | None = None
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
-    height_range: DeclaredLength | None = None  # from the lowest to the highest height
+    # Declared height and width of a map.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    # Declared distance from the lowest to the highest height.
+    height_range: DeclaredLength | None = None
     # Declared spacing (Δx,) or (Δy, Δx) without a unit.
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None

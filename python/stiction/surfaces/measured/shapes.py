@@ -52,13 +52,14 @@ MAX_TABLE_GRID_POINTS = 100_000_000
 MAX_LISTED_NAMES = 12
 # A caller can choose at most three columns: x, y and z.
 MAX_SELECTED_PROFILE_COLUMNS = 3
-# At least this number of slightly unevenly spaced numbers are regarded as measured positions.
+# Minimum number of slightly unevenly spaced numbers that are regarded as measured positions.
 MIN_JITTERED_POSITIONS = 8
 # Largest difference between steps of measured positions, relative to the mean step.
 MAX_JITTER = 0.5
 # A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
 MIN_TILT_CORRELATION = 0.98
-# A first number with fewer decimals gets a caveat only above at least this number of values with equal decimals.
+# Number of following numbers that must have equally many decimals for a caveat about a first number with fewer
+# decimals.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit. If the step is below three such units,
 # coarsely rounded heights may have equal steps by chance.

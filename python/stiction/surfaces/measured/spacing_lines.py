@@ -115,8 +115,10 @@ class SpacingDeclarations:
 
     # Declared spacing of a profile, or of a map along one axis.
     spacing: DeclaredLength | None = None
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # of the rows and of the columns of a map
-    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height and width of a map
+    # Declared spacings of the rows and of the columns of a map.
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    # Declared height and width of a map.
+    size: tuple[DeclaredLength, DeclaredLength] | None = None
     row_spacing: DeclaredLength | None = None
     # Declared spacing (Δx,) or (Δy, Δx) without a unit.
     bare_spacing: tuple[float, ...] | None = None

@@ -26,9 +26,9 @@ _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
-# The column names must stand within this number of bytes at the start of a spectrum file.
+# Number of bytes at the start of a spectrum file that must contain the column names.
 _NUM_HEADER_BYTES = 100_000
-# Rounding varies the ratio of successive wave numbers in a spectrum file by at most this fraction.
+# Largest relative variation of the ratio of successive wave numbers in a spectrum file due to rounding.
 _RATIO_TOLERANCE = 1e-3
 
 

@@ -26,15 +26,15 @@ from stiction.surfaces.measured.decode import (
 )
 from stiction.surfaces.measured.raw import FormatError
 
-# The separator and the decimal mark are detected from at most this number of text lines.
+# Maximum number of text lines from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_LINES = 60
-# The separator and the decimal mark are detected from at most this number of characters.
+# Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-# Sample lines may be truncated to this length (characters) before the separator is detected.
+# Minimum length (characters) to which sample lines are truncated before the separator is detected.
 _MIN_SAMPLED_LINE_LENGTH = 200
-# The last printed digit is determined from at most this number of rows of a column.
+# Maximum number of rows of a column from which the last printed digit is determined.
 MAX_SAMPLED_ROWS = 20_000
-# A line of counts or sizes above a table has at most this number of cells.
+# Maximum number of cells in a line of counts or sizes above a table.
 MAX_CELLS_IN_COUNT_LINE = 2
 # Cell separator in a text whose quotation marks were removed.
 _QUOTED_SEPARATOR = "\x1f"

@@ -47,11 +47,11 @@ MAX_HISTORY_STEPS = 1000
 MAX_FOOTER_FRACTION = 0.1
 
 
-# A truncated last number is reported only if at least this number of values above it have equal counts of decimals.
+# Minimum number of values with equally many decimals above a truncated last number that is reported.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# A block above a table with fewer rows than this number is regarded as sizes or counts.
+# Minimum number of rows of a table. A block with fewer rows above the table is regarded as sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 

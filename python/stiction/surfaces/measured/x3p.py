@@ -53,7 +53,7 @@ def read_x3p(data: bytes) -> RawHeights:
     except FormatError:
         raise
     except Exception as error:
-        # The archive is corrupt. The modules zipfile and zlib raise many classes of errors.
+        # The modules zipfile and zlib raise many classes of errors for a corrupt archive.
         raise FormatError(f"is a damaged X3P file ({type(error).__name__}: {str(error)[:80]})") from None
 
 

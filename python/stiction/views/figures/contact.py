@@ -33,7 +33,7 @@ from stiction.views.style import (
 
 # Minimum half width (grid spacings) of the magnified range in the figure of contact forces.
 _MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES = 40
-# An axis is labelled in nm below this height range (µm).
+# Height range (µm) below which an axis is labelled in nm.
 _MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
 # Maximum length (inches) of an arrow that represents a force.
 _MAX_ARROW_LENGTH = 0.45
@@ -137,7 +137,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        # In dark mode, labels become light. Bodies with many points are pixels, whose light colours do not change.
+        # In dark mode, labels become light, but bodies drawn as pixels stay light. The white box keeps a label legible.
         axes.text(
             0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment,
             bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},

@@ -22,7 +22,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-# Friction is drawn as a polar plot for at least this number of directions of motion.
+# Minimum number of directions of motion for which friction is drawn as a polar plot.
 MIN_COMPASS_DIRECTIONS = 3
 MAX_COMPASS_RINGS = 5
 

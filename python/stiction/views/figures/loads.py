@@ -34,7 +34,7 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the limit of the friction axis to the highest mean. Wider intervals are cut off."""
 
-# A figure shows single directions besides their mean for at most this number of directions.
+# Maximum number of directions for which a figure shows single directions besides their mean.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3

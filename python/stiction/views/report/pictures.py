@@ -221,7 +221,7 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# A figure element with at most this number of vertices is drawn as vectors. Larger elements become pixels.
+# Maximum number of vertices of a figure element that is drawn as vectors. Larger elements become pixels.
 MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # dots per inch
 

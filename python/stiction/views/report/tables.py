@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_NUMBER_ROUNDED_TO_ONE, NumberFormat
 
-# A report stores this number of leading bytes of each double. Four bytes give a relative precision of 5e-7.
+# Number of leading bytes of each double that a report stores. Four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
 # Level 7 of zlib is six times as fast as level 9, and files are only 0.5 % larger.
@@ -140,7 +140,7 @@ def pack_arrays(arrays: Mapping[str, ReportArray]) -> PackedArrays:
     return PackedArrays(offsets, formats, texts)
 
 
-# The half width of an interval has this number of printed digits, as on the terminal.
+# Number of printed digits of an interval's half width, as on the terminal.
 QUANTITY_DIGITS = 2
 
 
