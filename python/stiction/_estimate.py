@@ -16,7 +16,7 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 # Maximum number of significant digits of a printed number, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
-# An upper limit that exceeds the value by more than this factor is printed with one digit.
+# Ratio of an upper limit to the value above which the limit is printed with one digit.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
 # These codes are stored instead of the number of decimals of an upper limit.
 DECIMALS_CODE_OF_NO_INTERVAL = -128

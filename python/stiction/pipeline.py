@@ -278,7 +278,7 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # The coefficient may have changed since the table was written.
+                # The onset table is written again, because the coefficient may have changed since the last time.
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")

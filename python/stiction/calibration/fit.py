@@ -66,7 +66,7 @@ class _BestFit:
     tau0: float  # GPa
     # Normal scores of the nuisance parameters, with mean 0 and standard deviation 1.
     scores: Floats
-    # Differences between fit and tests that slid, each divided by the error of the test.
+    # Residuals of the tests that slid, each divided by the error of the test.
     residuals: Floats
     # Derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters.
     jacobian: Floats

@@ -61,7 +61,7 @@ class Ball:
     """
 
     radius: float | str
-    # Balls are compared by `moduli` instead of the given modulus.
+    # Two balls are compared by `moduli`, not by the given effective modulus.
     effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)

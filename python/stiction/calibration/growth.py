@@ -12,7 +12,7 @@ from stiction._checks import Floats
 # of searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
-# Numerical derivatives use this step of mu0, multiplied by 0.1 + mu0.
+# Step of mu0 in numerical derivatives, divided by 0.1 + mu0.
 MU0_DERIVATIVE_STEP = 1e-4
 
 ResidualFunction = Callable[[Floats, Floats], Floats]

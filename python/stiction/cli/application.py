@@ -233,7 +233,7 @@ class _LazyCommandGroup(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            # Typer would exit without a message.
+            # After Ctrl-C, typer would exit without a message.
             raise report_interruption() from None
 
 

@@ -48,7 +48,6 @@ NUM_AREAL_MEMBERS = 4
 NUM_LINE_MEMBERS = 16
 # Maximum number of cutoffs above 0, which form a geometric sequence with ratio 2.
 MAX_CUTOFFS = 4
-# Largest relative error of a number that is rounded to four digits.
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4
 # Longest cutoff in a cutoff study, as a fraction of the shortest side of the scans.
 MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30

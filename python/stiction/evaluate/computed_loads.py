@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from stiction.solve.member_sums import MemberSums
     from stiction.study.study import Study
 
-# Relative round-off of the mean of a load over members.
 _MEAN_LOAD_ROUND_OFF = 1e-6
 
 NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLVED)

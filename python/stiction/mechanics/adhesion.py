@@ -66,8 +66,8 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 # Ratio of successive contact loads while the bodies separate.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# The search for the pull-off load ends if the bodies separate under a load that is below the lowest equilibrium load by
-# at most this fraction.
+# Relative tolerance of the pull-off load. The search ends if the bodies separate under a load this close to the lowest
+# equilibrium load.
 MINIMUM_LOAD_TOLERANCE = 0.01
 # A minimum of the external load is accepted if plain steps separate the bodies under a load below the minimum by this
 # fraction.
@@ -431,8 +431,8 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
-        # Between two equilibria, the contact load is at least that of the later equilibrium, and the attraction is at
-        # most that of the earlier equilibrium.
+        # Between two equilibria, the external load is at least the contact load of the later minus the attraction of
+        # the earlier equilibrium.
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
             return True

@@ -88,7 +88,6 @@ def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, 
     array([ 2.  ,  2.88, 20.52])
     """
     area = np.asarray(elastic_area, dtype=np.float64)
-    # Ratio of the mean elastic pressure on the contact to the hardness.
     pressure_ratio = np.asarray(load) / (area * np.asarray(hardness))
     power = np.asarray(exponent)
     # exp(power · log(x)) is several times faster than x**power.

@@ -52,7 +52,7 @@ class PatchSums:
     forward_area: Floats
     # Rms slope of each contact's area, weighted by the contact force, with one value for each of k contacts.
     steepness: Floats
-    # Index of the first patch of each of k contacts.
+    # Index of the first patch of each contact.
     first_patch: NDArray[np.int64]
 
     @classmethod

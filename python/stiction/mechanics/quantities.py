@@ -76,7 +76,6 @@ class ResultQuantity:
     bounds: tuple[float, float] = (-math.inf, math.inf)
     # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
-    # Kind of the 95 % interval of the quantity.
     interval_kind: EstimateKind = "mean"
     # True if tables and reports show the quantity in percent.
     percent: bool = False

@@ -33,7 +33,6 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 class PairSlopes:
     """Slopes of two bodies at their grid points: steep points of each body, and mean square slopes of the gap."""
 
-    # Masks of the steep points of each body.
     steep_masks: dict[str, NDArray[np.bool_]]
     # Smallest slope of the steep points of each body.
     steepness_limits: dict[str, float]

@@ -35,7 +35,7 @@ class PairElasticity:
     compliance_share: float = 0.5
     poisson_ratio: float | None = None  # of the softer body
     hardness: MaterialValue | None = None  # GPa, of the softer body
-    # Description of E* and of the materials for users, if materials are given.
+    # Text that describes E* and the materials to the user, if materials are given.
     source: str = ""
     hardness_source: str = ""
     # Names of the materials of the upper and the lower body.

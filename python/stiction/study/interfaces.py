@@ -59,7 +59,7 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# The lower limit of an interval is replaced by the bound 0 if it exceeds 0 by less than this fraction of the width.
+# A lower limit of an interval counts as 0 if it is less than this fraction of the interval's width.
 BOUND_TOLERANCE = 0.01
 INTERVAL_COVERAGE = 0.95
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")

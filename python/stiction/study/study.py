@@ -681,7 +681,6 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
-        # The key `direction` is written last.
         key_order["direction"] = 1
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
 

@@ -299,7 +299,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# A value is tagged as a range or a list before validation, so that an error message mentions only the form in the file.
+# A value is tagged as a range or a list before validation, so that error messages mention only that form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -54,7 +54,6 @@ MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 
 # Largest fraction of the load that a single contact may carry if the coefficient is quoted.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
-# Largest fraction of the load on contacts at the edge of the grid without a caveat.
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
 MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
@@ -114,7 +113,6 @@ docs/explanation/adhesion.md describes the fit.
 MAX_DEVIATION_FROM_MU0 = 0.02
 # Factor that raises ties such as 2.25, so that they round up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
-# Largest relative half width of an interval without a caveat.
 MAX_RELATIVE_HALF_WIDTH = 0.5
 
 

@@ -457,7 +457,6 @@ class SquarePiecePairs:
 class IsotropicSurfacePairs(SquarePiecePairs):
     """Pairs of pieces from isotropic random height maps that have the spectra of two profiles."""
 
-    # Levelled and flipped profile of the upper body.
     upper: Profile
     lower: Profile
     # This trend is subtracted from each surrogate map.

@@ -305,7 +305,6 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     """
     from scipy.ndimage import maximum_filter, median_filter
 
-    # Rms error of a height due to rounding.
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))

@@ -264,7 +264,6 @@ def self_affine_surface(
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)
     power = 0.0
     for i in range(max_orders[0] + 1):
-        # Wave numbers are divided by the wave number of the longest wavelength.
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
         is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:

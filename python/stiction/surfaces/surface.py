@@ -18,7 +18,7 @@ SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 # A function argument of this type can be a Profile, a Surface, or an array of heights.
 BodyLike = Any
 
-# Names of the amplitude measures in the C++ core, which processes the heights of a map as a list.
+# The C++ core processes the heights of a map as a list, so it uses the names of profile parameters (Ra, Rq).
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 # Smallest height range (µm) of a body. The largest is 1/_MIN_HEIGHT. Outside these limits, fourth powers of heights
 # underflow or overflow.

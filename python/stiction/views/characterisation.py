@@ -54,7 +54,7 @@ class TableRow(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    # True if the row is printed only with `--verbose`.
+    # True if only `--verbose` prints the row.
     is_detail: bool = False
 
 

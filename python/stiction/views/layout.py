@@ -22,7 +22,6 @@ class WrappedText:
 
     text: str
     indent: str = ""
-    # Additional indent of all lines except the first.
     hanging_indent: str = ""
 
 

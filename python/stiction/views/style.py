@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 INCHES_PER_MILLIMETRE = 1 / 25.4
 # Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-# Width (inches) of a figure for both columns of a page.
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
 # Length (µm) above which an axis is labelled in mm.
 MIN_LENGTH_IN_MILLIMETRES = 1000.0

@@ -13,7 +13,6 @@ from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 EXACT_POSITION_TOLERANCE = 1e-3
 # Maximum distance of a point from a grid node, in grid steps, in addition to rounding of the printed position.
 MAX_GRID_OFFSET = 0.05
-# Maximum number of grid nodes per point in a list of points.
 MAX_NODES_PER_POINT = 4
 # Minimum grid step of rounded positions, in units of the last printed digit.
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0

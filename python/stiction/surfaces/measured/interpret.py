@@ -154,9 +154,7 @@ class InterpretedScan(Generic[_Body]):
     """Profile or height map read from a file, with height unit, number of missing points, and caveats of the file."""
 
     body: _Body
-    # Unit of the heights in a file.
     unit: str
-    # Number of missing points in a file.
     missing: int
     caveats: tuple[FileCaveat, ...] = ()
 

@@ -17,7 +17,6 @@ from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
 # Minimum number of points in a list of points with grid coordinates in two columns.
 MIN_GRID_POINTS = 9
-# Maximum number of grid nodes per point in a list of points with grid coordinates in two columns.
 MAX_GRID_NODES_PER_LISTED_POINT = 2
 # Maximum number of columns in a list of points, such as coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12

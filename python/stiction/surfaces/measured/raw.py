@@ -180,9 +180,8 @@ class RawHeights:
     position_unit: str | None = None
     # Spacing (Δx,) or (Δy, Δx) of heights without positions.
     spacing: tuple[float, ...] | None = None
-    # Grid spacing that the file declares.
     declared_spacing: DeclaredLength | None = None
-    # Spacing of the rows and spacing of the columns that the file declares.
+    # Spacing of the rows and of the columns that the file declares.
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     # Declared height and width of the map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None

@@ -683,8 +683,8 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions and heights of a tilted surface both rise in unequal steps. Heights of a tilted surface rise in
-    # every line.
+    # Measured positions and heights of a tilted surface both rise in unequal steps, but only the heights rise in every
+    # line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

@@ -34,7 +34,6 @@ _MAX_SAMPLE_CHARACTERS = 10_000
 _MIN_SAMPLED_LINE_LENGTH = 200
 # Maximum number of rows of a column from which the last printed digit is determined.
 MAX_SAMPLED_ROWS = 20_000
-# Maximum number of cells in a line of counts or sizes above a table.
 MAX_CELLS_IN_COUNT_LINE = 2
 # Cell separator in a text whose quotation marks were removed.
 _QUOTED_SEPARATOR = "\x1f"

@@ -17,7 +17,6 @@ from stiction.surfaces.measured.split import Dialect, cell_kind, find_numeric_li
 _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _WORD_REPLACEMENT = "nan"
-# Maximum number of lines from which the cell separator is detected.
 _MAX_SEPARATOR_SEARCH_LINES = 400
 # Minimum number of rows of a table in which columns of words are searched for.
 MIN_TABLE_ROWS = 4

@@ -70,7 +70,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: closure and closure stiffness over nominal pressure."""
-    # Nominal pressure divided by the load (MPa/mN).
+    # Nominal pressure (MPa) per load of 1 mN.
     pressure_per_load = 1000 / float(points["nominal_area"])
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
@@ -96,7 +96,6 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
     """
     is_unloading = branches["going"].values
     load, area = branches["load"].values, branches["contact_area"].values
-    # Mask of the loads that lie within the axis limits.
     is_visible = load <= LOADS_RELATIVE_TO_PULL_OFF[-1] * -load.min() * 1.001
     prefix_factor, unit = choose_prefixed_unit(float(abs(load[is_visible]).max()), "mN")
     figure = new_figure(70)
