@@ -85,16 +85,15 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     count, is_map = heights.size, len(coordinates) == 2
     num_blocks_below, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
     candidate_edges = slice(margin - 1, count - margin)
+    rows = np.vstack([heights, trend_basis.T])
     best_square_sum, best_height, best_edge, best_distances_across = 0.0, 0.0, 0.0, coordinates[0]
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
         # For every possible edge of a height step, the heights are projected onto a step function without mean and
         # tilt.
-        projections = np.cumsum(heights[block_order])[candidate_edges]
-        square_norms = (num_blocks_below - np.square(np.cumsum(trend_basis[block_order], axis=0)).sum(axis=1))[
-            candidate_edges
-        ]
+        projections, *trend_sums = np.cumsum(np.take(rows, block_order, axis=1), axis=1)[:, candidate_edges]
+        square_norms = num_blocks_below[candidate_edges] - np.square(trend_sums).sum(axis=0)
         explained_square_sums = np.square(projections) / square_norms
         best_index = int(np.argmax(explained_square_sums))
         if explained_square_sums[best_index] > best_square_sum:
