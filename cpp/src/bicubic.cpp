@@ -18,7 +18,7 @@ namespace {
 // Gaussian elimination along a row would be sequential, so the inverse of the matrix is applied instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
-// Each factor of the inverse is applied in a separate pass over the row, in which no point depends on another point.
+// Each factor of the inverse is applied in a separate pass over the row, which computes many points in parallel.
 // The row of heights and its spline are continued beyond both ends by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
 // The inverse matrix is truncated after 32 points, which changes a coefficient by 0.268^32 = 5e-19 of a height.

@@ -10,7 +10,6 @@ namespace {
 
 // Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
 // K equals π / (2 · mean), and `ratio` equals (K - E) / (e² K).
-// Neither K nor `ratio` suffers from cancellation.
 // The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {

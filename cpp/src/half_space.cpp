@@ -112,7 +112,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Return the distance between neighbouring points of the new grid, in spacings of the old grid of the same length.
+// Return the spacing of the new grid as a multiple of the spacing of the old grid, which has the same length.
 // On free grids, the coarser grid consists of every second point of the finer grid.
 double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
   if (periodic || old_points == new_points) {
@@ -195,7 +195,7 @@ void interpolate_pressure(const double* before, const double* left, const double
 }
 
 // Interpolate the pressures of one row to a grid with the given number of columns.
-// `padded` and `midpoints` are memory for the row with its neighbours and for the pressures between its points.
+// `padded` is memory for the row with its neighbours, and `midpoints` for the pressures between its points.
 void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
                 std::vector<double>& midpoints) {
   const std::size_t columns = row.size();

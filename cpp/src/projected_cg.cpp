@@ -26,7 +26,7 @@ constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
 // A larger change at a free point would let round-off affect the total load.
-// Without a limit, step lengths would grow indefinitely, because steps that reach a bound are always too short.
+// Without this limit, step lengths would grow indefinitely, because steps that end at a bound are always too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;

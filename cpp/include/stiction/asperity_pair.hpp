@@ -43,7 +43,7 @@ enum class Curvature { convex, signed_ };
 /// At the penetration p = δ - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
 /// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
-/// To avoid this cancellation, the overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
+/// To avoid cancellation, the overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]

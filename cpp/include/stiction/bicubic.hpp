@@ -6,7 +6,7 @@
 namespace stiction {
 
 /// Minimum number of rows of a map, and minimum number of columns.
-/// A natural cubic spline needs two inner points besides its two end points, where its curvature is zero.
+/// A natural cubic spline needs two inner points, because its curvature is zero at both end points.
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.

@@ -34,7 +34,7 @@ struct ContactStatistics {
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
 /// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
-/// On the axis of cumulative weight, each pressure lies in the middle of the interval that its weight occupies.
+/// Each pressure lies in the middle of the interval that its weight occupies on the axis of cumulative weight.
 /// Throws std::invalid_argument if lengths differ, or if there are no contacts or pressures.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 

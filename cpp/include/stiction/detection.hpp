@@ -43,8 +43,7 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
 /// The bound is 3/8 of the largest second difference D of the gap between successive points.
-/// This bound follows because the second derivative f'' of a natural spline is at most 3 D/Δx²,
-/// and because a cubic dips below its end points by at most Δx²/8 times the largest |f''|.
+/// The factor 3/8 combines |f''| <= 3 D/Δx² for a natural spline with a dip of at most Δx²/8 max |f''| for a cubic.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.

@@ -22,7 +22,7 @@ namespace stiction {
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS. P' is the transpose of P.
 /// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2 at the wavenumber k.
-/// K'⁻¹ + PSP' describes a half-space on an elastic foundation. Its stiffness on each block is PS applied to ones.
+/// K'⁻¹ + PSP' describes a half-space on an elastic foundation of stiffness PSu, with u = 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With this preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
