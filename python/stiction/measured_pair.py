@@ -274,7 +274,7 @@ def pair(
     result_directory = (
         Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     )
-    # Python removes the temporary directory when it exits.
+    # The temporary directory is removed when Python exits.
     if directory is None:
         atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:

@@ -36,8 +36,8 @@ MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
 # Fraction of the machine's memory that a running command may use.
 JOB_MEMORY_FRACTION = 0.5
-# Fraction of the machine's memory that a preview may use. Each of two short processes that run at the same time may use
-# as much.
+# Fraction of the machine's memory that a preview may use.
+# Two short processes that run at the same time may each use this fraction, too.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # A command prints this end of its JSON record before it draws figures.

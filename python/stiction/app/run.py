@@ -40,8 +40,7 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # Idle connections are counted one turn of the event loop later, when the requests that have arrived are
-            # read.
+            # Idle connections are counted one turn of the event loop later, after the arrived requests are read.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:

@@ -72,7 +72,7 @@ class _BestFit:
     jacobian: Floats
     # Square root of each test's weight, which is smaller for an outlier.
     robust_factors: Floats
-    # The fit multiplies assumed errors of the tests by this factor.
+    # Factor by which the fit multiplies assumed errors of the tests.
     scale: float
 
 
@@ -86,10 +86,9 @@ class _GridLimits:
     # Limits of tau0 (GPa) at each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). It is None if no contact grows under
-    # shear.
+    # Best mu0 with the shape (points, tau0), or None if no contact grows under shear.
     best_mu0: Floats | None = None
-    # Half widths of the range of mu0 below and above the best fit, with the shape (points, tau0).
+    # Half widths of the range of mu0 below and above the best mu0, with the shape (points, tau0).
     width_below: Any = None
     width_above: Any = None
 
@@ -99,8 +98,7 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, one per sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
-    # ln(probability) of the tests, with the shape (points, tau0, mu0). It excludes the prior of the nuisance
-    # parameters.
+    # ln(probability) of the tests without the prior of the nuisance parameters, with the shape (points, tau0, mu0).
     log_probability: Floats
 
 
@@ -141,8 +139,7 @@ class CalibrationProblem:
         if self.has_errors:
             self.error = np.array([test.uncertainty for test in tests], float)
         else:
-            # Tests without given errors are assumed to have errors proportional to the measured coefficients of
-            # friction.
+            # Tests without given errors are assumed to have errors proportional to the measured coefficients.
             self.error = np.maximum(self.measured, 1e-6 * self.measured.max())
         area_errors: dict[str, float] = {}
         for equation in self._friction:
@@ -467,8 +464,8 @@ class CalibrationProblem:
         )
         mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
-        # Scores of area errors are stored only if all tests used the same surfaces. Of several surfaces, one may
-        # determine mu0 and tau0 alone, independently of the area errors of the others.
+        # Scores of area errors are stored only if all tests used the same surfaces.
+        # If one pair of surfaces determines mu0 and tau0 alone, the area errors of other pairs remain unknown.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
         scores_by_name = {

@@ -8,8 +8,8 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Successive searches narrow the range of tau0. The constants are the number of tau0 values per search, and the number
-# of searches.
+# Successive searches narrow the range of tau0.
+# The constants are the number of tau0 values per search, and the number of searches.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
 # Step of mu0 in numerical derivatives, divided by 0.1 + mu0.

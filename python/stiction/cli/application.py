@@ -150,7 +150,7 @@ def format_help_epilog(*lines: str) -> str:
 # Typer prints a default that is described by text in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
-# Typer appends the type to the name of an option.
+# Typer appends the type of an option to the option's name.
 _OPTION_TYPE_PATTERN = re.compile(r" <[\w\[\] ]+>$")
 
 

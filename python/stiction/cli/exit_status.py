@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Shells also return this status after Ctrl-C.
+# Exit status after Ctrl-C, as in shells.
 EXIT_INTERRUPTED = 130
 EXIT_BAD_INPUT = 2
 

@@ -341,7 +341,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-# Stored numbers such as stiffnesses may be infinite.
+# Bounds of stored numbers that may be infinite, such as stiffnesses.
 _BOUNDS_WITH_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {

@@ -116,11 +116,9 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` compares the coefficient at an elastic load with the coefficient at an equal normal
-        # load.
+        # `load_definition_effect` compares the coefficients at an elastic load and at an equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Ensemble means neglect growth and loss of area under shear, so the compared coefficient must neglect both,
-        # too.
+        # Ensemble means neglect growth and loss of area under shear, so the compared coefficient neglects both, too.
         other_result = (
             result
             if load_definition != "mean"

@@ -387,8 +387,7 @@ class _QuantitiesWithCombinedIntervals:
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not vary along a dimension has a single interval, which is computed at index 0 of
-            # this dimension.
+            # A quantity that does not vary along a dimension has a single interval, computed at index 0.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])

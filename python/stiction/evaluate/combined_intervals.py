@@ -246,8 +246,8 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # The first element of `strengths` contains samples of both mu0 and tau0. In each further element, mu0 or tau0
-        # is 0.
+        # The first element of `strengths` contains samples of both mu0 and tau0.
+        # In each further element, mu0 or tau0 is 0.
         self.strengths = strengths
         self.is_tested = any(each.area_scores is not None for each in strengths)
         self.area_error = area_error
@@ -276,8 +276,7 @@ class CombinedIntervals:
         )
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
-        # If the interface was calibrated on this pair, its strength already includes the errors of the pair's true
-        # area.
+        # If the interface was calibrated on this pair, its strength includes the errors of the pair's true area.
         sources = (*self.standard_errors, *self.drifts, *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()))
         self.names = (
             *self.inputs,
@@ -484,8 +483,7 @@ class CombinedIntervals:
         coefficients.
         """
         response = self.response
-        # The round-off of a coefficient depends on the coefficients evaluated with it, so the cache key uses 12
-        # decimals.
+        # The round-off of a coefficient depends on its neighbours in an array, so the cache key uses 12 decimals.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time

@@ -140,8 +140,8 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         after = np.take_along_axis(values, index, axis=-1)
         before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a load equals a loading step exactly, the quantity at the previous step may be NaN. Quantities may also be
-        # infinite, such as the stiffness at complete contact.
+        # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
+        # Quantities may also be infinite, such as the stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
         if are_sums and self.scale is not None:

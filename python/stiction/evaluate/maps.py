@@ -270,8 +270,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which mean loads reach the requested loads. The second
-    # pass computes the intervals at these loading steps.
+    # The first pass over the members finds the loading steps at which mean loads reach the requested loads.
+    # The second pass computes the intervals at these loading steps.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,

@@ -88,8 +88,8 @@ def average_members(
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
     variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
-    # A mean over directions has no meaning if the body slides by itself in one direction. If mu0 and tau0 are 0, the
-    # coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions has no meaning if the body slides by itself in one direction.
+    # An exception is mu0 = tau0 = 0, where the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 

@@ -511,8 +511,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A missing coefficient gets the status of the first loading step at or above the load, unless that status is
-        # "ok".
+        # A missing coefficient gets the status of the next loading step, unless that status is "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

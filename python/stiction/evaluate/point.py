@@ -52,8 +52,7 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficients with intervals of the mean, by direction of motion in degrees: along the axes, and in every
-    # direction.
+    # Coefficients with intervals of the mean, by direction of motion (degrees): along the axes, and in every direction.
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 

@@ -46,8 +46,8 @@ MAX_EXTRAPOLATION_FACTOR = 10.0
 # Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
 MAX_SOLVES_PER_CONTACT_LOAD = 60
-# Maximum number of contact solutions for one contact load in the search for the pull-off load of maps. It is small,
-# because the attraction of soft bodies converges slowly, and energy minimizations are faster.
+# Maximum number of contact solutions for one contact load in the search for the pull-off load of maps.
+# If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # Maximum number of successive contact solutions that do not reduce the residual of the attraction.
 MAX_STALLED_SOLVES = 20
@@ -66,14 +66,12 @@ MAX_ATTRACTION_INCREASE = 1e-3
 MIN_CONTACT_LOAD_RATIO = 1e-3
 # Ratio of successive contact loads while the bodies separate.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# Relative tolerance of the pull-off load. The search ends if the bodies separate under a load this close to the lowest
-# equilibrium load.
+# Relative tolerance of the pull-off load.
+# The search ends if a load below the lowest equilibrium load by this fraction separates the bodies.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# A minimum of the external load is accepted if plain steps separate the bodies under a load below the minimum by this
-# fraction.
+# A minimum of the external load is accepted if plain steps separate the bodies under a load lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# An interpolated equilibrium is computed only if its predicted external load is below the loads of all computed
-# equilibria by this fraction.
+# An interpolated equilibrium is computed only if its predicted load is below all computed loads by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
@@ -382,8 +380,8 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # An equilibrium that was computed for a contact load may be unstable under its external load. Energy
-        # minimizations may start only from the equilibria in `stable_states`.
+        # An equilibrium that was computed for a contact load may be unstable under its external load.
+        # Energy minimizations may start only from the equilibria in `stable_states`.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
         # Every load exceeds the negative attraction of an earlier state, because the contact load is positive.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
@@ -431,8 +429,7 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
-        # Between two equilibria, the external load is at least the contact load of the later minus the attraction of
-        # the earlier equilibrium.
+        # Lower bound of the external load between successive equilibria: later contact load minus earlier attraction.
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
             return True

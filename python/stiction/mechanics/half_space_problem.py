@@ -288,8 +288,8 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.area
-        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa. By
-        # reciprocity, the mean displacement is the sum of contact pressures times displacements under uniform pressure.
+        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
+        # By reciprocity, the mean displacement is Σ (contact pressure · displacement under uniform pressure).
         approach_at_unit_pressure_sum, mean_displacement = self._get_compliances(free_mask)
         closure = approach_at_unit_pressure_sum * problem.area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
@@ -354,7 +354,7 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     load, approach, error = (
         np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
     )
-    # By reciprocity, the mean displacement is the sum of contact pressures times displacements under uniform pressure.
+    # By reciprocity, the mean displacement is Σ (contact pressure · displacement under uniform pressure).
     displacement = np.add.reduceat(pressures * displacements, first_point)
     attraction_force = np.zeros(load.size)
     if problem.work_of_adhesion > 0:
@@ -412,8 +412,8 @@ def make_problem(
     )
 
 
-# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact. With fewer points, the
-# adhesive contact solution depends on the grid.
+# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
+# With fewer points, the adhesive contact solution depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -585,8 +585,9 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes. The core multiplies its tolerance by the standard deviation of
-            # the gap, which these large gaps increase. `scale` compensates the increase.
+            # Missing points get a gap that never closes.
+            # The core multiplies its tolerance by the standard deviation of the gap, which these large gaps increase.
+            # `scale` compensates the increase.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
             gap = np.where(

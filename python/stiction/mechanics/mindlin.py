@@ -66,8 +66,8 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K). K and E are the complete elliptic
-    # integrals of m = 1 - b²/a².
+    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K).
+    # K and E are the complete elliptic integrals of m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 

@@ -82,8 +82,8 @@ class ResultQuantity:
     # Unit of the quantity in spreadsheets, if it differs from `unit`.
     column_unit: str = ""
     column_factor: float = 1.0
-    # True if the quantity is roughly proportional to the load. Such a quantity is divided by the load and then
-    # interpolated, linearly in the logarithm of the load.
+    # True if the quantity is roughly proportional to the load.
+    # Such a quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
     proportional: bool = False
     # False if adhesion makes the quantity nonzero without a load.
     proportional_with_adhesion: bool = True

@@ -36,8 +36,8 @@ MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 # Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Number added to the moment per unit slope, so that the Newton equations have a solution. Its unit is (mean pressure) ·
-# (side length)² / (standard deviation of the gap).
+# Number added to the moment per unit slope, so that the Newton equations have a solution.
+# The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
 # Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
@@ -115,8 +115,8 @@ def solve_with_balanced_tilt(
         near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt. A second
-            # search for the tilt starts from rigid surfaces, with a finer tolerance.
+            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
+            # A second search for the tilt starts from rigid surfaces, with a finer tolerance.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(
@@ -167,8 +167,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The simplex solution has a coarse tolerance, so the vertex is solved exactly from the active planes that
-        # intersect there.
+        # The simplex solution has a coarse tolerance, so the vertex is computed exactly from the active planes.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

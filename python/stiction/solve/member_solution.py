@@ -382,8 +382,8 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# Largest estimated number of iterations with adhesion, for lines (False) and maps (True). Each step of an energy
-# minimization counts as an iteration.
+# Largest estimated number of iterations with adhesion, for lines (False) and maps (True).
+# Each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 4000}
 ADHESION_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).

@@ -56,8 +56,9 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block. It is short, so that a crash loses little work, but long enough that writing the
-# block takes only a few per cent of it.
+# Target computing time (s) of a block.
+# A short time limits the work that a crash loses.
+# Writing a block must take only a few per cent of the computing time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
@@ -413,15 +414,14 @@ def _submit_member_ranges(
     updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
     tasks.
     """
-    # The parent of SciPy's packages is imported before tasks start, because the import could fail if two threads
-    # started it at the same time. Several threads may import its packages.
+    # SciPy is imported before tasks start, because its import may fail if two threads start it at the same time.
+    # Several threads may import SciPy's subpackages at the same time.
     import scipy  # noqa: F401
 
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # A queue replaces `concurrent.futures.wait`, which locks all futures: an interruption would leave some futures
-    # locked.
+    # An interruption of `concurrent.futures.wait` would leave some futures locked, so a queue replaces it.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:

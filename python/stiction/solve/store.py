@@ -597,8 +597,7 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_unused(path, claim)
-        # The blocks are listed after the search for other runs' claims, because a run's claim outlasts the writing of
-        # its blocks.
+        # The blocks are listed after the search for claims, because a run's claim outlasts the writing of its blocks.
         _check_resumable(stored_result.reload())
         _check_replaceable(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -1042,7 +1041,7 @@ def _open_netcdf(content: bytes) -> Iterator[h5py.File]:
         with h5py.File(io.BytesIO(content), "r") as file:
             yield file
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError):
-        # If the file is not an HDF5 file, h5py may raise any of these errors.
+        # For a file that is not an HDF5 file, h5py may raise several classes of errors.
         raise DamagedFileError("is not a readable netCDF file") from None
 
 
@@ -1071,8 +1070,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     """
     import h5py
 
-    # These low-level functions of h5py take half the time that its classes would take, which matters for small
-    # variables.
+    # For small variables, these low-level functions of h5py take half the time that its classes would take.
     encoded_name = name.encode()
     hdf5_links = file.id.links
     is_stored_here = hdf5_links.exists(encoded_name) and hdf5_links.get_info(encoded_name).type == h5py.h5l.TYPE_HARD

@@ -75,8 +75,8 @@ MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Smallest and largest accepted exponent m of the area of yielding contacts. Fine asperities have exponents far above
-# the lower limit, and surface steps have exponents below the upper limit.
+# Smallest and largest accepted exponent m of the area of yielding contacts.
+# Fine asperities have exponents far above the lower limit, and surface steps have exponents below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 # Largest fraction of the true area that contacts may lose when they are sheared.
 MAX_AREA_LOSS = 0.9

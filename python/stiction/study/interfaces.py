@@ -102,7 +102,7 @@ class StrengthFit:
     """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
-    # Chi-squared of the best fit. It has no meaning if the tests have no given errors.
+    # Chi-squared of the best fit, without meaning if the tests have no given errors.
     chi_squared: float
     # Degrees of freedom: number of tests with sliding, minus number of fitted parameters.
     freedom: int
@@ -122,8 +122,9 @@ class StrengthFit:
     junction_growth: Floats
     # Area per load A/F (1/GPa) at the onset of sliding in the tests. It is NaN if unknown.
     area_per_load: Floats
-    # Normal scores of the uncertain inputs and of the area errors of the tests, one for each sample of mu0. Their names
-    # are those of `shared_input_name` and `area_error_name`. Another pair with the same input uses the same scores.
+    # Normal scores of the uncertain inputs and area errors of the tests, one for each sample of mu0.
+    # The names of the scores are given by `shared_input_name` and `area_error_name`.
+    # Another pair with the same input uses the same scores.
     scores: Mapping[str, Floats] = field(default_factory=dict)
 
 

@@ -146,8 +146,8 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Several pairs of lines are pressed unshifted. A single pair is shifted, because both lines may be the same
-        # scan.
+        # Several pairs of lines are pressed unshifted.
+        # A single pair is shifted, because both lines may be the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0

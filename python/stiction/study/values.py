@@ -195,8 +195,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # With this attribute, pydantic bypasses the constructor of nested sections, so that one error lists the faults of
-    # all sections.
+    # With this attribute, pydantic bypasses the constructors of nested sections, so one error lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -299,7 +298,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# A value is tagged as a range or a list before validation, so that error messages mention only that form.
+# A value is tagged as a range or a list before validation, so that errors mention only the form in the file.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

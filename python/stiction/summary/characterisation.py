@@ -201,8 +201,8 @@ class Characterisation:
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
         """Small-slope estimates of friction along x and y for two bodies with this roughness; empty for a flat body."""
-        # The gap between two equally rough bodies has twice the mean square slope of one body. The order of the slopes
-        # (y, x) is reversed, so that the estimate along x comes first.
+        # The gap between two equally rough bodies has twice the mean square slope of one body.
+        # The order of the slopes (y, x) is reversed, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

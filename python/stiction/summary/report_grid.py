@@ -132,8 +132,7 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # The report itself marks each tau0 that is large relative to E*, so the warnings about it are
-                # suppressed.
+                # The report itself marks each tau0 that is large relative to E*, so warnings are suppressed.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"

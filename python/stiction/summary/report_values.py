@@ -172,8 +172,8 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
-# The asperity model is invalid above this mean ratio of overlap to radius. Indicators that are load fractions have the
-# limit `MAX_AFFECTED_FRACTION` instead.
+# Mean ratio of overlap to radius above which the asperity model is invalid.
+# Validity indicators that are load fractions have the limit `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 STATUSES_OF_GENERATED_SURFACES = (

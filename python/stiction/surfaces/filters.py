@@ -21,18 +21,18 @@ MonomialExponents = tuple[int, ...]
 MIN_CUTOFF_POINTS = 0.5
 # Minimum cutoff (points) for which the filter fits straight lines near the ends of a profile.
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0
-# Half width of the weight function, in cutoff wavelengths. Beyond this distance, all weights are below 1e-15 of the
-# largest weight.
+# Half width of the weight function, in cutoff wavelengths.
+# Beyond this distance, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
-# Minimum number of filter weights on each side of a point. With a cutoff of two or three points, the weights decay
-# slowly: to 1e-5 at a distance of 64 points.
+# Minimum number of filter weights on each side of a point.
+# With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 # The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
 # A local polynomial's normal equations count as singular if a normalised pivot is below this number.
 _MIN_PIVOT = 1e-9
-# Scale of Tukey's biweight, in median absolute deviations. For normally distributed heights, the scale of the biweight
-# is three standard deviations.
+# Scale of Tukey's biweight, in median absolute deviations.
+# For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
 # The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
 _ROBUST_FILTER_TOLERANCE = 1e-4
@@ -334,8 +334,7 @@ def _fit_local_polynomials(
     ]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # As in `rfftn`, the transform is halved along the last array axis only, because real heights have a symmetric
-    # transform.
+    # As in `rfftn`, the transform of real heights is halved along the last array axis only.
     kernel_transforms = [
         [
             _reshape_along_axis(
@@ -378,8 +377,8 @@ def _solve_constant_terms(
     """
     term_indices = range(len(basis))
     total_weight = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
-    # Row k of the normal equations belongs to polynomial term k. Only the lower triangle is stored, because the
-    # equations remain symmetric during elimination.
+    # Row k of the normal equations belongs to polynomial term k.
+    # Only the lower triangle is stored, because the equations remain symmetric during elimination.
     rows = {
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total_weight
         for k in term_indices

@@ -8,28 +8,28 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between the harmonics of a texture, in bins of the spectrum. Between closer harmonics, too few bins
-# are left to estimate the spectral density without the texture.
+# Minimum distance between the harmonics of a texture, in bins of the spectrum.
+# Between closer harmonics, too few bins are left to estimate the spectral density without the texture.
 MIN_HARMONIC_DISTANCE = 10
-# The first harmonic of a texture is searched for above this bin of the spectrum. In lower bins, a peak may be the mean
-# or a tilt, which a Hann window spreads over two bins.
+# The first harmonic of a texture is searched for above this bin of the spectrum.
+# In lower bins, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 # Maximum number of harmonics whose density is compared with the density between harmonics.
 _MAX_COMPARED_HARMONICS = 8
-# Minimum number of significant harmonics of a texture in addition to the first harmonic. More than a third of the
-# compared harmonics must be significant, too.
+# Minimum number of significant harmonics of a texture in addition to the first harmonic.
+# More than a third of the compared harmonics must be significant, too.
 _MIN_SIGNIFICANT_HARMONICS = 2
 # Maximum number of spectral peaks that are tested as the first harmonic of a texture.
 _MAX_TESTED_PEAKS = 6
-# A harmonic is significant if its density exceeds the density between harmonics by this factor. By chance, about one
-# bin in 1000 has ten times the density of its neighbours.
+# A harmonic is significant if its density exceeds the density between harmonics by this factor.
+# By chance, about one bin in 1000 has ten times the density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
 # Half width of the peak of a harmonic after a Hann window, in bins.
 _PEAK_HALF_WIDTH = 2.5
 # Number of positions per bin at which the first harmonic is searched for.
 _STEPS_PER_BIN = 16
-# The spectrum without harmonics is estimated from this quantile of the densities between two harmonics. A low quantile
-# leaves out the peaks of harmonics, including aliased harmonics.
+# The spectrum without harmonics is estimated from this quantile of the densities between two harmonics.
+# A low quantile leaves out the peaks of harmonics, including aliased harmonics.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -50,8 +50,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
-    # The first harmonic usually contributes most to the slope variance, so the peaks with the largest contributions are
-    # tested first.
+    # The first harmonic usually contributes most to the slope variance, so the largest contributions are tested first.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():

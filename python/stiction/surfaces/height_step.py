@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Second differences of the heights count as equal if they differ by at most this fraction of the height range. This
-# tolerance exceeds the round-off of levelling and of single-precision heights.
+# Second differences of the heights count as equal if they differ by at most this fraction of the height range.
+# This tolerance exceeds the round-off of levelling and of single-precision heights.
 _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 # Minimum number of occurrences of a second difference that is attributed to rounding.
 _MIN_REPETITIONS = 5
@@ -16,9 +16,9 @@ _MIN_REPETITIONS = 5
 _MIN_REPEATED_FRACTION = 0.5
 # At least this fraction of second differences must be multiples of the rounding step, with this tolerance (steps).
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of the nonzero second differences that are multiples of the rounding step. A difference of 0, as in a
-# clipped map, is a multiple of any step, so it is no evidence of rounding. If heights are not rounded, 10 % of the
-# second differences are within the tolerance of a multiple by chance.
+# Minimum fraction of the nonzero second differences that are multiples of the rounding step.
+# A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
+# Without rounding, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Largest rounding step, as a fraction of the height range. Rounded heights must have at least four levels.
 _MAX_STEP_RATIO = 1 / 3 + 1e-6

@@ -31,8 +31,8 @@ _MIN_FIT_BINS = 8
 _RELATIVE_MODEL_ERROR = 0.1
 # Exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths. Wavelengths
-# below four points along both axes count as short.
+# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths.
+# Wavelengths below four points along both axes count as short.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

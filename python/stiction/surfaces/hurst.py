@@ -27,21 +27,22 @@ MIN_BAND_HARMONICS = 8
 _NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
-# Number of lowest harmonics that are excluded after a Hann window, which adds power from the mean and from longer
-# wavelengths to them.
+# Number of lowest harmonics that are excluded after a Hann window.
+# A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
 # 95 % quantile of the chi-squared distribution with one degree of freedom.
 _CHI_SQUARED_95 = 3.841
 _BINS_PER_DECADE = 12
 _MIN_PIECE_BINS = 4
-# Assumed relative deviation of the true spectrum from a power law in each bin. Every measured spectrum deviates from a
-# power law by at least 10 %.
+# Assumed relative deviation of the true spectrum from a power law in each bin.
+# Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law. It
-# must be large, because a power law has three parameters and can begin at any of about 50 bins.
+# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
+# The increase must be large: a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin of a spectrum from a power law. Random scatter causes a deviance of about 1 per bin.
+# Largest accepted deviance per bin of a spectrum from a power law.
+# Random scatter causes a deviance of about 1 per bin.
 # A spectrum with a larger deviance consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
 # Minimum width of the fitted wave number band in ln(q). It is about half a decade.

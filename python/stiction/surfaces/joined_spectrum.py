@@ -17,14 +17,14 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-# Shortest wavelength, in points, that a joined spectrum takes from a scan. At a wavelength of eight points, averaging
-# over a pixel removes 5 % of the power.
+# Shortest wavelength, in points, that a joined spectrum takes from a scan.
+# At a wavelength of eight points, averaging over a pixel removes 5 % of the power.
 MIN_POINTS_PER_WAVELENGTH = 8
-# Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side. At longer
-# wavelengths, the spectrum depends on the window function.
+# Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
+# At longer wavelengths, the spectrum depends on the window function.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Number of wave vectors whose spectral densities together count as one independent value. Opposite wave vectors have
-# equal densities, and the window correlates neighbouring wave vectors.
+# Number of wave vectors whose spectral densities together count as one independent value.
+# Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -107,8 +107,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # The scan's contribution is removed from the joined density, so that the scan is compared with the
-                # other scans only.
+                # A scan is compared with the other scans only, so its contribution to the joined density is removed.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -341,8 +340,7 @@ def _average_in_bins(
     for bin_index in np.unique(bin_indices).tolist():
         is_in_bin = bin_indices == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
-        # The average is taken over q³ C(q), because the density C decreases strongly within a bin, while q³ C is nearly
-        # constant.
+        # The average is taken over q³ C(q), which is nearly constant within a bin, unlike the density C.
         mean_density = float(
             np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
         )

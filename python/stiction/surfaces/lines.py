@@ -16,8 +16,8 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines per map and direction for which Hurst exponents are fitted. More lines add little information,
-# because neighbouring lines are correlated.
+# Maximum number of lines per map and direction for which Hurst exponents are fitted.
+# More lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 # Maximum rms factor between a spectral density and a fitted power law.

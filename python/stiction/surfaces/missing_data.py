@@ -27,8 +27,8 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 # Maximum number of adjacent outliers. More adjacent points are a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# Median deviation of a rounded height from its neighbours due to rounding, as a fraction of the rounding step.
-# Independent rounding errors give 0.25 steps from means of neighbours, 0.21 to 0.33 from lines through neighbours.
+# Median deviation of a height from its neighbours due to rounding, as a fraction of the rounding step.
+# Rounding causes deviations of 0.25 steps from means of neighbours, and 0.21 to 0.33 steps from lines.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
@@ -39,11 +39,11 @@ _MIN_ROUGH_FRACTION = 0.02
 
 # Width (points) of the window for local medians in profiles (key 1) and maps (key 2).
 _WINDOW_WIDTHS = {1: 31, 2: 7}
-# Minimum number of neighbour means from which the height of a point is estimated. With three means, the median is
-# correct even if an outlier affects one mean.
+# Minimum number of neighbour means from which the height of a point is estimated.
+# With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance. Each point is
-# compared with at least five lines.
+# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance.
+# Each point is compared with at least five lines.
 _MAX_COINCIDENT_LINES = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
@@ -147,8 +147,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Only outliers of the whole scan are compared with their neighbourhood, because this test only removes
-        # candidates.
+        # The comparison with neighbours only removes candidates, so only outliers of the whole scan are compared.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -280,8 +279,7 @@ def _compute_deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Each height is extrapolated linearly from its neighbours: from both sides in profiles, from eight directions in
-    # maps.
+    # Heights are extrapolated linearly from neighbours: from both sides in profiles, from eight directions in maps.
     extrapolated_heights = (
         [_compute_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1

@@ -283,7 +283,7 @@ class MapPairs:
     # Map of the upper body after flipping. Its heights are positive upwards, into the body.
     upper: Surface
     lower: Surface
-    # This trend is subtracted from each piece of a map.
+    # Trend that is subtracted from each piece of a map.
     level: SurfaceTrend = "plane"
     seed: int = 2016
     # Shifts (x, y) of the upper map (µm) that replace the default shifts.
@@ -459,7 +459,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     upper: Profile
     lower: Profile
-    # This trend is subtracted from each surrogate map.
+    # Trend that is subtracted from each surrogate map.
     level: SurfaceTrend = "plane"
     seed: int = 2016
 
@@ -513,7 +513,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
     # Spectrum of the upper body. It is also the spectrum of the flipped body.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
-    # This trend is subtracted from each generated surface.
+    # Trend that is subtracted from each generated surface.
     level: SurfaceTrend = "plane"
     seed: int = 2016
     # Cutoff wavelengths (µm) of the upper and the lower body. 0 means unfiltered.

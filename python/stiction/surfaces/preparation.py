@@ -20,8 +20,8 @@ ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic"
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 # Part of the longer of two bodies that is kept: its start or its middle.
 GridAlignment = Literal["start", "middle"]
-# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing. The
-# tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
+# The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
 # A levelled body contains only round-off if its largest height is below this fraction of the original largest height.
 LEVELLING_ROUND_OFF = 1e-14

@@ -31,27 +31,27 @@ _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 # Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
 _WINDOW_OCTAVES = (1.0, 2.0)
-# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0. The exponents
-# of measured and surface spectrum must differ by at least this number of standard deviations.
+# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0.
+# The exponents of measured and surface spectrum must differ by at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument at wavelengths up to this limit (points), else to the surface.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Minimum ratio of the spectral density at reliable wavelengths to the density at which noise dominates.
 _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
 # A spectrum is regarded as rising if its density exceeds the lowest density at longer wavelengths by this factor.
-# Spectra of surfaces never rise so much.
+# Spectra of real surfaces never rise by such a factor.
 _MIN_RISE_DENSITY_RATIO = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_UNATTRIBUTED_FRACTION = 0.1
-# Ratio of a filter's cutoff to the wavelength that the filter must remove. At a ratio of 1.9, a Gaussian filter
-# transmits 8 % of the amplitude.
+# Ratio of a filter's cutoff to the wavelength that the filter must remove.
+# At a ratio of 1.9, a Gaussian filter transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
 # A fraction of the mean square slope below this limit is round-off.
 _MIN_SLOPE_FRACTION = 1e-4
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent. In 1080
-# generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
+# A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent.
+# In 1080 generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
@@ -65,8 +65,8 @@ _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 # Noise densities along x and y are regarded as equal up to this ratio.
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# A spectrum can hide noise if its density is at least this multiple of the noise density. The ratio of spectral to
-# noise density is below 1 to allow for random scatter.
+# A spectrum can hide noise if its density is at least this multiple of the noise density.
+# The ratio of spectral to noise density is below 1 to allow for random scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
 # Noise along one axis can be hidden along the other only if at least this number of lines have independent noise.
 _MIN_INDEPENDENT_LINES = 8.0
@@ -832,6 +832,6 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether rounding of the heights causes the noise of a body."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding to a step s adds noise with the variance s²/12. The mean square second difference of white noise is six
-    # times its variance.
+    # Rounding to a step s adds noise with the variance s²/12.
+    # The mean square second difference of white noise is six times its variance.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

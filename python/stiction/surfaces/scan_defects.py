@@ -40,8 +40,8 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
 _NUM_FLANK_POINTS = 4
-# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height. In a Gaussian
-# groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
+# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
+# In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
 _MIN_SPIKE_STEP_RATIO = 0.7
 # Minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height.
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
@@ -308,8 +308,8 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point beside a large second difference is also sharp, as in a spike of several points. At both ends of a
-        # profile, the second difference is unknown and set to 0.
+        # A point beside a large second difference is also sharp, as in a spike of several points.
+        # At both ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:

@@ -20,8 +20,8 @@ BodyLike = Any
 
 # The C++ core processes the heights of a map as a list, so it uses the names of profile parameters (Ra, Rq).
 _CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Smallest height range (µm) of a body. The largest is 1/_MIN_HEIGHT. Outside these limits, fourth powers of heights
-# underflow or overflow.
+# Smallest height range (µm) of a body, whose inverse (1/µm) is the largest.
+# Outside these limits, fourth powers of heights underflow or overflow.
 _MIN_HEIGHT = 1e-50
 
 

@@ -22,8 +22,8 @@ _ROUND_OFF_FRACTION = 1e-14
 _MAX_SCORING_STEPS = 1000
 # The fit of a surrogate's spectrum has converged if an iteration changes each ln(density) by less than this number.
 _CONVERGENCE_TOLERANCE = 1e-6
-# Default maximum number of rows and of columns of a surrogate. The half-space solution of a map of 512 × 512 points
-# takes some tenths of a second.
+# Default maximum number of rows and of columns of a surrogate.
+# The half-space solution of a map of 512 × 512 points takes some tenths of a second.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
 
@@ -96,8 +96,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image of the profile removes the jump between the ends, but adds intermediate harmonics. The power
-        # of an added harmonic is divided equally between the two neighbouring harmonics.
+        # The mirror image of the profile removes the jump between the ends, but adds intermediate harmonics.
+        # The power of an added harmonic is divided equally between the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)

@@ -31,8 +31,7 @@ from stiction.views.pull_off import pull_off_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# The sentence states how the load is defined if another definition would change the coefficient by more than this
-# fraction.
+# The sentence states the definition of the load if it changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # The range for finer scans is printed if it is at least this fraction of the interval's width.
 MIN_STATED_FINER_SCAN_RANGE = 0.05

@@ -40,8 +40,8 @@ MAX_YIELDED_LOAD_FRACTION = 0.5
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces have a caveat if their rms gap exceeds both a multiple of its noise and a fraction of a height
-# change. The height change is the rms over the sampling interval of Z2.
+# Registered faces get a caveat if their rms gap exceeds a multiple of its noise and a fraction of a height change.
+# The height change is the rms over the sampling interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 # Lowest initial correlation between the slopes of both faces without a caveat.
 MIN_FIT_CORRELATION = 0.5

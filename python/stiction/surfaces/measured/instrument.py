@@ -122,8 +122,8 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires physical sizes. If the file has none, placeholders are passed, and the spacing is
-        # ignored.
+        # SurfaceTopography requires physical sizes.
+        # If the file has none, placeholders are passed, and the spacing is ignored.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

@@ -24,8 +24,8 @@ MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12
 # Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
-# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights. Rounding
-# of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
+# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
+# Rounding of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
 MAX_STATISTIC_DEVIATION = 2e-3
 # Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32

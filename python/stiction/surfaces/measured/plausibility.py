@@ -20,8 +20,7 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Minimum distances of a repeated code and of a common code such as 9999 from the other heights, as fractions of the
-# range of these heights.
+# Minimum distances of a repeated and of a common code (such as 9999), as fractions of the other heights' range.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
@@ -39,22 +38,22 @@ MAX_SAMPLED_HEIGHTS = 65_536
 MIN_COMPARED_HEIGHTS = 20
 # Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times. The
-# symbol m stands for the median frequency of similar heights.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# The symbol m stands for the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-# An unusually frequent height causes a caveat if between these fractions of the points have this height.
+# Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS. The symbol
-# m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
+# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
+# The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Repeated rows cause a caveat up to this fraction of the rows. With more repeated rows, the map is probably a profile
-# that was extended along y.
+# Repeated rows cause a caveat up to this fraction of the rows.
+# With more repeated rows, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
-# A run of equal heights in a profile gets a caveat if it has at least 8 points. The probability that rounding causes a
-# run of equal heights must also be at most 1e-4.
+# A run of equal heights in a profile gets a caveat if it has at least 8 points.
+# The probability that rounding causes a run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# The height range in a header is wrong if the height range of the scan is at least 10 times larger. A height range that
-# is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
+# The height range in a header is wrong if the height range of the scan is at least 10 times larger.
+# A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
 MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
 # Minimum number of points of a scan whose heights are checked. Smaller arrays may be examples.
 MIN_CHECKED_POINTS = 20
@@ -160,8 +159,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - limit) | (heights > median + limit)
-    # A sample suffices to exclude codes, because a gap next to a code is at least as wide in a sample as in all
-    # heights.
+    # A sample suffices to exclude codes: a gap next to a code is at least as wide in a sample as in all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -181,8 +179,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # The candidates are possible codes for missing points, with their distances from the other heights and the range of
-    # these heights.
+    # Each candidate contains a possible code, its distance from the other heights, and the range of these heights.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]

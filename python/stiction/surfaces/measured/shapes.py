@@ -58,11 +58,10 @@ MIN_JITTERED_POSITIONS = 8
 MAX_JITTER = 0.5
 # A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
 MIN_TILT_CORRELATION = 0.98
-# Number of following numbers that must have equally many decimals for a caveat about a first number with fewer
-# decimals.
+# A first number with fewer decimals gets a caveat if this many following numbers have equally many decimals.
 MIN_COMPARED_NUMBERS = 20
-# Minimum step of a column of positions, in units of the last printed digit. If the step is below three such units,
-# coarsely rounded heights may have equal steps by chance.
+# Minimum step of a column of positions, in units of the last printed digit.
+# If the step is below three such units, coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -291,7 +290,7 @@ def _read_profile_columns(table: ColumnTable, *places: int, is_chosen: bool = Fa
             f"has positions in a column named {printable_text(name)!r}, but {quantity} is not a length; choose "
             f"only the heights (--columns {_list_column_numbers(table)[places[-1]]}) and give their spacing (--spacing)"
         )
-    # Below the shorter of two tables that stand side by side in a file, rows are empty.
+    # If two tables stand side by side in a file, the rows below the shorter table are empty.
     is_empty = np.isnan(positions) & np.isnan(heights)
     end = heights.size - int(np.argmin(is_empty[::-1])) if not is_empty.all() else heights.size
     digits = table.last_digit_value_function(places[0])
@@ -683,8 +682,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Measured positions and heights of a tilted surface both rise in unequal steps, but only the heights rise in every
-    # line.
+    # Both positions and heights of a tilted surface rise in unequal steps, but only the heights rise in every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

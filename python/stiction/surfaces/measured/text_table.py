@@ -42,8 +42,8 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# A few number lines above or below a table are ignored. The maximum count of ignored lines is this fraction of the
-# number of table lines, plus 2.
+# A few number lines above or below a table are ignored.
+# The maximum count of ignored lines is this fraction of the number of table lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 

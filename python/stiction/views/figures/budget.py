@@ -18,8 +18,7 @@ from stiction.views.style import (
     new_figure,
 )
 
-# The figure shows an input if the interval would be narrower by more than this fraction with an exact value of the
-# input.
+# The figure shows an input if its exact value would narrow the interval by more than this fraction.
 MIN_DRAWN_INTERVAL_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5
 # Maximum number of characters in a line of an input's label. Longer labels are wrapped.
