@@ -334,6 +334,33 @@ def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pu
     assert not adhesion_solver.find_equilibrium_at_pressure(start, -1.03 * pull_off, max_factor=1.0)[1]
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_energy_minimization_finds_the_contact_of_a_slow_iteration_with_fewer_iterations(monkeypatch, boundary):
+    bodies, adhesion_options = create_rough_bodies(0.1, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
+
+    def solve(max_solves):
+        monkeypatch.setattr(adhesion, "MAX_SOLVES_BEFORE_MINIMIZATION", max_solves)
+        record = SolutionRecord()
+        options = {"boundary": boundary, "tolerance": 1e-8, "record": record}
+        return half_space(*bodies, [-0.001, 0.0], **options, **adhesion_options), record.counter.count
+
+    curve, num_iterations = solve(adhesion.MAX_SOLVES_BEFORE_MINIMIZATION)
+    slow_curve, num_slow_iterations = solve(adhesion.MAX_SOLVES_PER_LOAD - 1)
+    assert num_iterations < 0.6 * num_slow_iterations
+    assert curve.contact_area == pytest.approx(slow_curve.contact_area, rel=1e-6)
+    assert curve.approach == pytest.approx(slow_curve.approach, rel=1e-6)
+
+
+def test_contact_is_iterated_if_the_energy_minimization_does_not_converge(monkeypatch):
+    bodies, adhesion_options = create_rough_bodies(0.1, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
+    monkeypatch.setattr(adhesion, "MAX_SOLVES_BEFORE_MINIMIZATION", adhesion.MAX_SOLVES_PER_LOAD - 1)
+    slow_curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
+    monkeypatch.undo()
+    monkeypatch.setattr(adhesion, "MAX_MINIMIZATION_STEPS", 3)
+    curve = half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)
+    assert (curve.contact(0).pressure == slow_curve.contact(0).pressure).all()
+
+
 class InterruptingSolutionRecord(SolutionRecord):
     """Record that interrupts the computation when it is offered a state, or that continues from a stored state."""
 

@@ -11,11 +11,13 @@ equilibrium would be a lower bound.
 
 Near the pull-off load of soft bodies, the edges of the contacts move by less than a grid cell per iteration, and each
 iteration solves a contact problem. Conjugate gradients (`EnergyMinimizer`) change pressure and attraction together, so
-that the edges move by about a cell per step. These steps may pass an equilibrium.
+that the edges move by about a cell per step. These steps may pass an equilibrium. The same steps replace iterations of
+maps that converge slowly under a given load.
 """
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from collections.abc import Callable, Iterator
@@ -45,6 +47,9 @@ NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0
 # Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
+# Maximum number of contact solutions for one external load of maps before the energy is minimized instead. Hard bodies
+# converge with fewer solutions. For soft bodies, the energy minimization takes fewer iterations.
+MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
 # Maximum number of contact solutions for one contact load in the search for the pull-off load of maps.
 # If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
@@ -219,11 +224,13 @@ class AdhesionSolver:
         return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
 
     def find_equilibrium_at_pressure(
-        self, near: AdhesionState | None, load: float, *, max_factor: float = MAX_EXTRAPOLATION_FACTOR
-    ) -> tuple[AdhesionState, bool]:
+        self, near: AdhesionState | None, load: float, *, max_factor: float = MAX_EXTRAPOLATION_FACTOR,
+        max_solves: int | None = None,
+    ) -> tuple[AdhesionState, bool]:  # fmt: skip
         """Return the contact state at an external pressure (GPa), and whether this state is in equilibrium.
 
-        The iteration starts from the state `near`, or from bodies without attraction if `near` is None.
+        The iteration starts from the state `near`, or from bodies without attraction if `near` is None. After
+        `max_solves` contact solutions, if given, the last state is returned with False.
 
         If the bodies separate, the iterated state with the smallest change is returned with False. Separation is
         certain only with plain steps (`max_factor` = 1), because extrapolated steps may pass an equilibrium.
@@ -242,6 +249,8 @@ class AdhesionSolver:
             for state, residual in states:
                 if residual <= self.max_residual:
                     return vars(state) | {"is_balanced": True}
+                if iteration.num_states + 1 == max_solves:
+                    return vars(state) | {"is_balanced": False}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
                     raise EquilibriumNotFoundError("the computation of the attraction did not converge")
                 # The first two residuals may be small by chance.
@@ -351,8 +360,8 @@ class AdhesionSolver:
         The iteration starts from `near`, or without contact for None.
         """
         if near is None and load < 0:
-            near = self.find_equilibrium_at_pressure(None, 0.0)[0]
-        state, is_balanced = self.find_equilibrium_at_pressure(near, load)
+            near = self._find_equilibrium(None, 0.0)[0]
+        state, is_balanced = self._find_equilibrium(near, load)
         if not is_balanced:
             state, is_balanced = self.find_equilibrium_at_pressure(near, load, max_factor=1.0)
         if not is_balanced:
@@ -364,6 +373,24 @@ class AdhesionSolver:
                 else f"the bodies separate at {least_load}"
             )
         return state
+
+    def _find_equilibrium(self, near: AdhesionState | None, load: float) -> tuple[AdhesionState, bool]:
+        """Return the contact state at an external pressure (GPa), and whether this state is in equilibrium.
+
+        The energy of maps is minimized if their iteration converges slowly. If the minimization finds no equilibrium,
+        the slow iteration decides.
+        """
+        if self.problem.gap.ndim == 2:
+            state, is_balanced = self.find_equilibrium_at_pressure(
+                near, load, max_solves=MAX_SOLVES_BEFORE_MINIMIZATION
+            )
+            if is_balanced:
+                return state, True
+            with contextlib.suppress(EquilibriumNotFoundError):
+                minimum = self.minimize_energy(state, load)
+                if minimum is not None:
+                    return minimum, True
+        return self.find_equilibrium_at_pressure(near, load)
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
         """Return the equilibria while the bodies are pulled apart, down to the lowest external load (pull-off).
