@@ -369,13 +369,19 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
     for invalid_object, words in (
         (lower.row(0), "must be a surface, got a profile; use Profile.from_"),
         ([[0.0, 1.0]], "an object from SurfaceTopography, surfalize or xarray, got list"),
-        (array.drop_attrs(), "must be a length unit"),
+        (array.drop_attrs(), "must have a unit of length"),
         (array.rename(x="u"), "must have the dimensions y and x"),
         (array_with_missing_points, "1 points without a height"),
         (array_with_uneven_spacing, "equal steps along x"),
     ):
         with pytest.raises(ValueError, match=re.escape(words)):
             Surface.from_(invalid_object)
+
+
+def test_message_about_a_missing_unit_starts_with_the_argument_of_pair(lower):
+    array = lower.to_xarray().drop_attrs()
+    with pytest.raises(ValueError, match=r"^first must have a unit of length along y \(m, "):
+        stiction.pair(array, array, load="10 MPa", effective_modulus="100 GPa", mu0=0.3)
 
 
 # ---- Quantities, moduli and identical bodies -------------------------------------------------------------------------

@@ -43,7 +43,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
     try:
         return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
     except ValueError as error:
-        raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+        raise ArgumentError.for_argument(name, str(error).strip()) from None
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:

@@ -30,6 +30,11 @@ class ArgumentError(ValueError):
         super().__init__(message.format_map(_PlaceholderValues(values, str)))
         self._message, self._values = message, values
 
+    @classmethod
+    def for_argument(cls, name: str, reason: str) -> ArgumentError:
+        """Create an error whose message is the name of an argument, followed by a reason."""
+        return cls(f"{{{name}}} {{reason}}", reason=reason)
+
     def translated_message(self, translate: Callable[[str], str]) -> str:
         """Return the message with translated argument names, such as the names of command-line options."""
         return self._message.format_map(_PlaceholderValues(self._values, translate))

@@ -283,8 +283,7 @@ def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[
     boxes = box.cut_strips(offsets, count)
     if len(boxes) < 2:
         raise ArgumentError(
-            "{strips} must be 0, or a number of strips of which at least 2 have enough measured points, got {got}",
-            got=count,
+            "{strips} must be 0, or give at least 2 strips with enough measured points, got {got}", got=count
         )
     return boxes
 
@@ -405,7 +404,7 @@ def _build_shear_box(
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(
-            "the faces upper and lower must both be profiles or both surfaces, got "
+            "the upper and the lower face must both be profiles or both surfaces, got "
             f"{type(upper).__name__} and {type(lower).__name__}"
         )
     check_choice("boundary", boundary, BoundaryCondition)
@@ -419,7 +418,7 @@ def _build_shear_box(
         allowed = "mean, line or none for profiles" if is_profile else "mean, plane or none for maps"
         raise ValueError(f"level must be {allowed}, got {level!r}")
     if count_flips(upper):
-        raise ValueError("the face upper must be as it was scanned, got a face that is already flipped")
+        raise ValueError("the upper face must be oriented as it was scanned, got a face that is already flipped")
     faces = [face if level == "none" else levelled(face, level) for face in (upper, lower)]
     upper, lower = flipped(faces[0]), faces[1]
     if upper.spacing != lower.spacing:
@@ -428,9 +427,9 @@ def _build_shear_box(
     registration = None
     if register:
         if boundary == "periodic":
-            raise ValueError("the argument register must be False if the faces are periodic, got True")
+            raise ValueError("`register` must be False if the faces are periodic, got True")
         if upper.is_flat or lower.is_flat:
-            raise ValueError("the argument register must be False if a face is flat, got True")
+            raise ValueError("`register` must be False if a face is flat, got True")
         upper, lower, registration = register_faces(upper, lower)
     inputs, moduli = contact.half_space_inputs, contact.elasticity
     warn_if_tau0_is_large(np.asarray(inputs.central("tau0")), moduli.effective_modulus)
@@ -444,13 +443,13 @@ def _build_shear_box(
     area = box.initial_overlap_area
     if boundary == "periodic" and upper.heights.shape != lower.heights.shape:
         raise ValueError(
-            f"the faces upper and lower must have equal shapes if they are periodic, got {upper.heights.shape} and "
+            f"the upper and the lower face must have equal shapes if they are periodic, got {upper.heights.shape} and "
             f"{lower.heights.shape}"
         )
     force = validate_number("load", loads_to_core_units("load", load, area), unit="mN", above=0)
     if strength is not None and not force < strength * area:
         raise ArgumentError(
-            "{load} must be below the hardness times the overlap of the faces, {limit:.4g} mN, got {got}",
+            "{load} must be below {limit:.4g} mN, the hardness times the overlap area of the faces, got {got}",
             limit=strength * area, got=short_repr(load),
         )  # fmt: skip
     stiffness = 0.0 if normal_stiffness is None else _parse_stiffness(normal_stiffness) * area

@@ -261,7 +261,7 @@ def test_characterise_command_summarises_several_files_in_one_table(scans_direct
             "cannot be combined with --column",
         ),
         (["scan.csv", "--band", "1 um"], "--band must be two wavelengths"),
-        (["scan.csv", "--band", "2 um,1 um"], "--band must start with the shortest wavelength"),
+        (["scan.csv", "--band", "2 um,1 um"], "--band must start with the shorter wavelength"),
         (["scan.csv", "--band", "1 um,1.01 um"], "band must contain at least 8 harmonics"),
         (["scan.csv", "--output", "figure.bmp"], "--output must end in .html, .png, .pdf or .svg, got figure.bmp"),
         (["scan.csv", "--output", "none/a.png"], "cannot be written: No such file or directory"),

@@ -64,7 +64,7 @@ def test_array_with_a_name_of_another_quantity_is_read_only_if_it_is_chosen(tmp_
 def test_array_of_zeros_and_ones_is_not_read_as_heights(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", z=(HEIGHTS > 0).astype(np.uint8))
-    assert "has an array 0 (z) of 0 and 1, like a mask" in get_error_message(path, spacing="1 um")
+    assert "has a channel 0 (z) with only 0 and 1, like a mask" in get_error_message(path, spacing="1 um")
 
 
 def test_two_columns_of_an_array_in_a_container_are_read_as_a_profile(tmp_path):

@@ -1080,7 +1080,7 @@ def test_point_listed_twice_is_rejected_unless_its_heights_are_equal(tmp_path, n
 def test_small_point_list_that_declares_a_huge_map_is_rejected(tmp_path):
     path, size_line = tmp_path / "a.xyz", f"0 0 {NUM_COLUMNS} {NUM_ROWS}"
     path.write_text(zygo_text().replace(size_line, "0 0 9000 9000"))
-    with pytest.raises(FormatError, match="declares a map of 9000 rows of 9000 points in line 4, but lists"):
+    with pytest.raises(FormatError, match="declares in line 4 a map of 9000 rows of 9000 points"):
         read_measurement(path, missing="mask")
     path.write_text("1e-5 1e308 1\n1e-5 1e-5 2\n1e7 1e308 3\n-1e308 -1e308 4\n")
     with pytest.raises(FormatError, match="lists a point without a usable position along x"):

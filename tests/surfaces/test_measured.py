@@ -984,8 +984,8 @@ def test_missing_points_in_an_x3p_file_are_reported_and_can_be_interpolated(writ
         (("<SizeZ>1", "<SizeZ>2"), "contains 2 layers"),
         (("<Increment>2e-06", "<Increment>two"), "has 'two' instead of a number"),
         (("<Increment>2e-06", "<Increment>nan"), "has a spacing of nan"),
-        (("<DataType>D", "<DataType>Q"), "stored as 'Q'"),
-        (("bindata/data.bin", "../../data.bin"), "lacks '../../data.bin'"),
+        (("<DataType>D", "<DataType>Q"), "data type 'Q'"),
+        (("bindata/data.bin", "../../data.bin"), "lacks the archive member '../../data.bin'"),
         (("MD5ChecksumPointData>", "X>"), None),
         (("<MD5ChecksumPointData>", "<MD5ChecksumPointData>0"), "do not match its checksum"),
         (("<Record1>", "<Record9>"), "damaged X3P file (ExpatError"),
@@ -1105,7 +1105,7 @@ def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacke
             < 5_000_000
         )
         assert expected_message in get_error_message(path, read_surface)
-    assert "method other than deflate" in get_error_message(
+    assert "compression method is not deflate" in get_error_message(
         write_file(create_x3p_archive(X3P_WITHOUT_CHECKSUM, method=zipfile.ZIP_BZIP2), "a.x3p"), read_surface
     )
 

@@ -297,7 +297,7 @@ class Server:
 
     def _find_scan_path(self, identifier: object) -> Path:
         if identifier not in self.scans:
-            raise HTTPException(404, "this scan is no longer available; drop the file again")
+            raise HTTPException(404, "this scan is no longer available; drop its file onto the page again")
         return self.scans[str(identifier)]
 
     async def get_scan(self, request: Request) -> Response:

@@ -220,7 +220,7 @@ class _AreaFactorFromResult(AreaFactor):
         }
         creep = inputs.estimate("creep")
         if wait != 1 and creep is None:
-            raise ValueError("the argument wait requires a result that was computed with the options wait and creep")
+            raise ValueError("`wait` requires a result that was computed with the options `wait` and `creep`")
         if not uncertain_inputs and creep is None and not {"junction_growth", "area_loss"} & inputs.entries.keys():
             return None
         inputs_of_factor = uncertain_inputs | ({} if creep is None else {"creep": creep})
@@ -389,7 +389,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
     """Return the contact sums of a friction test under a sliding rule, divided by the elastic load."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
-        raise ValueError("the argument wait requires a result that pair() computed with a creep exponent")
+        raise ValueError("`wait` requires a result that pair() computed with a creep exponent")
     if isinstance(result, Ball):
         sums = dict.fromkeys(LOAD_SUM_NAMES, 0.0) | {"normal_elastic": 1.0, "tangential_frictional": 1.0}
         sums["tangential_adhesive"] = result.area_per_load(load)

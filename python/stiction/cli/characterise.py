@@ -386,5 +386,5 @@ def _parse_band(text: str | None) -> tuple[float, float] | None:
         parse_quantity("band", limit_text.strip(), "length") for limit_text in limit_texts
     )
     if not shortest_wavelength < longest_wavelength:
-        raise ValueError(f"--band must start with the shortest wavelength, got {short_repr(text)}")
+        raise ValueError(f"--band must start with the shorter wavelength, got {short_repr(text)}")
     return shortest_wavelength, longest_wavelength

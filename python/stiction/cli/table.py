@@ -104,7 +104,7 @@ def table_command(
     rules: list[str] = list(SLIDING_RULE_ORDER)
     if interface is not None:
         if mu0 is not None or tau0 is not None:
-            raise ValueError("--interface must not be combined with --mu0 or --tau0, which it defines")
+            raise ValueError("--interface must not be combined with --mu0 or --tau0, which the interface defines")
         strength = InterfaceStrength.named(interface)
         medians = round_median_strength(strength)
         friction_parameters = {name: [value] for name, value in zip(("mu0", "tau0"), medians, strict=True)}

@@ -219,7 +219,7 @@ class AdhesionSolver:
                 if num_states_since_best > MAX_STALLED_SOLVES or iteration.num_states == max_solves:
                     break
                 iteration.num_states += 1
-            raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+            raise EquilibriumNotFoundError("the iteration between attraction and contact pressures did not converge")
 
         return _to_adhesion_state(self.record.run_step(solve, EquilibriumNotFoundError))
 
@@ -252,7 +252,9 @@ class AdhesionSolver:
                 if iteration.num_states + 1 == max_solves:
                     return vars(state) | {"is_balanced": False}
                 if iteration.num_states == MAX_SOLVES_PER_LOAD:
-                    raise EquilibriumNotFoundError("the computation of the attraction did not converge")
+                    raise EquilibriumNotFoundError(
+                        "the iteration between attraction and contact pressures did not converge"
+                    )
                 # The first two residuals may be small by chance.
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
@@ -341,7 +343,7 @@ class AdhesionSolver:
             contact_load, near=state.pressure, threads=threads, progress=self.report, counter=self.record.counter
         )
         if not solution.error <= max(tolerance, self.solver_tolerance):
-            raise EquilibriumNotFoundError("the computation of the pressures did not converge")
+            raise EquilibriumNotFoundError("the solver for the contact pressures under attraction did not converge")
         displacement = grids.displacement(solution.pressure.reshape(attracted_gap.shape), threads=threads)
         contact_state = AdhesionState(
             solution.pressure,

@@ -164,7 +164,7 @@ def candidates(
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
             if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
                 raise ValueError(
-                    f"the gap between the surfaces upper and lower must vary along {along}, because otherwise its "
+                    f"the gap between the upper and the lower surface must vary along {along}, because otherwise its "
                     f"minima are lines instead of points; extract {across} of both surfaces and press them as "
                     "profiles, or use half_space"
                 )

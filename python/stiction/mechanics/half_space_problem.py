@@ -388,7 +388,7 @@ def make_problem(
     """
     if upper.heights.shape != lower.heights.shape:
         raise ValueError(
-            f"the bodies upper and lower must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
+            f"the upper and the lower body must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
         )
     spacing = upper.spacings
     # The area is infinite if the product of the spacings overflows.
@@ -403,7 +403,7 @@ def make_problem(
     max_gap = MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape)
     if not gap.max() <= max_gap:
         raise ValueError(
-            f"the bodies upper and lower must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} "
+            f"the upper and the lower body must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} "
             f"times their length), got {gap.max():.3g} µm"
         )
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)

@@ -291,9 +291,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     minima, model = candidates_and_model(upper, lower, contact)
     if minima is not None and lower is not None:
         if approaches is not None:
-            raise ValueError(
-                "the surface lower must not be given together with candidates; use press(candidates, approaches)"
-            )
+            raise ValueError("lower must not be given together with candidates; use press(candidates, approaches)")
         approaches = lower
     approach_values = [approaches] if isinstance(approaches, str) else approaches
     approach_array = float_array("approaches", to_core_units("approaches", approach_values, "length"), ndim=1)

@@ -91,7 +91,7 @@ class AsperityTangentialProblem:
                 "limit; use HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
-            raise ValueError("the argument index must select an approach at which the bodies touch")
+            raise ValueError("`index` must select an approach at which the bodies touch")
         load, area = contacts.force * contacts.normal[:, 2], contacts.area
         relative_angle = np.radians(angle) - np.arctan2(contacts.along[:, 1], contacts.along[:, 0])
         ratio = compliance_ratio(poisson, compliance_share, transverse_load_fraction(contacts.axes, relative_angle))

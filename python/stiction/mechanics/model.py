@@ -140,7 +140,7 @@ class ContactModel:
         """
         if self.detection == "cell":
             raise ValueError(
-                'detection must be "gap-minimum" on surfaces, got "cell", which the paper defines only along a line'
+                'detection must be "gap-minimum" on surfaces, got "cell", which is defined only on profiles'
             )
         if isinstance(parse_contact_law(self.law), HertzCylinder):
             raise ValueError(
@@ -292,14 +292,14 @@ def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
             reject_missing_points(body, "every model except half_space")
     if isinstance(upper, Surface) != isinstance(lower, Surface):
         raise ValueError(
-            f"the bodies upper and lower must both be profiles or both surfaces, got {type(upper).__name__} and "
+            f"the upper and the lower body must both be profiles or both surfaces, got {type(upper).__name__} and "
             f"{type(lower).__name__}"
         )
     if isinstance(upper, Surface) and upper.heights.size > MAX_POINTS:
-        raise ValueError(f"the bodies upper and lower must have at most {MAX_POINTS} points, got {upper.heights.size}")
+        raise ValueError(f"each surface must have at most {MAX_POINTS} points, got {upper.heights.size}")
     if upper.spacing != lower.spacing:
         raise ValueError(
-            f"the bodies upper and lower must have equal spacings, got {upper.spacing} and {lower.spacing} µm"
+            f"the upper and the lower body must have equal spacings, got {upper.spacing} and {lower.spacing} µm"
         )
 
 

@@ -539,7 +539,7 @@ def spectral_resolution(
     for body in bodies:
         if not isinstance(body, ScaleDependentRoughness) or body.dimensions != 2:
             raise ValueError(
-                "the bodies upper and lower must be ScaleDependentRoughness objects computed from surfaces"
+                "the upper and the lower body must be ScaleDependentRoughness objects computed from surfaces"
             )
     p = validate_number("pressure", pressure, unit="GPa", above=0)
     max_pressure = np.inf if hardness is None else validate_number("hardness", hardness, unit="GPa", above=p)

@@ -146,7 +146,7 @@ class ShearBox:
             np.append(True, np.any(np.diff(rounded_offsets, axis=0) != 0, axis=1))
         ]
         if len(offsets) < 2:
-            raise ValueError(f"the sliding path must be at least the distance between two grid points, got {path:g} µm")
+            raise ValueError(f"the sliding path must be at least one grid spacing, got {path:g} µm")
         if self.boundary == "free":
             overlaps = [self._find_overlap(offset) for offset in offsets]
             overlap = min(int(np.min(shape)) for _, _, shape in overlaps)

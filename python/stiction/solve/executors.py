@@ -291,7 +291,7 @@ def connect_to_cluster(address: str) -> Iterator[Executor]:
         distributed: Any = import_module("distributed")
     except ImportError:
         raise ClusterError(
-            "a cluster needs the package distributed; install it with: pip install distributed"
+            "a Dask cluster requires the package 'distributed'; install it with: pip install distributed"
         ) from None
     if not re.fullmatch(r"([a-z]+://)?[^\s/:]+:[0-9]{1,5}|([a-z]+://)\[[0-9a-fA-F:]+\]:[0-9]{1,5}", address):
         raise ClusterError(

@@ -139,7 +139,7 @@ def prepare_result_directory(
     Raises the errors of `compute_missing_blocks`.
     """
     if part is not None and not 1 <= part[0] <= part[1]:
-        raise ValueError(f"the argument part must be (K, N) with K from 1 to N, got ({part[0]}, {part[1]})")
+        raise ValueError(f"`part` must be (K, N) with K from 1 to N, got ({part[0]}, {part[1]})")
     if (size := compute_bytes_per_member(study)) > MAX_BYTES_IN_MEMORY:
         study_keys = " or ".join(f"surfaces.{name}" for name in study.surfaces.cell_coordinates())
         raise StudyError(

@@ -461,8 +461,8 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         text = " ".join(str(value).split())
         if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
             raise ValueError(
-                "the argument about must have printable keys without a colon, other than sliding, area_per_load, "
-                f"variation and separated, got {short_repr(key)}"
+                "each key of `about` must be printable and have no colon, and must not be sliding, area_per_load, "
+                f"variation or separated, got {short_repr(key)}"
             )
         header[key] = printable_text(text, len(text))
     file_text, fit = io.StringIO(), interface.fits[0]

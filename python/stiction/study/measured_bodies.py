@@ -256,7 +256,7 @@ class MeasuredBodySettings(SettingsSection):
             try:
                 heights, spacing, history, missing = extract_heights(name, body)
             except ValueError as error:
-                raise ArgumentError(f"{{{name}}}{{why}}", why=str(error).removeprefix(name)) from None
+                raise ArgumentError.for_argument(name, str(error).removeprefix(name).lstrip()) from None
             body_class: Any = Profile if heights.ndim == 1 else Surface
             body = body_class(
                 heights, spacing=spacing[0] if body_class is Profile else parse_lengths("spacing", spacing),

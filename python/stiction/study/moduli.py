@@ -147,4 +147,4 @@ def _parse_inputs(name: str, value: Any) -> list[UncertainInput]:
     try:
         return [parse_study_input(name, item) for item in values]
     except ValueError as error:
-        raise ArgumentError(f"{{{name}}} {{why}}", why=str(error).strip()) from None
+        raise ArgumentError.for_argument(name, str(error).strip()) from None

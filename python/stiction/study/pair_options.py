@@ -915,7 +915,7 @@ def convert_validation_errors() -> Iterator[None]:
                 reason = f"is no option of a pair{f'; is it {suggestions[0]}?' if suggestions else ''}"
             case _:
                 reason = first_error["msg"].removeprefix("Value error, ")
-        raise ArgumentError(f"{{{name}}} {{reason}}", reason=reason) from None
+        raise ArgumentError.for_argument(name, reason) from None
 
 
 def validate_option_values(values: dict[str, object]) -> PairOptions:

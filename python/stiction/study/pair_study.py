@@ -236,7 +236,7 @@ class MeasuredPair:
         except ValueError as error:
             reason = str(error)
             name = next((name for name in ("unit", "spacing") if reason.startswith(f"{name} ")), side)
-            raise ArgumentError(f"{{{name}}} {{why}}", why=reason.removeprefix(name).lstrip()) from None
+            raise ArgumentError.for_argument(name, reason.removeprefix(name).lstrip()) from None
 
     @cached_property
     def bodies(self) -> tuple[MeasuredBody, MeasuredBody]:
@@ -352,7 +352,7 @@ class MeasuredPair:
         try:
             return parse_input_value(name, value)
         except ValueError as error:
-            raise ArgumentError(f"{{{name}}} {{why}}", why=str(error)) from None
+            raise ArgumentError.for_argument(name, str(error)) from None
 
     @cached_property
     def given_interface(self) -> InterfaceStrength | None:
@@ -917,7 +917,7 @@ def _validate_study(sections: dict[str, Any]) -> Study:
         key, reason = error.faults[0]
         if (name := _find_option(key)) is None:
             raise
-        raise ArgumentError(f"{{{name}}} {{why}}", why=reason) from None
+        raise ArgumentError.for_argument(name, reason) from None
 
 
 def _find_option(key: str) -> str | None:

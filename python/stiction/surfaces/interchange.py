@@ -112,7 +112,7 @@ def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | 
         if axis not in other.coords:
             raise ValueError(f"{name} must have a coordinate {axis}, in µm or with its unit in attrs")
         coordinate = other.coords[axis]
-        unit_factor = _parse_unit_factor(f"{name}.{axis}", coordinate.attrs.get("units", unit), type_name)
+        unit_factor = _parse_unit_factor(name, coordinate.attrs.get("units", unit), type_name, axis=axis)
         spacing.append(_find_uniform_spacing(name, axis, np.asarray(coordinate.values, dtype=np.float64)) * unit_factor)
     unit_factor = _parse_unit_factor(name, other.attrs.get("units", unit), type_name)
     extracted_heights = _make_extracted_heights(
@@ -134,12 +134,12 @@ def _find_uniform_spacing(name: str, axis: str, positions: Any) -> float:
     return first_step if is_exact else float((coordinates[-1] - coordinates[0]) / steps.size)
 
 
-def _parse_unit_factor(name: str, unit: Any, type_name: str) -> float:
+def _parse_unit_factor(name: str, unit: Any, type_name: str, *, axis: str | None = None) -> float:
     if unit not in LENGTH_UNITS:
         allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
         raise ValueError(
-            f"unit of {name} must be a length unit ({allowed_units}), set in the {type_name} or with unit=, "
-            f"got {short_repr(unit)}"
+            f"{name} must have a unit of length{'' if axis is None else f' along {axis}'} ({allowed_units}), "
+            f"set in the {type_name} or with unit=, got {short_repr(unit)}"
         )
     return float(LENGTH_UNITS[unit])
 

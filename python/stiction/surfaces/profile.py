@@ -67,7 +67,7 @@ class Body(PlotReprMixin):
             if missing.dtype != np.bool_ or missing.shape != heights.shape or missing.all():
                 mask_text = "True at every point" if missing.all() else f"{missing.dtype} {missing.shape}"
                 allowed = f"a boolean array of shape {heights.shape} that is False at one point or more"
-                raise ValueError(f"the mask missing must be {allowed}, got {mask_text}")
+                raise ValueError(f"the mask `missing` must be {allowed}, got {mask_text}")
             object.__setattr__(self, "missing", make_read_only(missing) if missing.any() else None)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -140,8 +140,7 @@ class Body(PlotReprMixin):
         expected_kind, actual_kind = (("profile", "surface")[ndim - 1] for ndim in (cls._ndim, extracted.heights.ndim))
         if actual_kind != expected_kind:
             raise ValueError(
-                f"the argument other must be a {expected_kind}, got a {actual_kind}; use "
-                f"{actual_kind.capitalize()}.from_(...)"
+                f"`other` must be a {expected_kind}, got a {actual_kind}; use {actual_kind.capitalize()}.from_(...)"
             )
         spacing = extracted.spacing[0] if cls._ndim == 1 else extracted.spacing
         return cls(extracted.heights, spacing=spacing, history=extracted.history, missing=extracted.missing)
@@ -235,7 +234,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
     masks = [body.missing for body in (upper, lower) if body.missing is not None]
     missing: NDArray[np.bool_] | None = np.logical_or.reduce(masks) if masks else None
     if missing is not None and missing.all():
-        raise ValueError("the bodies upper and lower must share at least one measured position, got none")
+        raise ValueError("the upper and the lower body must share at least one measured position, got none")
     return missing
 
 

@@ -130,7 +130,9 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
         if reader.format() in _ARRAY_FORMATS:
             if np.isin(heights, (0.0, 1.0)).all():
-                raise FormatError(f"has an array {index} ({name}) of 0 and 1, like a mask; choose another channel")
+                raise FormatError(
+                    f"has a channel {index} ({name}) with only 0 and 1, like a mask; choose another channel"
+                )
             return ColumnTable(np.atleast_2d(heights), is_array=True, source=source)
         unit = None if topography.unit is None else str(topography.unit)
         if not topography.is_uniform:

@@ -378,15 +378,18 @@ def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> I
     try:
         member_info = archive.getinfo(name)
     except KeyError:
-        raise FormatError(f"lacks {name[:80]!r}, which should contain its data") from None
+        raise FormatError(f"lacks the archive member {name[:80]!r}, which should contain its data") from None
     if member_info.compress_type not in _COMPRESSION_METHODS:
-        raise FormatError(f"contains {name[:80]!r} with a compression method other than deflate")
+        raise FormatError(f"contains the archive member {name[:80]!r}, whose compression method is not deflate")
     if member_info.file_size > max_bytes:
-        raise FormatError(f"contains {name[:80]!r} with {member_info.file_size} bytes; at most {max_bytes} can be read")
+        raise FormatError(
+            f"contains the archive member {name[:80]!r} of {member_info.file_size} bytes; "
+            f"at most {max_bytes} can be read"
+        )
     total_bytes = 0
     with archive.open(member_info) as member:
         while chunk := member.read(_ARCHIVE_CHUNK_SIZE):
             total_bytes += len(chunk)
             if total_bytes > max_bytes:
-                raise FormatError(f"contains {name[:80]!r} with more than {max_bytes} bytes")
+                raise FormatError(f"contains the archive member {name[:80]!r}, which exceeds {max_bytes} bytes")
             yield chunk

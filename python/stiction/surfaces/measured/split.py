@@ -485,7 +485,8 @@ def _reject_blanks_in_numbers(text: DecodedText, lines: LineNumbers) -> None:
     for line in lines.tolist():
         if _BLANK_IN_NUMBER_PATTERN.search(text.raw_line(line)):
             raise FormatError(
-                f"{text.describe_line(line)} has blanks between digits; separate all cells in the same way"
+                f"{text.describe_line(line)} has blanks within a cell, which may separate thousands or two numbers; "
+                "write numbers without blanks, and separate all cells in the same way"
             )
 
 

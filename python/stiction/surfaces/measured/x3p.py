@@ -178,8 +178,8 @@ class _StoredAxis:
         stored_type = _get_element_text(root, f"{path}/DataType", "D")
         if kind not in ("I", "A") or stored_type not in _STORED_NUMBER_TYPES:
             raise FormatError(
-                f"has a {name} axis of type {kind!r} stored as {stored_type!r}; "
-                "the type must be I or A, stored as I, L, F or D"
+                f"has a {name} axis with axis type {kind!r} and data type {stored_type!r}; the axis type must be "
+                "I (incremental) or A (absolute), and the data type I, L, F or D"
             )
         self.is_absolute = kind == "A"
         self.stored = _STORED_NUMBER_TYPES[stored_type]
