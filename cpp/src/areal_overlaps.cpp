@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // The cubic polynomial in t has its maximum at this value of t.
+      // The cubic polynomial in t has its maximum at the following value of t.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -54,8 +54,8 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// The centres of the ellipses are fixed, and the ellipses grow with the approach.
-// Two ellipses that overlap at one approach therefore overlap at all larger approaches.
+// The centres of the contact ellipses do not move during the approach.
+// Two ellipses that overlap at one approach overlap at all larger approaches, because ellipses grow with the approach.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {

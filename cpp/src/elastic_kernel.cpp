@@ -28,7 +28,7 @@ constexpr std::size_t rows_ahead = 16;
 // Areas with fewer values than one task are not divided, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
-// The stencil multiplies long wavelengths by this sum, which must be small if contact patches are many points wide.
+// The stencil multiplies long wavelengths by the sum of its weights, which must be small for wide contact patches.
 constexpr double stencil_sum = 0.04;
 // Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
 // Zero padding truncates the influence of a load, so that some Fourier components could be zero or negative.
@@ -142,7 +142,7 @@ void mix_columns(double* first, double* second, const double* factors, const dou
 }
 
 // Prefetch the columns of a row that will be copied soon.
-// The processor does not prefetch these columns by itself, because successive rows are far apart in memory.
+// The processor does not prefetch columns by itself, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
   for (std::size_t column = 0; column < columns_per_block; column += alignment / sizeof(std::complex<Real>)) {
@@ -487,7 +487,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure of 1 GPa acts between the origin and x.
 // On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // The value is the integral of -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
+  // `corner_integral` integrates -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -533,7 +533,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
     return factors;
   }
   // The influence coefficients are symmetric along both axes, and the padded sizes are even numbers.
-  // One quadrant of the influence coefficients therefore determines their Fourier transform.
+  // One quadrant of the influence coefficients determines their Fourier transform.
   // Beyond the grid, the last influence coefficients are repeated. No result depends on the repeated coefficients.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();

@@ -157,7 +157,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Add a multiple of the last direction to the descent. Returns the scalar product of this new direction and residual.
+// Add a multiple of the last direction to the descent. Returns the scalar product of new direction and residual.
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -430,7 +430,7 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// Store the next direction in the state. Returns the product of the residual and the preconditioned residual.
+// Store the next direction in the state. Returns the scalar product of the residual and the preconditioned residual.
 // The next direction is conjugate to the last direction unless it would increase the energy.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
@@ -522,7 +522,7 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 
-// Change the state by a step along the search direction. If the gap of a point would change its sign, it becomes 0.
+// Change the state by a step along the search direction. A gap that would change its sign becomes 0.
 void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
   struct Closures {
     bool any = false;

@@ -21,7 +21,7 @@ std::mutex& unguarded_planner_mutex() {
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
   // A child process may be forked while another thread creates a plan.
-  // Without fork handlers, the child process would then inherit a locked mutex.
+  // Without fork handlers, the child process would inherit a locked mutex.
   [[maybe_unused]] static const int fork_handlers =
       pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
                      [] { unguarded_planner_mutex().unlock(); });

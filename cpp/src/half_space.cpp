@@ -177,7 +177,7 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
 // Interpolate pressures between each point `left` and its right neighbour `right`, at a fraction of the spacing.
 // The points `before` and `after` are the outer neighbours of `left` and `right`.
 // Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
-// Towards a point out of contact, the squared pressure is therefore extrapolated linearly from two points in contact.
+// Towards a point out of contact, the squared pressure is extrapolated linearly from two points in contact.
 // The extrapolation is at least so steep that the pressure vanishes at the point out of contact.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
@@ -257,7 +257,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 // The arrays of the solver are taken from `memory`, and returned when the solver is destroyed.
 //
 // On a free area, pressures displace every point away from the other body.
-// On a free area, a point whose initial gap exceeds the approach therefore cannot come into contact.
+// On a free area, a point whose initial gap exceeds the approach cannot come into contact.
 // If few points can come into contact, displacements are computed only at these points, with a dense matrix.
 // At points that cannot come into contact, the potential is replaced by its lower bound, the initial gap.
 // `influence` contains the displacements due to a pressure on the first point of the grid.
@@ -793,7 +793,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
   // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // Such pressures are largest at the edges of contact patches, where the contact pressures under load vanish.
+  // For equal displacements, pressures are largest at the edges of contact patches, where contact pressures vanish.
   // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {

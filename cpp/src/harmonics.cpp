@@ -195,7 +195,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// Compute G_n in the block that starts at the point `first`. Blocks must be requested in increasing order.
+// Compute the group profile G_n in the block that starts at the point `first`. Blocks must be requested in order.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -299,7 +299,7 @@ constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
 // Rotate a table of cosines and sines by the phase of the first point of a run of points.
-// Adding the phase difference from point to point instead would accumulate round-off.
+// Adding the phase difference from point to point would accumulate round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {

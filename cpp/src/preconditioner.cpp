@@ -16,7 +16,7 @@ constexpr double block_tolerance = 1e-4;
 // Largest relative change of the number of free points for which the foundation stiffness is reused.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Block sums are computed as partial sums by at most this number of tasks.
+// Block sums are computed as partial sums by at most `max_tasks` tasks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -26,7 +26,7 @@ constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
 // A larger change at a free point would let round-off affect the total load.
-// Without this limit, step lengths would grow indefinitely, because steps that end at a bound are always too short.
+// Without `max_change_ratio`, step lengths would grow indefinitely, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
@@ -398,7 +398,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 // Return the approach if no pressure lies strictly between the bounds.
 // At the returned approach, points at their bound must not have a gap, and points without pressure must not overlap.
 // The approach is the largest potential under pressure, if no potential at a point without pressure is lower.
-// Otherwise, the approach is chosen so that some points at their bound and some points without pressure become free.
+// Otherwise, the approach lets some points at their bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();

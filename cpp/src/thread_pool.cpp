@@ -80,7 +80,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Start one thread. Returns false if the system cannot create it, for example at a limit on the number of threads.
+  // Start one thread. Returns false if the system cannot create another thread, for example at a limit of their number.
   // Does not throw if the thread cannot start, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {

@@ -192,7 +192,7 @@ TEST_CASE("HalfSpaceSolver: finds points that come into contact only at a larger
 
 TEST_CASE("HalfSpaceSolver: edges of contacts that are extrapolated from coarser grids save iterations") {
   constexpr std::array loads{0.005, 0.01, 0.03, 0.05, 0.1};
-  // If pressures are interpolated linearly at contact edges, too, the three grids need 57, 59 and 60 iterations in all.
+  // With linear interpolation at contact edges, the three grids would need 57, 59 and 60 iterations for all loads.
   constexpr std::int64_t max_iterations = 54;
   for (const Grid& grid :
        {Grid{256, 256, 1.0 / 256, 1.0 / 256, false, true}, Grid{255, 240, 1.0 / 255, 1.0 / 240, false, true},

@@ -82,7 +82,7 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the asperity pair of two spheres, or nothing if spheres of these curvatures cannot form a contact.
+/// Return the asperity pair of two spheres, or nothing if spheres of the given curvatures cannot form a contact.
 /// The effective radius must be positive and finite, and the rule `allowed` must permit both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 

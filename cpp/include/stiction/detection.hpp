@@ -60,7 +60,7 @@ struct Derivatives {
 
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// Points at which contact is impossible may be marked too.
+/// The function may also mark points at which contact is impossible.
 /// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
 /// The argument `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,

@@ -99,7 +99,7 @@ class ElasticKernel {
 ///
 /// The inverse requires a surface without edges, so a free grid is extended by zero padding.
 /// The extended grid repeats periodically, and its first rows and columns are the original grid.
-/// If no net pressure acts outside the original grid, its displacements equal those of ElasticKernel up to a constant.
+/// If no net pressure acts outside the original grid, its displacements equal those of ElasticKernel plus a constant.
 /// A periodic grid has no edges and needs no zero padding.
 /// A uniform displacement of a periodic grid requires no pressure.
 class StiffnessKernel {

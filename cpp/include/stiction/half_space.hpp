@@ -84,7 +84,7 @@ struct HalfSpaceSolution {
   std::vector<double> potential;
 };
 
-/// Progress callback. Each iteration on the finest grid calls it with the iteration number and the relative error.
+/// Progress callback, called with the iteration number and the relative error at each iteration on the finest grid.
 /// An exception thrown by the callback ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 

@@ -35,7 +35,7 @@ std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, Step
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});
 
-/// Elastic response of a fixed set of contact points to the pressures that displace all these points equally.
+/// Elastic response of a fixed set of contact points to pressures that displace all points of the set equally.
 /// The pressures are scaled so that their sum is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact

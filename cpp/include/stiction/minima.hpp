@@ -31,12 +31,12 @@ struct CellRange {
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
 /// The spline is specified by its coefficients (see natural_bicubic).
 /// Minima above `max_value` [µm] and minima on the edge of the map are left out.
-/// Valleys whose curvature is only round-off are left out too.
+/// Valleys whose curvature is only round-off are left out.
 /// A minimum within 1e-6 of the boundary of two cells belongs to the right or the upper of these cells.
-/// A minimum at the edge of the range of cells may therefore belong to a cell outside the range.
+/// A minimum at the edge of the range of cells may belong to a cell outside the range.
 ///
 /// The search is exhaustive: each cell is subdivided until each part is known to have no minimum or to be convex.
-/// The signs of the Bernstein coefficients prove that a part has no minimum, or that the spline is convex there.
+/// The signs of the Bernstein coefficients prove that a part of a cell has no minimum, or that the spline is convex.
 /// In a convex part of a cell, Newton's method finds the only possible minimum.
 /// Parts with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.

@@ -24,7 +24,7 @@ namespace stiction {
 /// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2 at the wavenumber k.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation of stiffness PSu, with u = 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
-/// With this preconditioner, the number of solver iterations is almost independent of the grid size.
+/// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:
   /// Number of points along each side of a block.
@@ -47,7 +47,7 @@ class Preconditioner {
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
   /// The indices of the free points must be in increasing order.
-  /// Displacements must be 0 at all points that are not free. Pressures at these points are unspecified.
+  /// Displacements must be 0 at all points that are not free. Pressures at points that are not free are unspecified.
   /// The returned pressures are valid until the next call of this operator.
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());

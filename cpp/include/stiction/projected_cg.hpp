@@ -20,7 +20,7 @@ namespace stiction {
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is free if its gap drives its pressure away from the bound.
-/// One iteration of the solver consists of these calls:
+/// One iteration of the solver consists of the following calls:
 ///
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 /// ->  advance(K step)
@@ -127,8 +127,8 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // For each block, 1 if the block has a point with a pressure bound above 0, so that its potentials are updated.
-  // `can_touch_` is empty if all points have the same bound.
+  // Potentials are updated only in blocks marked with 1, which have a point with a pressure bound above 0.
+  // The array `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
