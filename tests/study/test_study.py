@@ -146,7 +146,11 @@ class TestStudyChanges:
             ("surfaces.fractal_dimension", [1.0, 2.0], r"surfaces\.fractal_dimension\[1\]: .*must be below 2, got 2"),
             ("surfaces.fractal_dimension", 1.5, r"surfaces\.fractal_dimension: must be a list, or a section"),
             ("surfaces.fractal_dimension", [float("nan")], r"surfaces\.fractal_dimension\[0\]: .*finite"),
-            ("surfaces.fractal_dimension.stop", 1.0, r"surfaces\.fractal_dimension: must have a stop above its start"),
+            (
+                "surfaces.fractal_dimension.stop",
+                1.0,
+                r"surfaces\.fractal_dimension: must be a range whose stop is above its start",
+            ),
             ("surfaces.fractal_dimension.count", 1, r"surfaces\.fractal_dimension: a range with count = 1"),
             ("surfaces.amplitude", ["200 parrots"], r"surfaces\.amplitude\[0\]: has the unit 'parrots'"),
             ("surfaces.amplitude", "0.1 um", r"surfaces\.amplitude: must be a list"),

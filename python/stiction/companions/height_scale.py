@@ -125,8 +125,8 @@ def _parse_factor_text(text: str) -> Floats:
         raise
     except ValueError:
         raise ArgumentError(
-            '{height_scale} must be a list of factors, as in "0.5,1,2", or an increasing range within {least:g} to '
-            '{most:g}, as in "0.25..4", got {got}',
+            '{height_scale} must be a list of factors, as in "0.5,1,2", or a range of increasing factors between '
+            '{least:g} and {most:g}, as in "0.25..4", got {got}',
             least=MIN_FACTOR, most=MAX_FACTOR, got=short_repr(text),
         ) from None  # fmt: skip
     factor_nodes = _find_enclosing_powers_of_two(smallest_factor, largest_factor)

@@ -173,7 +173,10 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
         parsed_input.distribution == "normal"
         and parsed_input.high - parsed_input.low < 2 * Z_95 * MIN_RELATIVE_UNCERTAINTY * parsed_input.value
     ):
-        raise ValueError(f"{name} must be exact or have a larger uncertainty, got {short_repr(text)}")
+        raise ValueError(
+            f"{name} must be exact or have a relative uncertainty of at least {MIN_RELATIVE_UNCERTAINTY:g}, "
+            f"got {short_repr(text)}"
+        )
     return replace(parsed_input, text=text)
 
 

@@ -249,7 +249,7 @@ class _ValueRange(SettingsSection):
             raise ValueError("a range with count = 1 must have equal start and stop")
         if self.count > 1 and not self.stop > self.start:
             raise ValueError(
-                f"must have a stop above its start, got {format_quantities(self.start)} to "
+                f"must be a range whose stop is above its start, got {format_quantities(self.start)} to "
                 f"{format_quantities(self.stop)}"
             )
         return self

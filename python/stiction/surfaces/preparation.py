@@ -479,7 +479,10 @@ def rotated(surface: Surface, angle: float) -> Surface:
         missing = None if surface.missing is None else np.rot90(surface.missing, -int(quarter_turns) % 4)
         return surface.changed(heights, f"rotated by {angle:g} degrees", spacing=spacing, missing=missing)
     if min(surface.heights.shape) < MIN_POINTS:
-        raise ValueError(f"angle must be a multiple of 90 degrees for a surface of {surface.heights.shape} points")
+        raise ValueError(
+            f"angle must be a multiple of 90 degrees for a surface with fewer than {MIN_POINTS} rows or columns, "
+            f"got {angle:g} degrees"
+        )
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
     side_lengths = (rows - 1) * dy, (columns - 1) * dx
     radians = math.radians(angle)
