@@ -152,10 +152,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a property of both bodies as a pair of values.
-
-    A single value applies to both bodies.
-    """
+    """Return a pair of values for the upper and the lower body, in which one value for both is repeated."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -503,7 +500,7 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `ContactModel` for the direction of motion: none for measured surfaces."""
+        """Return the arguments of `ContactModel` that set the direction of motion; empty for measured surfaces."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
@@ -550,7 +547,7 @@ class AsperitySettingsForGeneratedSurfaces(AsperityModelSettings, GeneratedSurfa
         return to_value_array(self.approach)
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `ContactModel` for the direction of motion of generated surfaces."""
+        """Return the arguments of `ContactModel` that set the direction of motion of generated surfaces."""
         return {"shear": self.shear, "direction": self.direction}
 
 

@@ -296,10 +296,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return both limits of a range as texts with a unit.
-
-    The user may have given the unit for one limit only.
-    """
+    """Return both limits of a range as texts, where a limit without a unit gets the unit of the other limit."""
     unit_matches = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if unit_matches[0] is None and unit_matches[1] is not None:
         return f"{first_text} {unit_matches[1][0]}", last_text
@@ -415,7 +412,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse the input "slip-line", which may include a range of H/k as in "slip-line 5.14..5.69"."""
+    """Parse the input "slip-line", optionally with a range of the ratio H/k, as in "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio_text = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio_text:
@@ -461,7 +458,7 @@ class InputValue(Quantity):
     __hash__ = Quantity.__hash__
 
     def __bool__(self) -> bool:
-        """Return False only for an exact 0.
+        """Return whether the central value differs from 0, or the input is uncertain.
 
         A range whose central value is 0 counts as True.
         """

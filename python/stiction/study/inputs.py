@@ -128,10 +128,7 @@ class Inputs:
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the distribution of an input.
-
-        Returns None if the study does not have this input.
-        """
+        """Return the distribution of an input, or None if the study does not have this input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 

@@ -313,7 +313,7 @@ class MeasuredBodySettings(SettingsSection):
         return _read_body(self._identify_content(checksum))
 
     def _identify_content(self, checksum: str) -> _ScanFile:
-        """Return the cache key of the file content: file name, checksum and reading options."""
+        """Return the key under which the file content is cached: file name, checksum and reading options."""
         unrelated_keys = {"others": None, "height_factor": 1.0, "max_cut_off": None, "texture": None}
         return _ScanFile(
             self.model_copy(update={"file": Path(self.file).name, "sha256": checksum} | unrelated_keys), Path(self.file)

@@ -104,7 +104,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of scans; the members before it are surrogates."""
+        """Index of the first member that uses the scans themselves; the members before it are surrogates."""
         return 0
 
     @property
@@ -253,7 +253,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that consists of scans; the members before it are surrogates."""
+        """Index of the first member that uses the scans themselves; the members before it are surrogates."""
         return self.surrogates
 
     def build_member_source(

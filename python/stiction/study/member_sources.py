@@ -160,10 +160,7 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Cached function that returns a pair of lines.
-
-        Several members consist of the same pair.
-        """
+        """Function that returns the pair of lines with a given number, with a cache because members share pairs."""
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:

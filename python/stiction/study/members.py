@@ -272,10 +272,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Upper and lower filtered scan from which members are cut.
-
-        The list is empty for a gap and for spectra.
-        """
+        """Filtered scans of both bodies, from which members are cut; empty for a gap and for spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]

@@ -248,13 +248,13 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return False if surrogates are requested for a scan with masked points, and True otherwise."""
+    """Return whether surrogates, if the study generates any, come from scans without masked points."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return False if the asperity model is used for a scan with masked points, and True otherwise."""
+    """Return whether the asperity model, if it is used, presses scans without masked points."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -266,7 +266,7 @@ def has_complete_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with a spectrum, because its surfaces are generated")
 def has_no_spectrum(pair: PairProperties) -> bool:
-    """Return whether both bodies are scans, and not spectra joined from several scans."""
+    """Return whether neither body is given as a spectrum joined from several scans."""
     return not pair.has_spectrum
 
 
@@ -290,7 +290,7 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether two height maps are pressed as maps, instead of line by line."""
+    """Return whether whole height maps are pressed, and neither lines of the maps nor surrogates."""
     return pair.press_mode == "areas"
 
 
@@ -308,13 +308,13 @@ def presses_scans(pair: PairProperties) -> bool:
 
 @make_condition("must not be given with {positions}")
 def uses_default_positions(pair: PairProperties) -> bool:
-    """Return whether the program chooses the relative positions of the bodies, instead of the user."""
+    """Return whether the program chooses the relative positions of the bodies, because the user gives none."""
     return pair.options.positions is None
 
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairProperties) -> bool:
-    """Return whether at least some members are surrogates."""
+    """Return whether the study presses surrogates: random surfaces with the spectra of the scans."""
     return pair.has_surrogates
 
 
@@ -361,14 +361,14 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 
 @make_condition("must not be combined with {hardness}, which determines it")
-def has_no_hardness_for_asperities(pair: PairProperties) -> bool:
-    """Return False if a hardness is given and only the asperity model is used, and True otherwise."""
+def has_free_yield_strength(pair: PairProperties) -> bool:
+    """Return whether the yield strength is free, because no hardness is given that only the asperity model uses."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("needs {mechanics} half-space, or {law} jackson-green with the asperity model")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
-    """Return whether a contact model is used that can limit the pressure to a hardness."""
+    """Return whether a hardness can limit the pressure: in the half-space model, or by the Jackson-Green law."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
@@ -392,7 +392,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return True unless an interface already determines mu0 and tau0."""
+    """Return whether mu0 and tau0 are free, because the user gives no interface that determines them."""
     return pair.options.interface is None
 
 
@@ -636,7 +636,7 @@ class MaterialOptions(OptionGroup):
     yield_strength: Annotated[QuantityInput | None, PairOption(
         "PRESSURE", "Yield strength of the softer body, for {law} jackson-green.", kind="pressure",
         default_text="the hardness divided by 2.84",
-        applies=(uses_asperity_model, has_contact_law_with_yield, has_no_hardness_for_asperities),
+        applies=(uses_asperity_model, has_contact_law_with_yield, has_free_yield_strength),
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
         "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0.',

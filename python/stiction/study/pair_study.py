@@ -284,7 +284,7 @@ class MeasuredPair:
         """Contact models to compute: first the model of the result, and then a model that checks the result."""
         default: Mechanics = (
             "half-space"
-            if self.press_mode != "lines" or self.has_masked_points or self._uses_plastic_lines
+            if self.press_mode != "lines" or self.has_masked_points or self._uses_half_space_for_profiles
             else "asperities"
         )
         if self.options.check:
@@ -292,8 +292,8 @@ class MeasuredPair:
         return (self.options.mechanics or default,)
 
     @property
-    def _uses_plastic_lines(self) -> bool:
-        """True if the bodies are profiles with a hardness, and the user gives no option of the asperity model."""
+    def _uses_half_space_for_profiles(self) -> bool:
+        """True if profiles with a hardness use the half-space model, because no asperity option is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -462,7 +462,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) of two profiles, over which loads that the user gives as forces are distributed."""
+        """Width (µm) across the profiles, over which a load that is given as a force is distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -632,7 +632,7 @@ class MeasuredPair:
 
     @cached_property
     def _listed_positions(self) -> list[Any] | None:
-        """Positions (µm) of the slider on the counterface, if the user lists positions, and None otherwise.
+        """Positions (µm) of the slider that the user lists, or None if the program chooses the positions.
 
         Positions on maps are pairs (x, y).
         """
@@ -723,7 +723,7 @@ class MeasuredPair:
 
     @property
     def _material_names(self) -> tuple[str | None, str | None]:
-        """Names of the materials of both bodies; None for a body whose elastic constants the user gives as numbers."""
+        """Names of the upper and the lower material; None for a body whose elastic constants are given as numbers."""
         upper, lower = self.options.upper_material, self.options.lower_material
         return (upper, lower) if self.options.young is not None else (upper or lower, lower or upper)
 
@@ -976,10 +976,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the wavelengths at which the spectrum of a scan is instrument noise or may hide noise.
-
-    Returns None if noise affects the slope only slightly.
-    """
+    """Return the wavelengths that are, or may hide, instrument noise; None if noise affects the slope only slightly."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -102,7 +102,7 @@ def check_values(
 
 
 def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
-    """Return the smallest and the largest number of an array, or NaN twice if the array contains NaN.
+    """Return the smallest and the largest number of an array, or NaN for both if the array contains NaN.
 
     Each chunk of the values is read once from memory, because it fits into the cache.
     """
@@ -144,7 +144,7 @@ def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` unless a contact sum is NaN exactly at the loads without a solution.
+    """Raise a `DamagedFileError` unless a contact sum is NaN at the loads without a solution, and nowhere else.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """

@@ -686,7 +686,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
 
 
 def _drop_paths(value: Any) -> Any:
-    """Return nested entries of a study without the paths of files whose checksum is known, and without loaded files."""
+    """Return nested entries of a study, in which a checksum replaces the path or the loaded body of a scan."""
     if isinstance(value, Mapping):
         ignored_keys = ("file", "body") if "sha256" in value else ()
         return {key: _drop_paths(item) for key, item in value.items() if key not in ignored_keys}
@@ -791,7 +791,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a key belongs to an input, and this input has the same central value in two studies."""
+    """Return whether a study key sets an input whose central value is the same in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

@@ -200,7 +200,7 @@ class SettingsSection(BaseModel):
 
 
 class SettingsSectionVariant(SettingsSection):
-    """Base class of the variants of a section.
+    """Base class for a variant of a section, such as the section `[surfaces]` for measured maps.
 
     Each variant is a class with its own keys.
     """
@@ -210,7 +210,7 @@ class SettingsSectionVariant(SettingsSection):
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys and values by which a section chooses this variant, as a mapping."""
+        """Return the keys by which a section selects this variant, each with the value that the variant requires."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -223,7 +223,7 @@ def make_key_error(key: str, message: str) -> PydanticCustomError:
 
 
 def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key that selects the variant of a section.
+    """Return the value of a key, such as `kind`, that selects the variant of a section.
 
     The default is the first name in `cases`.
 
