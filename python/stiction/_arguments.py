@@ -13,10 +13,7 @@ from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split an argument into a flat list.
-
-    The argument is a text with commas, a nested list, or a single number.
-    """
+    """Return the items of an argument as one list, from a text with commas, a nested list or a single number."""
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1

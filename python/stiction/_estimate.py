@@ -219,7 +219,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals of each estimate are printed: for value and lower limit, and for the upper limit.
+    """Return two arrays with the decimals to print: for each value with its lower limit, and for each upper limit.
 
     The number of decimals is negative for numbers that are rounded to tens or more. The second array contains
     `DECIMALS_CODE_OF_NO_INTERVAL` if the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large
@@ -245,7 +245,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals that shows `digits` digits of the half width, and 2 to 4 digits of the value."""
+    """Return how many decimals give the half width `digits` digits, within 2 to 4 digits for the value."""
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)

@@ -40,14 +40,16 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format for numbers of at least a certain size: a number is divided by `factor`, rounded, and put in `text`.
+    """Format for numbers from a certain size upwards: divisor, number of digits, and text around the digits.
 
     Attributes
     ----------
     minimum : float
         Smallest absolute value of the numbers.
     factor : float
+        Divisor of the number before it is rounded.
     text : str
+        Text of the number, in which the digits replace {}.
     digits : int
         Number of significant digits.
     """
@@ -124,7 +126,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose lower limit is at most |value|, or at most 1 if the value is 0 or NaN."""
+    """Return the first item whose lower limit does not exceed the size of a number; 0 and NaN have the size 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

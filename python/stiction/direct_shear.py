@@ -266,7 +266,7 @@ def _build_shear_test_setup(
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return one shear test per strip of the faces, or raise an error if that number of strips is impossible."""
+    """Return a shear test for each strip of the faces, or raise an `ArgumentError` if `strips` is not possible."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -329,7 +329,7 @@ def _compute_shear_tests(
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
-    """Return 1 if asperities at the hardness shear before they slide, by slip lines and at the central H/k, else 0."""
+    """Return 1 if asperities of the given hardness shear before they slide (slip lines, central H/k), and 0 if not."""
     law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
     return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 

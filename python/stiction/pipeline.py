@@ -65,7 +65,7 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Do nothing with a line of output, in runs that print nothing."""
+    """Discard a line of output, for runs that print nothing."""
 
 
 def run(
@@ -126,7 +126,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Solve the contacts of a study, or of a part of it, that are not stored yet, and return the result.
+    """Compute the blocks of a study, or of a part of it, that the directory lacks, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -205,7 +205,7 @@ def _import_result_packages() -> None:
 
 
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
-    """Print the line about the positions of a pair, and the time of the cutoff study that follows the result."""
+    """Print a line about the computation of a pair, and the time of the cutoff study that follows the result."""
     print_remark(task)
     # The error occurs if a scan file is missing.
     with contextlib.suppress(ValueError):

@@ -446,7 +446,7 @@ async def _start_module(
 
 
 async def _read_record(stream: StreamReader) -> tuple[str, bool]:
-    """Return the output up to the end of a JSON record and True or, if there is no record, all output and False."""
+    """Return output up to the end of a JSON record, and True. Without a record, return all output and False."""
     try:
         return (await stream.readuntil(END_OF_JSON_RECORD)).decode(), True
     except asyncio.LimitOverrunError:

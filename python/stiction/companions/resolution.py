@@ -110,7 +110,7 @@ def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that consists of scans.
+    """Return the index of the first member that uses the scans themselves instead of surrogates.
 
     Returns 0 if all members are surrogates.
     """
@@ -169,7 +169,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which the elastic contact pressure is `ratio` times that of the scans.
+        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times their pressure without a cutoff.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -230,7 +230,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the lower bounds that yielding sets to mu_s and to the area fraction of all finer scans.
+    """Return the smallest mu_s and area fraction that any finer scan can give if contacts yield.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.

@@ -320,7 +320,7 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution in the iteration of the attraction.
+        """Return the tolerance of the next contact solution, which may be coarse while the attraction still changes.
 
         The tolerance is proportional to the residual of the iteration, within limits.
         """
@@ -452,7 +452,7 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return whether the bodies certainly separate under a load slightly below the lowest load in `states`.
+        """Return whether a load slightly below the lowest load in `states` certainly separates the bodies.
 
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
@@ -525,7 +525,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Append equilibria at decreasing contact loads to a series of equilibria, and return the longer series.
+        """Return a series of equilibria that is extended by equilibria at smaller and smaller contact loads.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -569,7 +569,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Insert equilibria where interpolation predicts a lower external load, and return the longer list."""
+        """Return a list of equilibria extended by equilibria where interpolation predicts a lower external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -657,7 +657,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the length of an extrapolated step of the attraction as a multiple of a plain step, up to `max_factor`.
+    """Return how many plain steps of the attraction an extrapolated step covers, at most `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
@@ -712,7 +712,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
+    """Return the contact solutions during separation, and the reason for an uncertain pull-off load ("" if certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,

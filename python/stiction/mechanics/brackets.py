@@ -26,7 +26,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the largest factor by which a finer scan changes the area coefficient κ, in 95 % of cases.
+    """Return the factor within which a finer scan changes the area coefficient κ in 95 % of cases.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 

@@ -448,7 +448,7 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two height maps: four as for profiles, and three for maps only.
+    """Validity indicators of the asperity model for two height maps: the indicators of `Validity`, and three more.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -523,7 +523,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return the contact sums of the normal and the tangential load, each divided by the elastic normal load."""
+    """Return each contact sum of the normal and tangential load, divided by the elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -599,7 +599,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Choose the status of each load curve, such as "ok" or "no-contact", from broadcast boolean arrays.
+    """Choose a status, such as "ok" or "no-contact", for each load curve at each load, from boolean arrays.
 
     `touched`: there is a contact. `reached`: the curve reaches the load. `locked`: the contacts are self-locked at the
     last loading step. `below`: the first loading step already supports more than the load.

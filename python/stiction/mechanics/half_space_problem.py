@@ -246,17 +246,17 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Compliances for loading, of the contact points below the hardness: the two numbers of `cache_compliances`."""
+        """Two compliances for loading, of the contact points below the hardness; see `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Compliances for unloading, of all contact points: the two numbers of `cache_compliances`."""
+        """Two compliances for unloading, of all contact points; see `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures with a sum of 1 GPa that displace contact points equally, without tilt, and the displacement."""
+        """Pressures with a sum of 1 GPa that displace all contact points equally, and this displacement (µm)."""
         if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
@@ -448,7 +448,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
 
 
 def take_every_second_point(values: Floats) -> Floats:
-    """Return the values at every second point along each axis, the points that remain in `coarsen_problem`."""
+    """Return the values at every second point along each axis, which are the points of a coarsened problem."""
     return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
@@ -560,7 +560,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures with a sum of 1 GPa and a resultant through the centre, and the resulting approach (µm)."""
+        """Return pressures with a sum of 1 GPa whose resultant acts at the centre, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)

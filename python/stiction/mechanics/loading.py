@@ -171,7 +171,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and a status: "ok", or the cause of NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and "ok" or the reason why it is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return for each elliptic contact the mean of sin² that is the `transverse_fraction` of `compliance_ratio`.
+    """Return `transverse_fraction`, an argument of `compliance_ratio`, for each elliptic contact.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -150,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, for the values s of `sine`."""
+        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, where s is `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

@@ -251,7 +251,7 @@ def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Su
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` for a missing effective modulus if any of the history entries is not empty."""
+    """Raise a `ValueError` for the missing effective modulus if a history entry states that a body was measured."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "

@@ -234,7 +234,7 @@ class Onset(PlotReprMixin):
         )
 
     def frame(self) -> pandas.DataFrame:
-        """Return the first loading as a table.
+        """Return the onset curve of the first loading as a table.
 
         Each row is a load, and the column names contain units.
 
@@ -400,7 +400,7 @@ def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float
 
 
 def parse_load_fractions(steps: int | Sequence[float]) -> Floats:
-    """Return the fractions of the sliding load that `steps` specifies.
+    """Convert the argument `steps` to fractions of the sliding load.
 
     An integer n means n equal steps up to 1.
     """

@@ -90,7 +90,7 @@ class PatchSums:
         return [self._total(np.where(self.opposes_motion, values, 0.0)) for values in sums]
 
     def _total(self, values: Floats) -> Floats:
-        """Return the sum of a patch quantity over the patches of each contact."""
+        """Return the sum of a quantity over all patches of each contact."""
         return np.asarray(np.add.reduceat(values, self.first_patch, axis=-1))
 
 

@@ -564,7 +564,7 @@ def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
 
 
 def is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether a quantity is among the requested names; None means that all are requested."""
+    """Return whether a quantity is requested: `names` contains its name, or is None, which requests all quantities."""
     return names is None or name in names
 
 

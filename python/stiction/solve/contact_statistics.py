@@ -31,7 +31,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopes:
-    """Slopes of two bodies at their grid points: steep points of each body, and mean square slopes of the gap."""
+    """Slopes of two bodies at their grid points: masks of steep points per body, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     # Smallest slope of the steep points of each body.

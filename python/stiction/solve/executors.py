@@ -225,7 +225,7 @@ def progress_bar(
 
 
 def _may_show_progress_bar() -> bool:
-    """Return False if this process certainly has neither a terminal nor a notebook to show a progress bar in.
+    """Return whether this process may have a terminal or a notebook that can show a progress bar.
 
     If True is returned, `rich` decides. Its import takes 50 ms.
     """

@@ -121,7 +121,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return the number of members that are loaded into memory together, a power of 2, for members of `size` bytes."""
+    """Return how many members of `size` bytes are loaded together: a power of 2 that fits `MAX_PIECE_BYTES`."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 

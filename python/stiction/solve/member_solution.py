@@ -465,7 +465,7 @@ def estimate_member_iterations(study: Study) -> float:
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
-    """Estimate the number of iterations for the pull-off force and for slow contacts, at most the maximum."""
+    """Estimate how many iterations the pull-off force and slowly converging contacts take, up to a maximum."""
     factor = ADHESION_ITERATION_FACTORS[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)

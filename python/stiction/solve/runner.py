@@ -271,7 +271,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the messages of storage errors and lost workers."""
+    """Add the number of finished members to the messages of errors about storage or lost workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
