@@ -369,7 +369,7 @@ def _average_pairs_of_scans(
 
 
 class _QuantitiesWithCombinedIntervals:
-    """Combined intervals of all quantities except friction.
+    """Combined intervals of the quantities other than friction, such as true area and stiffness.
 
     Each friction coefficient widens them in turn.
     """
@@ -406,7 +406,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield each coefficient's indices along `dims`, with the combined intervals computed with the coefficient.
+    """Yield the combined intervals for each friction coefficient, with the indices of the coefficient along `dims`.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """

@@ -318,7 +318,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 at the central inputs, followed by the limits of its 95 % interval.
+        """Return a coefficient that is 0 at the central inputs, and both limits of its 95 % interval.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -340,7 +340,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the coefficient, with the inputs in `fixed` held at the given quantiles.
+        """Return the combined 95 % interval of the coefficient; inputs in `fixed` keep the given quantiles.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -398,7 +398,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient in one more test in one direction, and samples of its upper limit, as pairs.
+        """Samples of the coefficient in one more test in one direction, paired with samples of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -477,7 +477,7 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of sampled coefficients, widened to include samples with mu0 = 0 or tau0 = 0.
+        """Return the 95 % interval of sampled coefficients, including samples that set mu0 or tau0 to 0.
 
         The interval is cached for further evaluations of the same coefficient, possibly together with other
         coefficients.
@@ -498,14 +498,14 @@ class CombinedIntervals:
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with the interval [value, ∞) if friction has no upper limit at the central inputs, otherwise empty."""
+        """List with the interval [value, ∞) if friction at the central inputs has no upper limit, or an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient and of its upper limit, times `factor`: a pair per item of `strengths`."""
+        """Return a pair per item of `strengths`: samples of the coefficient and of its upper limit, times `factor`."""
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]

@@ -1,4 +1,4 @@
-"""Comparison of requested loads with the loads of a result: the computed range, and loads without a coefficient."""
+"""Check of requested loads against a result: loads outside the computed range, and loads without a coefficient."""
 
 from __future__ import annotations
 

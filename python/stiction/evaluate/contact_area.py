@@ -241,7 +241,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 def compute_onset_area_and_friction_factors(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return two factors at the onset of sliding: growth of the true area under shear, and friction fraction.
+    """Return two factors at the onset of sliding: growth of the true area under shear, and `friction_fraction`.
 
     The growth is the true area divided by the area before shear. The friction fraction is
     `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at

@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average three quantities over the members: pull-off force, fraction of lower bounds, and friction at no load."""
+    """Average over unloaded members: pull-off force, fraction of lower bounds on this force, and friction."""
     import xarray
 
     variables = {}

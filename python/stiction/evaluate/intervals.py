@@ -435,7 +435,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the autoregressive models: 1' R^-1 1, inflation of the variance, t quantile, t density."""
+    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile, and t density at 0."""
     rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -467,7 +467,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of each row's mean.
+    """Return the interval limits of the mean of each row, whose values are correlated between neighbours.
 
     Returns NaN for rows of equal values.
 

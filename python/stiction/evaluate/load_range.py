@@ -53,10 +53,7 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
 
 
 def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
-    """Return loads (mN) in ascending order, without duplicates.
-
-    For adhesive bodies, a negligible load replaces 0.
-    """
+    """Return distinct loads (mN) in ascending order, in which a negligible load replaces 0 for adhesive bodies."""
     if result.study.contact.adheres and 0 in loads:
         loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
     return np.unique(loads)

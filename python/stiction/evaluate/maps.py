@@ -362,7 +362,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store means, intervals and statuses of one cell, and return the ratios of contact sums in this cell."""
+            """Store means, intervals and statuses of one result cell, and return its ratios of contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -463,10 +463,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with axes for motion, cell, step and repetition.
-
-    Returns NaN if the variable is missing.
-    """
+    """Return a variable with axes for motion, cell, step and repetition, or NaN if the dataset lacks the variable."""
     dims = [
         *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -490,7 +487,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average the sums of `_compute_sums`, and the numerators and denominators of ratios, over all members.
+    """Average contact sums, and the numerators and denominators of ratios, over all members.
 
     Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
     sums have an axis of length 1 for the members.

@@ -251,7 +251,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return one status for all members (first axis): a status with a coefficient, if any, or else the most frequent.
+    """Return one status for all members (first axis): a status with a coefficient if possible, or the most frequent.
 
     The statuses with a coefficient are "ok" and "bulk-shear", for a lower limit.
     """
@@ -291,7 +291,7 @@ def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace coefficients that are round-off by 0, as for mu0 = tau0 = 0 in means over opposite directions.
+    """Replace round-off by 0 in mean coefficients for mu0 = tau0 = 0, where opposite directions cancel.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.

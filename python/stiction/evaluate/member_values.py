@@ -366,7 +366,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the load fraction on contacts that oppose the motion, or {} if only one sliding rule was computed."""
+    """Return the load fraction on contacts that oppose the motion, by name; empty with a single sliding rule."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -480,7 +480,7 @@ def _interpolate_by_stiffness(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return pull-off force (mN), whether it is a lower bound, and friction at zero load (mN) of each member."""
+    """Return variables over members: pull-off force, 1 for a lower bound of this force, and friction at zero load."""
     # The value is 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {

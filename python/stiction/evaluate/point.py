@@ -58,12 +58,12 @@ class SlidingRuleCoefficient(Estimate):
 
     @property
     def mean(self) -> Estimate:
-        """Mean coefficient and the interval of the mean."""
+        """Mean coefficient as an estimate with the interval of the mean."""
         return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction", {}))
 
     @property
     def prediction(self) -> Estimate:
-        """Mean coefficient and the prediction interval."""
+        """Mean coefficient as an estimate with the prediction interval of a single test."""
         return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction", {}))
 
 
@@ -191,7 +191,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a result point: "ok", "complete" or, for asperities, "above-nominal"."""
+    """Return the status of the true area at a result point: "ok", "complete", or "above-nominal" for asperities."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
@@ -257,7 +257,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return two ranges of attraction (µm): the adhesion range of the study, and the range that was computed.
+    """Return two ranges of the attraction (µm): the range that the study gives, and the range that was computed.
 
     The range of the computation is larger if the grid does not resolve the range of the study.
     """

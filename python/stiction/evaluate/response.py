@@ -304,7 +304,7 @@ class ContactResponse:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all computed loads for given inputs, as nodes for `closure_ratio`.
+        """Return the closures (µm) at all computed loads for given inputs, between which `closure_ratio` interpolates.
 
         E* and the heights are those of the study. The hardness is divided by their changes instead.
         """
@@ -335,5 +335,5 @@ class ContactResponse:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact at the central inputs, some of which `changes` may replace."""
+        """Return all quantities of the contact at the central inputs, except that `changes` replaces some inputs."""
         return self.evaluate(replace(self.central, **changes))

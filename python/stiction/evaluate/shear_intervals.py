@@ -60,10 +60,7 @@ class ShearInputSamples:
 
 
 def _draw_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one per sample.
-
-    For many displacements, fewer samples are drawn.
-    """
+    """Return points of a Sobol sequence, one per sample; many displacements reduce the number of samples."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -121,7 +118,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return both limits of each uncertain input that changes the contacts, as variations of the shear test."""
+    """Return a variation of the shear test for each limit of each uncertain input that changes the contacts."""
     if not samples:
         return []
     return [
@@ -152,7 +149,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return the curve of the shear test that `get_curve` selects, for each sample of the inputs (first axis)."""
+        """Return the curve that `get_curve` reads from a shear test, for each sample of the inputs (first axis)."""
         central_curve = get_curve(self._test)
         return central_curve + sum(
             weight * np.nan_to_num(get_curve(other) - central_curve) for weight, other in self._terms

@@ -155,7 +155,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that appears in the text of the caveat."""
+        """Name of the number that the text of the caveat contains: `about` or, by default, the checked number."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -277,7 +277,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks of a coefficient and its interval as one group, which reports only its first failed check."""
+    """Return the group of checks of a coefficient and its interval; only the first failed check is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -297,7 +297,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks for too few contacts as one group, which reports only its first failed check."""
+    """Return the group of checks for too few contacts; only the first failed check is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -321,7 +321,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the groups of checks of the pull-off force and of the contacts at a result point."""
+    """Return groups of checks at a result point: first a check of the pull-off force, then checks of the contacts."""
     text = "the pull-off force is a lower bound"
     # Two faces that are given by their gap have only one relative position.
     if not study.is_gap:
@@ -389,7 +389,7 @@ def find_smallest_check_limit(name: str, study: Study) -> float | None:
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield the caveat of the first failed check in each group of checks.
+    """Yield the caveats of failed checks: at most one per group, from the first check of the group that fails.
 
     A check passes if the number that it compares is missing.
     """
@@ -428,7 +428,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the numbers that are checked for contacts, pull-off force and rms gradient."""
+    """Return the names of the numbers that the checks of contacts, pull-off force and rms gradient compare."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 

@@ -240,10 +240,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat.
-
-    If it recommends a cutoff above `longest` (µm), return another remedy.
-    """
+    """Return the remedy of a caveat, or another remedy if the caveat recommends a cutoff above `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -261,7 +258,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without its numbers, which identifies caveats of the same kind."""
+    """Return the text of a caveat without its numbers, so that caveats of the same kind have equal texts."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 

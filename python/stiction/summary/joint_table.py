@@ -118,7 +118,7 @@ class JointRow:
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Return the 5th, 50th or 95th percentile of the static friction coefficient in a single test."""
+        """Return the given percentile (5, 50 or 95) of the static friction coefficient in a single test."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
@@ -148,7 +148,7 @@ class JointTable:
 
 
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
-    """Return the computed loads (mN) of a measured pair, and further loads between them.
+    """Return the loads (mN) of a joint table: the computed loads of a measured pair, and loads between them.
 
     The ratio of neighbouring loads is at most about `MAX_LOAD_RATIO`. The further loads belong to nominal pressures of
     four significant digits. Raises a `ValueError` if the bodies were

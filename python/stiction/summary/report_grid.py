@@ -106,10 +106,7 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of direction indices.
-
-        The coefficient of a group is averaged over its directions.
-        """
+        """Groups of direction indices; a report contains the mean coefficient over the directions of each group."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions

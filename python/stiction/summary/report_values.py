@@ -313,7 +313,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, given with or without intervals, in the shape of the report's arrays."""
+    """Return the means of a quantity in the shape of the report's arrays, from a table with or without intervals."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )

@@ -155,7 +155,7 @@ class PointSummary:
 
     @property
     def are_strengths_separated(self) -> bool:
-        """False if the tests of the point's interface determine only the sum mu0 + tau0 A/F."""
+        """True if mu0 and tau0 are known separately, and not only the sum mu0 + tau0 A/F from tests."""
         return are_strengths_separated(self.study, self.at)
 
     @property
@@ -186,7 +186,7 @@ class PointSummary:
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """All quantities at the point under the reported sliding rule.
+        """Quantities at this result point (load, mu0 and tau0), under the sliding rule that is reported.
 
         The true area of generated bodies depends slightly on the rule.
         """
@@ -381,7 +381,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points for output, without points at a second cutoff, which the intervals of other points include."""
+        """Result points for output, without points at a second cutoff, whose intervals the other points include."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -424,7 +424,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at given coordinates has an interval in every alternative preparation."""
+    """Return whether the coefficient at a result point has an interval in all alternative preparations of the scans."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -434,7 +434,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point those faults that occur only for an alternative preparation of the scans.
+    """Add to a result point the faults that its coefficient has only in an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -513,7 +513,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the row of the uncertainty budget for possible noise: the interval at the first cutoff alone."""
+    """Return the budget row for possible noise: the interval that remains with the first cutoff alone."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -599,7 +599,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return the status of a coefficient that is missing or only a lower limit, or else "ok"."""
+    """Return "ok" for a coefficient that is more than a lower limit, and the status of any other coefficient."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -695,7 +695,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return what mu0, tau0 and slopes contribute to a coefficient under the rule "all", or None under other rules."""
+    """Return the contributions of mu0, tau0 and slopes to a coefficient under the rule "all"; None for other rules."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = float(point["load"])
@@ -718,7 +718,7 @@ def has_values_of_interface(study: Study, coordinates: Mapping[str, Any]) -> boo
 
 
 def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> bool:
-    """Return False if mu0 and tau0 come from an interface whose tests determine only the sum mu0 + tau0 A/F."""
+    """Return whether mu0 and tau0 are known separately, and not only the sum mu0 + tau0 A/F from tests."""
     interface = find_interface(study) if has_values_of_interface(study, coordinates) else None
     return interface is None or interface.separated
 

@@ -308,7 +308,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the mean spectral density near the longest wavelength of a band, relative to that above the band.
+        """Return the mean spectral density near the longest wavelength of a band, relative to longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """

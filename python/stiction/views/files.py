@@ -35,19 +35,13 @@ def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> N
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file.
-
-    Raises a `ValueError` if the file exists and lacks `file_mark`.
-    """
+    """Write a text file, or raise a `ValueError` if an existing file does not contain `file_mark`."""
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
 
 def write_new_text_file(path: Path, text: str) -> None:
-    """Write a new text file.
-
-    Raises a `ValueError` if the file exists or cannot be written.
-    """
+    """Write a text file, or raise a `ValueError` if the file exists or cannot be written."""
     with create_file_atomically(path, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 

@@ -185,7 +185,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return a joint table without rows whose closure is not above all previous ones, as other programs require."""
+    """Return the rows whose closure is larger than in all previous rows of a joint table, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):

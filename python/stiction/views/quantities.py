@@ -114,7 +114,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the quantile of a distribution at the stored probability that is closest to `fraction`."""
+    """Return the stored quantile of a distribution whose probability is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 

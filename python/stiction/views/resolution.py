@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return paragraphs on resolved wavelengths, friction at cutoffs and, for studies without a hardness, yielding."""
+    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, cutoffs at yield."""
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
     if scan is not None:

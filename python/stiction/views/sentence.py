@@ -201,7 +201,7 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
-    """Return a phrase on the fraction of their true area that elastic contacts lose under shear."""
+    """Return a phrase on the fraction of the true area that elastic contacts lose under shear."""
     is_soft = find_default_area_loss(float(study.contact.effective_modulus)) is not None
     return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 

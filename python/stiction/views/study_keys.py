@@ -129,9 +129,9 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the classes that have a key.
+    """Return the names of the section classes that have a key.
 
-    If all subclasses of a base have it, return the base's name.
+    If all subclasses of a base class have the key, the name of the base class replaces their names.
     """
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}

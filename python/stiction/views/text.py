@@ -397,9 +397,7 @@ def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficien
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence on grooves.
-
-    Returns an empty paragraph if friction does not depend on the axis of motion.
+    """Return a sentence on grooves, or nothing if friction does not depend on the axis of motion.
 
     With `verbose`, the sentence is always returned, below a table of the coefficients along each axis.
     """

@@ -60,7 +60,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines: contact model, sliding rule and direction unless as in the paper, and missing members."""
+    """Return the heading of a figure: model, rule and direction if they differ from the paper, and missing members."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -88,7 +88,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return an empty figure 170 mm wide, its height (mm), and a function that adds axes in a given row."""
+    """Return an empty figure 170 mm wide, the figure height (mm), and a function that adds axes to a given row."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -304,7 +304,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return the fading of each chart cell: 0 if the interval of its coefficient is narrow, more if it is wider.
+    """Return how much each chart cell fades: from 0 for a narrow interval of the coefficient up to `MAX_FADING`.
 
     The width is divided by the coefficient.
     """

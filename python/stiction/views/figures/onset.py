@@ -192,7 +192,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return rows, columns and edges (µm) of the magnified window of a map, around the densest contact points."""
+    """Return the magnified window of a map around the densest contact points: rows, columns, and edges (µm)."""
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = is_contact.astype(np.int64)
@@ -207,7 +207,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
 
 
 def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:
-    """Return weighted sums of counts within less than `width` of each element along an axis.
+    """Return for each element along an axis the weighted sum of the counts less than `width` elements away.
 
     The weights fall from `width` to 1, so that a group of counts has its largest sum at its centre. Beyond the edges,
     the counts are 0.

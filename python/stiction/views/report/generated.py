@@ -129,7 +129,7 @@ def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return an array for each number in the texts of caveats, which is NaN where the caveat does not apply."""
+    """Return an array for each number in caveats, with NaN at result points whose caveats lack the number."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_has_number, caveats):
@@ -186,7 +186,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Return the indices of the surfaces and load with the narrowest relative interval, which a page shows first."""
+    """Return the indices of surfaces and load that a page shows first: the narrowest relative interval."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]

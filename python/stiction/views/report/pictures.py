@@ -63,7 +63,7 @@ class FigurePanel:
 
 
 def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
-    """Draw the figures of a report, and return the HTML of the main panels (True) and of the other panels (False)."""
+    """Draw the figures of a report, and return the HTML of main panels (key True) and of other panels (key False)."""
     panels = list_panels(data)
     return {
         is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)

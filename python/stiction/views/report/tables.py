@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns to store (values, limits, decimals), by the suffix of the column name, such as "lower"."""
+        """Return the columns to store (values, limits, decimals), keyed by the suffix of each name, such as "lower"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -82,7 +82,7 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns to store, by the suffix of the column name: "value" and "format"."""
+        """Return the columns to store, keyed by the suffix of each name: "value" and "format"."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
