@@ -20,6 +20,7 @@ import subprocess
 import sys
 import sysconfig
 import tomllib
+from itertools import chain
 from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple, get_args
@@ -315,12 +316,19 @@ exec .venv/bin/stiction run "$@"
 """
 
 
-def shell_script(page):
-    """Return all shell and Python blocks of a page as one script."""
+def split_command_words(block):
+    """Return the words of each shell command in a block, without comments."""
+    return [shlex.split(line, comments=True) for line in split_command_lines(block)]
+
+
+def shell_script(page, finished_commands=()):
+    """Return all shell and Python blocks of a page as one script, without commands that are finished already."""
     parts = ["set -e"]
     for block in find_code_blocks(page):
         if block.kind == "sh":
-            parts.append(block.text)
+            commands = split_command_words(block)
+            new_commands = [command for command in commands if command not in finished_commands]
+            parts += [block.text] if new_commands == commands else map(shlex.join, new_commands)
         elif block.kind == "python":
             parts.append(f"python - <<'END_OF_BLOCK'\n{block.text}END_OF_BLOCK")
     return "\n".join(parts) + "\n"
@@ -374,7 +382,9 @@ def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_fol
 ):
     clone, _ = clone_after_readme
     shutil.copytree(clone, tmp_path / "clone", symlinks=True)
-    completed = run_in_new_terminal(f". .venv/bin/activate\n{shell_script(page)}", tmp_path / "clone")
+    readme_blocks = [block for block in find_code_blocks(ROOT / "README.md") if block.kind == "sh"]
+    script = shell_script(page, list(chain.from_iterable(map(split_command_words, readme_blocks))))
+    completed = run_in_new_terminal(f". .venv/bin/activate\n{script}", tmp_path / "clone")
     assert completed.returncode == 0, completed.stderr
     assert completed.stdout
 
