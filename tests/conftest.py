@@ -45,8 +45,8 @@ NUISANCE_GRID_FRACTION_IN_TESTS = 0.25
 
 @pytest.fixture(scope="session", autouse=True)
 def few_input_samples(request):
-    """Draw few samples of inputs, and few nuisance points of calibrations, in the tests that `./dev test` runs."""
-    draws_all = request.config.option.markexpr in ("browser", "docs", "soak")
+    """Draw few samples of inputs, and few nuisance points of calibrations, except in tests of the documentation."""
+    draws_all = request.config.option.markexpr in ("docs", "soak")
     with (
         use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
         use_nuisance_points(1 if draws_all else NUISANCE_GRID_FRACTION_IN_TESTS),

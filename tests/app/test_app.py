@@ -37,7 +37,8 @@ from stiction.cli import result_output
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from support.command import call_stiction, check_stiction
 
-pytestmark = browser.BROWSER_MARKS
+# The commands of the server draw all samples, so that the same commands in this process must draw all samples, too.
+pytestmark = [*browser.BROWSER_MARKS, pytest.mark.usefixtures("all_input_samples")]
 
 DISPATCH_INPUT_EVENT_SCRIPT = "field.dispatchEvent(new Event('input', {bubbles: true}))"
 MAX_ROUNDING_ERROR = 1e-6  # relative tolerance, because the report contains numbers in single precision
