@@ -15,7 +15,7 @@ from stiction import Profile, random_phases, run, weierstrass_mandelbrot
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES
 from support.command import disable_companion_files, disable_drawing, disable_reports
 from support.generated_studies import SMALL_STUDY
-from support.input_samples import use_input_samples, use_nuisance_points
+from support.input_samples import use_few_samples, use_input_samples, use_nuisance_points
 
 # Spare the garbage collector modules and test items, which live until the end, during collection and all tests.
 gc.disable()
@@ -36,21 +36,11 @@ hypothesis.settings.register_profile(
 hypothesis.settings.load_profile("without time limits")
 
 
-NUM_INPUT_SAMPLES_IN_TESTS = 2**10
-"""Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
-
-NUISANCE_GRID_FRACTION_IN_TESTS = 0.25
-"""Number of nuisance points of a calibration in most tests, as a fraction of the number for users."""
-
-
 @pytest.fixture(scope="session", autouse=True)
 def few_input_samples(request):
     """Draw few samples of inputs, and few nuisance points of calibrations, except in tests of the documentation."""
     draws_all = request.config.option.markexpr in ("docs", "soak")
-    with (
-        use_input_samples(NUM_INPUT_SAMPLES if draws_all else NUM_INPUT_SAMPLES_IN_TESTS),
-        use_nuisance_points(1 if draws_all else NUISANCE_GRID_FRACTION_IN_TESTS),
-    ):
+    with contextlib.nullcontext() if draws_all else use_few_samples():
         yield
 
 

@@ -34,7 +34,7 @@ from stiction import Study
 from stiction.solve import store
 from stiction.views.study_keys import study_keys_markdown
 from support.command import call_stiction, check_stiction
-from support.input_samples import use_input_samples
+from support.input_samples import use_few_samples
 
 ROOT = Path(__file__).parents[1]
 MODULE_NAMES = [
@@ -53,8 +53,8 @@ def run_script_once(tmp_path_factory):
 
     @functools.cache
     def run_script(path):
-        out = io.StringIO()
-        with contextlib.chdir(tmp_path_factory.mktemp(path.stem)), contextlib.redirect_stdout(out):
+        out, directory = io.StringIO(), tmp_path_factory.mktemp(path.stem)
+        with use_few_samples(), contextlib.chdir(directory), contextlib.redirect_stdout(out):
             runpy.run_path(str(path), run_name="__main__")
         return out.getvalue()
 
@@ -428,8 +428,8 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
         run_command(
             "stiction pair upper.csv lower.csv --effective-modulus '115 GPa' --mu0 0.2 --load '10 mN'", tmp_path
         )
-    # Draw few samples of uncertain inputs, because the test does not read intervals.
-    with use_input_samples(2**10):
+    # The test does not read intervals.
+    with use_few_samples():
         run_page(page, tmp_path)
 
 

@@ -9,6 +9,19 @@ from stiction.calibration.fit import MIN_EFFECTIVE_SAMPLES
 from stiction.evaluate import combined_intervals, shear_intervals
 from stiction.study import input_distributions, inputs, interfaces
 
+NUM_INPUT_SAMPLES_IN_TESTS = 2**10
+"""Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
+
+NUISANCE_GRID_FRACTION_IN_TESTS = 0.25
+"""Number of nuisance points of a calibration in most tests, as a fraction of the number for users."""
+
+
+@contextlib.contextmanager
+def use_few_samples():
+    """Return a context manager with few samples of uncertain inputs, and few nuisance points of calibrations."""
+    with use_input_samples(NUM_INPUT_SAMPLES_IN_TESTS), use_nuisance_points(NUISANCE_GRID_FRACTION_IN_TESTS):
+        yield
+
 
 @contextlib.contextmanager
 def use_input_samples(count):
