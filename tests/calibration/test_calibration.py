@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from functools import cache
@@ -23,8 +24,13 @@ from stiction import (
     write_interface,
 )
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, JUNCTION_GROWTH_HEADER_ENTRY, compute_credible_interval
-from stiction.views.calibration import calibration_text
+from stiction.study.interfaces import (
+    HARDNESS_HEADER_ENTRY,
+    JUNCTION_GROWTH_HEADER_ENTRY,
+    compute_coverage_at_bound,
+    compute_credible_interval,
+)
+from stiction.views.calibration import calibration_json, calibration_text
 from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -360,18 +366,45 @@ def test_prediction_interval_includes_samples_with_mu0_at_the_lower_bound(tmp_pa
     ratio = np.array([BALL.area_per_load(float(test.load)) / test.uncertainty for test in tests])
     scaled_coefficients = np.array([test.coefficient / test.uncertainty for test in tests])
     estimate, error = ratio @ scaled_coefficients / (ratio @ ratio), 1 / math.sqrt(ratio @ ratio)
-    assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=error)
+    assert np.median(tau0_at_bound) == pytest.approx(estimate, abs=0.1 * error)
+    assert np.std(tau0_at_bound) == pytest.approx(error, rel=0.05)
     distant_ball = ball_and_load(interface.area_per_load / 3)
     write_interface(interface, tmp_path / "film.csv")
     for strength in (interface, read_interface(tmp_path / "film.csv")):
         _, lower, upper = strength.predict(*distant_ball)
-        assert lower <= np.quantile(tau0_at_bound, 0.025) * interface.area_per_load / 3 * 1.000001 < upper
-        assert strength.tau0[2] >= np.quantile(tau0_at_bound, 0.975) * 0.999999
+        assert strength.possible_zeros == ("mu0",)
+        coverage = compute_coverage_at_bound(strength.fits[0].mu0)
+        low, high = np.quantile(tau0_at_bound, [(1 - coverage) / 2, (1 + coverage) / 2])
+        assert lower <= low * interface.area_per_load / 3 * 1.000001 < upper
+        assert strength.tau0[2] >= high * 0.999999
+    text = " ".join(calibration_text(interface).split())
+    assert "The tests do not exclude μ0 = 0, so all intervals include the results for this case." in text
+    assert json.loads(calibration_json(interface))["possible_zeros"] == ["mu0"]
 
 
 def test_calibration_with_mu0_fixed_at_zero_reports_no_samples_at_the_lower_bound() -> None:
     interface = calibrate(simulate_ball_tests(mu0=0.0), common=0.0, mu0=0.0, sliding="all")
-    assert interface.samples_at_bounds == ()
+    assert interface.samples_at_bounds == interface.possible_zeros == ()
+
+
+def test_fits_with_mu0_or_tau0_at_zero_agree_with_tests_of_a_pair_whose_contacts_grow() -> None:
+    tests = simulate_junction_growth_tests(27.0, 27.0, balls=False)
+    interface = calibrate(tests, common=0.0, sliding="all")
+    assert not interface.separated
+    (_, tau0), (mu0, _) = interface.samples_at_bounds
+    # A/F of growing contacts depends on both mu0 and tau0.
+    for strengths in ((0.0, np.median(tau0)), (np.median(mu0), 0.0)):
+        coefficient = solve_coefficient(*(float(value) for value in strengths), 27.0)
+        assert coefficient == pytest.approx(tests[0].coefficient, rel=0.005)
+    text = " ".join(calibration_text(interface).split())
+    assert "; all intervals include the results for μ0 = 0 and τ0 = 0." in text
+
+
+def test_samples_of_a_strong_interface_have_a_finite_area() -> None:
+    tests = [FrictionTest(compute_plastic_pair("slip-line"), "20 MPa", coefficient=0.32, uncertainty=0.02)] * 2
+    interface = calibrate(tests, common=0.0, sliding="opposing")
+    assert np.isfinite(interface.fits[0].area_per_load).all()
+    assert interface.possible_zeros == ("mu0", "tau0")
 
 
 def test_understated_errors_of_friction_tests_are_scaled_up() -> None:

@@ -78,7 +78,10 @@ def draw_inputs(random: np.random.Generator, count: int) -> tuple[np.ndarray, np
     return np.exp(random.normal(middle, deviation, count)), random.uniform(MIN_EXPONENT, MAX_EXPONENT, count)
 
 
-def simulate_tests(hardness: float, exponent: float, random: np.random.Generator, *, with_ball: bool = True) -> list:
+def simulate_tests(
+    hardness: float, exponent: float, random: np.random.Generator, *, with_ball: bool = True, mu0: float = MU0,
+    tau0: float = TAU0,
+) -> list:  # fmt: skip
     """Return tests of a rough pair with given hardness (GPa) and exponent, and of a ball, with random errors."""
     areas = [area_per_load(TESTED_RMS, hardness, exponent)] * 3
     bodies = [(press_pair(TESTED_RMS), "20 MPa")] * 3
@@ -89,7 +92,7 @@ def simulate_tests(hardness: float, exponent: float, random: np.random.Generator
         FrictionTest(
             body, load, coefficient=y * (1 + RELATIVE_ERROR * random.standard_normal()), uncertainty=RELATIVE_ERROR * y
         )
-        for (body, load), y in zip(bodies, MU0 + TAU0 * np.array(areas), strict=True)
+        for (body, load), y in zip(bodies, mu0 + tau0 * np.array(areas), strict=True)
     ]
 
 
@@ -219,6 +222,29 @@ def test_prediction_contains_the_true_coefficient_in_most_synthetic_cases() -> N
         _, lower, upper = calibrate(tests, common=0.0, sliding="all").predict(press_pair(PREDICTED_RMS), "20 MPa")
         num_covered += lower < truth < upper
     assert num_covered >= 22  # with 95 % coverage, fewer have a probability of 3 %
+
+
+def test_prediction_from_tests_of_one_pair_contains_the_true_coefficient_if_mu0_is_zero() -> None:
+    random, num_cases, num_covered, tau0 = np.random.default_rng(7), 24, 0, 0.08
+    for hardness, exponent in zip(*draw_inputs(random, num_cases), strict=True):
+        tests = simulate_tests(hardness, exponent, random, with_ball=False, mu0=0.0, tau0=tau0)
+        coefficient = tau0 * area_per_load(PREDICTED_RMS, hardness, exponent)
+        truth = add_errors_of_scans(coefficient, 0.0, tau0 / hardness, random.random(), random.standard_normal())
+        strength = calibrate(tests, common=0.0, sliding="all")
+        assert strength.possible_zeros == ("mu0", "tau0")
+        _, lower, upper = strength.predict(press_pair(PREDICTED_RMS), "20 MPa")
+        num_covered += lower < truth < upper
+    assert num_covered >= 22  # with 95 % coverage, fewer have a probability of 3 %
+
+
+def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added() -> None:
+    test = FrictionTest(press_pair(TESTED_RMS), "20 MPa", coefficient=0.25, uncertainty=0.01)
+    widths = []
+    for num_tests in range(1, 9):
+        strength = calibrate([test] * num_tests, common=0.0, sliding="all")
+        widths.append(np.ptp(strength.predict(press_pair(PREDICTED_RMS), "20 MPa")[1:]))
+    assert (np.diff(widths) < 0.02 * widths[0]).all()
+    assert widths[-1] < widths[0]
 
 
 def test_uninformative_test_of_a_pair_does_not_narrow_its_predicted_interval() -> None:

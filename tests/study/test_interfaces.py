@@ -32,6 +32,7 @@ from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.solve.member_sums import MemberSums
 from stiction.study.input_distributions import Z_95
 from stiction.study.inputs import find_interface
+from stiction.study.interfaces import compute_coverage_at_bound, compute_credible_interval
 from stiction.study.study import parse_study
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.rows import point_record
@@ -360,3 +361,53 @@ def test_interface_file_preserves_one_line_entries_and_escapes_control_character
 def test_interface_entry_that_a_file_cannot_represent_is_rejected_on_writing(tmp_path, key):
     with pytest.raises(ValueError, match="each key of `about` must be printable and have no colon"):
         write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_coverage_at_zero_falls_from_95_percent_to_zero_with_the_density_at_zero(seed) -> None:
+    random = np.random.default_rng(seed)
+    assert compute_coverage_at_bound(random.random(4000)) > 0.9
+    assert compute_coverage_at_bound(np.abs(random.normal(0, 1, 4000))) > 0.93
+    assert compute_coverage_at_bound(np.abs(random.normal(1, 0.4, 4000))) == 0
+    samples = random.normal(1, 1, 20_000)
+    # At 0, the density is exp(-1/2) of its maximum, so the region up to 1.96 standard deviations has 1.686 left.
+    assert compute_coverage_at_bound(samples[samples > 0][:4000]) == pytest.approx(0.908, abs=0.03)
+    assert compute_coverage_at_bound(random.normal(10, 1, 4000)) == 0
+
+
+@pytest.mark.parametrize("mean", np.linspace(0, 4, 9))
+def test_interval_of_a_nonnegative_number_contains_95_to_98_percent_of_its_samples(mean) -> None:
+    samples = np.random.default_rng(1).normal(mean, 1, 200_000)
+    samples = samples[samples > 0][:50_000]
+    _, low, high = compute_credible_interval(samples, 0.0)
+    assert 0.945 < np.mean((low <= samples) & (samples <= high)) < 0.98
+
+
+def test_interface_file_contains_the_fits_with_mu0_or_tau0_at_zero(tmp_path) -> None:
+    test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
+    strength = calibrate([test])
+    write_interface(strength, tmp_path / "film")
+    stored = read_interface(tmp_path / "film")
+    for (expected, coverage), (fit, stored_coverage) in zip(strength.sampled_fits, stored.sampled_fits, strict=True):
+        assert stored_coverage == pytest.approx(coverage, abs=1e-6)
+        for name in ("mu0", "tau0", "area_per_load"):
+            np.testing.assert_allclose(getattr(fit, name), getattr(expected, name), rtol=1e-8)
+    assert stored.possible_zeros == ("mu0", "tau0")
+    assert not {"rows with mu0 = 0", "rows with tau0 = 0"} & stored.about.keys()
+    # A file without these rows has the same intervals, apart from the scatter of the samples.
+    lines = (tmp_path / "film").read_text().splitlines()
+    is_old = [
+        not line.startswith("# rows") and not line.startswith("0,") and line.split(",")[1:2] != ["0"] for line in lines
+    ]
+    (tmp_path / "old").write_text("\n".join(line for line, keep in zip(lines, is_old, strict=True) if keep) + "\n")
+    old = read_interface(tmp_path / "old")
+    assert old.at(1.0) == pytest.approx(strength.at(1.0), rel=0.02)
+
+
+def test_interface_file_without_the_counted_rows_is_reported_as_damaged(tmp_path) -> None:
+    test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
+    write_interface(calibrate([test]), tmp_path / "film")
+    text = (tmp_path / "film").read_text().replace("rows with mu0 = 0: 4000", "rows with mu0 = 0: 400000")
+    (tmp_path / "film").write_text(text)
+    with pytest.raises(ValueError, match="film is a damaged interface file"):
+        read_interface(tmp_path / "film")

@@ -11,6 +11,7 @@ al. 2008, Statistics and Computing 18, 447-459).
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -25,8 +26,18 @@ from stiction.calibration.growth import find_best_mu0, find_tau0_range
 from stiction.calibration.planning import DEFAULT_RELATIVE_ERROR, list_area_plans
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.model import SlidingRule
-from stiction.study.input_distributions import UncertainInput, generate_sobol_points, parse_uncertain_input
-from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, StrengthFit, area_error_name
+from stiction.study.input_distributions import (
+    UncertainInput,
+    generate_sobol_points,
+    parse_uncertain_input,
+    select_by_weight,
+)
+from stiction.study.interfaces import (
+    ERROR_SCALING_P_VALUE_LIMIT,
+    StrengthFit,
+    area_error_name,
+    compute_coverage_at_bound,
+)
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
@@ -462,21 +473,40 @@ class CalibrationProblem:
         trend_probability = (
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
-        mu0, tau0, scores = self._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
         unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
         # Scores of area errors are stored only if all tests used the same surfaces.
         # If one pair of surfaces determines mu0 and tau0 alone, the area errors of other pairs remain unknown.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
-        scores_by_name = {
-            name: scores[:, index] for index, name in enumerate(self.nuisances) if name not in unstored_names
+
+        def draw_fit(problem: CalibrationProblem) -> StrengthFit:
+            mu0, tau0, scores = problem._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
+            scores_by_name = {
+                name: scores[:, index] for index, name in enumerate(self.nuisances) if name not in unstored_names
+            }
+            return StrengthFit(
+                self.sliding, chi_squared, degrees_of_freedom, probability, scale if self.has_errors else 1.0,
+                trend_probability, mu0, tau0, self._compute_hardness_samples(scores_by_name),
+                self._compute_growth_samples(scores_by_name), self._compute_area_per_load_samples(scores, mu0, tau0),
+                scores_by_name,
+            )  # fmt: skip
+
+        fit = draw_fit(self)
+        if self.fixed_strengths != (None, None):
+            return fit
+        fits_at_bounds = {
+            name: draw_fit(self._with_fixed_strengths(strengths))
+            for name, strengths in (("mu0", (0.0, None)), ("tau0", (None, 0.0)))
+            if compute_coverage_at_bound(getattr(fit, name)) > 0
         }
-        return StrengthFit(
-            self.sliding, chi_squared, degrees_of_freedom, probability, scale if self.has_errors else 1.0,
-            trend_probability, mu0, tau0, self._compute_hardness_samples(scores_by_name),
-            self._compute_growth_samples(scores_by_name), self._compute_area_per_load_samples(scores, mu0, tau0),
-            scores_by_name,
-        )  # fmt: skip
+        return replace(fit, fits_at_bounds=fits_at_bounds)
+
+    def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
+        """Return the same problem with other fixed values of mu0 and tau0 (GPa)."""
+        problem = copy.copy(self)
+        problem.__dict__.pop("best_fit", None)  # the cached fit has other fixed values
+        problem.fixed_strengths = strengths
+        return problem
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
         """Return samples of the true area per load, A/F (1/GPa), each averaged over the tests with sliding."""
@@ -817,18 +847,27 @@ class CalibrationProblem:
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))
-        # Systematic resampling selects each grid cell as often as its weight requires.
-        target_weights = (
-            (np.arange(NUM_STRENGTH_PAIRS) + generator.random()) / NUM_STRENGTH_PAIRS * cumulative_weight[-1]
-        )
-        indices = np.minimum(np.searchsorted(cumulative_weight, target_weights), cumulative_weight.size - 1)
+        indices = select_by_weight(cumulative_weight, NUM_STRENGTH_PAIRS, generator.random())
         indices = generator.permutation(indices)
         point, row, column = np.unravel_index(indices, grid.log_probability.shape)
         low, high = grid.limits.min_tau0[point], grid.limits.max_tau0[point]
         tau0 = low + (high - low) * (row + generator.random(NUM_STRENGTH_PAIRS)) / grid.log_probability.shape[1]
-        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(grid.limits, point, row, tau0)
-        mu0 = mu0_start + mu0_step * (column + generator.random(NUM_STRENGTH_PAIRS))
-        return mu0, tau0, points[point, : len(self.nuisances)]
+        mu0_fraction = generator.random(NUM_STRENGTH_PAIRS)
+        mu0 = self._find_mu0_in_cells(grid.limits, point, row, tau0, column + mu0_fraction)
+        scores = points[point, : len(self.nuisances)]
+        if self.has_growing_contacts:
+            # A cell may contain strengths at which the softer body would shear, but not in its centre.
+            _, area_coefficients, _ = self._compute_equation_coefficients(scores, mu0, tau0)
+            is_outside = ~np.isfinite(area_coefficients[:, self.slid]).all(axis=1)
+            tau0_centre = low + (high - low) * (row + 0.5) / grid.log_probability.shape[1]
+            mu0_centre = self._find_mu0_in_cells(grid.limits, point, row, tau0_centre, column + 0.5)
+            mu0, tau0 = np.where(is_outside, mu0_centre, mu0), np.where(is_outside, tau0_centre, tau0)
+        return mu0, tau0, scores
+
+    def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
+        """Return mu0 at fractional columns of the grids at each tau0."""
+        mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(limits, point, row, tau0)
+        return np.asarray(mu0_start + mu0_step * column)
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +13,8 @@ import numpy as np
 from stiction._checks import Floats, check_instance
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.friction import FrictionLaw
-from stiction.study.input_distributions import Z_95
-from stiction.study.interfaces import ValueWithLimits, round_median_strength
+from stiction.study.input_distributions import Z_95, select_by_weight
+from stiction.study.interfaces import StrengthFit, ValueWithLimits, round_median_strength
 
 # Relative error of the planned tests, used if the errors of the present tests are unknown.
 DEFAULT_RELATIVE_ERROR = 0.05
@@ -83,24 +84,26 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     count, central_law = max(len(interface.tests), 1), FrictionLaw(*round_median_strength(interface))
     plans = []
     for text, areas_per_load in list_area_plans(interface.area_per_load, count):
-        fit = interface.fits[0]
         expected = central_law.force(1.0, areas_per_load)
-        predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
-        misfit = (predicted / expected - 1) / relative_error
-        weights = np.exp(-0.5 * (misfit**2).sum(axis=1))
-        plans.append(PlannedTests(text, _resample(interface, weights).predict(result, load)))
+        planned = partial(_reweight, areas_per_load=areas_per_load, expected=expected, error=relative_error * expected)
+        fit, bounds = planned(interface.fits[0]), interface.fits[0].fits_at_bounds
+        fit = replace(fit, fits_at_bounds={name: planned(each) for name, each in bounds.items()})
+        plans.append(PlannedTests(text, replace(interface, fits=(fit,)).predict(result, load)))
     value, *_ = interface.predict(result, load)
     half_width = Z_95 * relative_error / math.sqrt(count) * value
     plans.append(PlannedTests("as many tests of this pair", (value, max(value - half_width, 0.0), value + half_width)))
     return tuple(sorted(plans, key=lambda plan: plan.coefficient[2] - plan.coefficient[1]))
 
 
-def _resample(interface: Interface, weights: Floats) -> Interface:
-    """Return an interface with as many joint samples, drawn in proportion to their weights."""
-    fit, cumulative_weight = interface.fits[0], np.cumsum(weights)
-    targets = (np.arange(weights.size) + 0.5) / weights.size * cumulative_weight[-1]
-    indices = np.searchsorted(cumulative_weight, targets)
+def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
+    """Return a fit whose joint samples are drawn in proportion to the probability of planned measurements.
+
+    The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
+    """
+    predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
+    log_weights = -0.5 * (((predicted - expected) / error) ** 2).sum(axis=1)
+    indices = select_by_weight(np.cumsum(np.exp(log_weights - log_weights.max())), log_weights.size, 0.5)
     names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
     columns: dict[str, Any] = {name: getattr(fit, name)[indices] for name in names}
     columns["scores"] = {name: scores[indices] for name, scores in fit.scores.items()}
-    return replace(interface, fits=(replace(fit, **columns),))
+    return replace(fit, **columns)

@@ -14,7 +14,13 @@ from stiction.calibration.friction_tests import Ball, FrictionTest, depends_on_j
 from stiction.evaluate.budget import predict_coefficient
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
-from stiction.study.interfaces import InterfaceStrength, ValueWithLimits, area_error_name, cover_credible_intervals
+from stiction.study.interfaces import (
+    InterfaceStrength,
+    StrengthFit,
+    ValueWithLimits,
+    area_error_name,
+    cover_credible_intervals,
+)
 
 
 class Interface(InterfaceStrength):
@@ -73,13 +79,11 @@ class Interface(InterfaceStrength):
         test = FrictionTest(result, load, coefficient=0.0)
         test_sums = evaluate_test_sums(test, fit.sliding)
 
-        def draw_scores(name: str) -> Floats:
-            # A parameter that also affects the tests of the fit takes its samples from the fit.
-            return fit.scores[name] if name in fit.scores else generator.standard_normal(len(fit.mu0))
-
-        area_samples = np.exp(test_sums.scatter * draw_scores(area_error_name(test_sums.surfaces)))
-        if (area_factor := test_sums.area_factor) is not None:
-            samples = area_factor.input_values({name: ndtr(draw_scores(name)) for name in area_factor.nuisance_names})
+        area_error, area_factor = area_error_name(test_sums.surfaces), test_sums.area_factor
+        names = [area_error, *(() if area_factor is None else area_factor.nuisance_names)]
+        independent_scores = {
+            name: generator.standard_normal(fit.mu0.size) for name in dict.fromkeys(names) if name not in fit.scores
+        }
         growth = None if area_factor is None else area_factor.junction_growth
         depends_on_growth = growth is not None or depends_on_junction_growth(
             test_sums, float(np.median(fit.mu0)), float(np.median(fit.tau0))
@@ -101,21 +105,26 @@ class Interface(InterfaceStrength):
             if not any(map(math.isnan, combined)):
                 return combined
 
-        def compute_coefficients(mu0: Floats, tau0: Floats) -> tuple[Floats, Floats]:
+        def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
             """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
-            law, friction_fraction, total_area = FrictionLaw(mu0, tau0), np.ones(()), area_samples
+            # If a parameter also affects the tests of the fit, use its samples from the fit.
+            scores = {**independent_scores, **fit.scores}
+            law, friction_fraction = FrictionLaw(fit.mu0, fit.tau0), np.ones(())
+            total_area = np.exp(test_sums.scatter * scores[area_error])
             if area_factor is not None:
+                samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
                 area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
-                total_area = area_samples * area
-            values = law.coefficient(test_sums.sums, np.where(tau0 > 0, total_area, 1.0), friction_fraction)
+                total_area = total_area * area
+            values = law.coefficient(test_sums.sums, np.where(fit.tau0 > 0, total_area, 1.0), friction_fraction)
             values = np.where(np.isfinite(values), values, np.inf)
             return values, np.where(friction_fraction < 1, np.inf, values)
 
         coefficients, upper_coefficients = zip(
-            *(compute_coefficients(*strengths) for strengths in self.strength_samples), strict=True
+            *(compute_coefficients(each) for each, _ in self.sampled_fits), strict=True
         )
-        median, lower_limit, _ = cover_credible_intervals(coefficients)
-        _, _, upper_limit = cover_credible_intervals(upper_coefficients)
+        coverages = [coverage for _, coverage in self.sampled_fits]
+        median, lower_limit, _ = cover_credible_intervals(list(zip(coefficients, coverages, strict=True)))
+        _, _, upper_limit = cover_credible_intervals(list(zip(upper_coefficients, coverages, strict=True)))
         return median, lower_limit, upper_limit
 
 

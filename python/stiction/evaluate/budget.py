@@ -318,16 +318,17 @@ def find_inputs_and_strengths(
         return inputs, []
     from scipy.special import ndtr
 
-    scores = interface.fits[0].scores
     score_names = {name: shared_input_name(name, each.estimate, pair_checksum) for name, each in inputs.items()}
-    shared = {
-        name: inputs[name].estimate.quantile(ndtr(scores[score_name]))
-        for name, score_name in score_names.items()
-        if score_name in scores
-    }
-    area_scores = scores.get(area_error_name(pair_checksum))
-    strengths = [JointSamples(*each, shared, area_scores) for each in interface.strength_samples]
-    replaced_names = {"mu0", "tau0", *shared}
+    strengths = []
+    for fit, coverage in interface.sampled_fits:
+        shared = {
+            name: inputs[name].estimate.quantile(ndtr(fit.scores[score_name]))
+            for name, score_name in score_names.items()
+            if score_name in fit.scores
+        }
+        area_scores = fit.scores.get(area_error_name(pair_checksum))
+        strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
+    replaced_names = {"mu0", "tau0", *strengths[0].inputs}
     return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
 
 

@@ -25,6 +25,7 @@ from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import find_upper_bound
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.study.inputs import Inputs
+from stiction.study.interfaces import INTERVAL_COVERAGE
 
 if TYPE_CHECKING:
     from stiction.study.study import Study
@@ -67,12 +68,16 @@ class JointSamples:
     area_scores : array or None
         Normal scores of the error of the true area, if the interface was calibrated on this pair. The tests then
         include all errors of the true area, so that the pair needs no further ones.
+    coverage : float
+        Probability of the coefficients from these samples that a 95 % interval contains; less than 95 % for samples in
+        which mu0 or tau0 is 0, if this value is less likely than others.
     """
 
     mu0: Floats
     tau0: Floats
     inputs: Mapping[str, Floats]
     area_scores: Floats | None = None
+    coverage: float = INTERVAL_COVERAGE
 
 
 _RESPONSE_INPUT_NAMES = (
@@ -384,7 +389,8 @@ class CombinedIntervals:
     def predict_next_test(self) -> Interval:
         """Return the 95 % prediction interval of the coefficient in one more test in one direction of motion."""
         first_interval, *other_intervals = (
-            compute_equal_tailed_interval(*samples) for samples in self._next_test_samples
+            compute_equal_tailed_interval(*samples, coverage)
+            for samples, coverage in zip(self._next_test_samples, self._coverages, strict=True)
         )
         return first_interval.extended_to(
             *other_intervals, (self.value, self.value), *self._intervals_without_upper_limit
@@ -392,7 +398,16 @@ class CombinedIntervals:
 
     def predict_percentiles(self) -> Floats:
         """Return the `FRICTION_PERCENTILES` of the coefficient in single tests, widened to enclose the mean."""
-        by_strength = [compute_quantiles(FRICTION_PERCENTILES / 100, *samples) for samples in self._next_test_samples]
+        probabilities = FRICTION_PERCENTILES / 100
+        by_strength = [
+            compute_quantiles(
+                probabilities
+                if coverage == INTERVAL_COVERAGE
+                else 0.5 + (probabilities - 0.5) * coverage / INTERVAL_COVERAGE,
+                *samples,
+            )
+            for samples, coverage in zip(self._next_test_samples, self._coverages, strict=True)
+        ]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
         return extend_percentiles(by_strength[0], [*by_strength[1:], value])
 
@@ -488,13 +503,20 @@ class CombinedIntervals:
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time
         if interval_key not in self._sampler.intervals:
+            all_samples = self._sample_all_strengths(fixed, dwell_time)
             first_interval, *other_intervals = (
-                compute_equal_tailed_interval(*samples) for samples in self._sample_all_strengths(fixed, dwell_time)
+                compute_equal_tailed_interval(*samples, coverage)
+                for samples, coverage in zip(all_samples, self._coverages, strict=False)
             )
             self._sampler.intervals[interval_key] = first_interval.extended_to(
                 *other_intervals, *self._intervals_without_upper_limit
             )
         return self._sampler.intervals[interval_key]
+
+    @property
+    def _coverages(self) -> list[float]:
+        """Probability of the interval that is computed from each item of `strengths`."""
+        return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
@@ -626,15 +648,18 @@ def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
-def compute_equal_tailed_interval(values: NDArray[Any], upper_values: NDArray[Any] | None = None) -> Interval:
-    """Return the limits of the equal-tailed 95 % interval of samples; see `compute_quantiles`.
+def compute_equal_tailed_interval(
+    values: NDArray[Any], upper_values: NDArray[Any] | None = None, coverage: float = INTERVAL_COVERAGE
+) -> Interval:
+    """Return the limits of the equal-tailed interval of samples, by default of 95 %; see `compute_quantiles`.
 
     Raises
     ------
     ValueError
         If a sample has no coefficient.
     """
-    return Interval(*compute_quantiles(np.array([0.025, 0.975]), values, upper_values).tolist())
+    tail = round((1 - coverage) / 2, 12)
+    return Interval(*compute_quantiles(np.array([tail, 1 - tail]), values, upper_values).tolist())
 
 
 def compute_quantiles(

@@ -368,6 +368,16 @@ def generate_stratified_points(dimensions: int) -> Floats:
     return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
+def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> NDArray[np.intp]:
+    """Return the indices of `count` samples, each selected as often as its weight requires (systematic resampling).
+
+    `offset` is a number from 0 to 1 that shifts the selection.
+    """
+    targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
+    # Round-off can make the last target exceed the sum of all weights.
+    return np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
+
+
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
     """Draw `NUM_INPUT_SAMPLES` independent samples of each input from its distribution, by name of the input."""
     points = generate_stratified_points(len(inputs))

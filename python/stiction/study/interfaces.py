@@ -30,6 +30,7 @@ from stiction._units import exact_quantity_text, short_repr
 from stiction.mechanics.friction import FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import (
+    Z_95,
     FrictionCoefficientEntry,
     ShearStrengthEntry,
     UncertainInput,
@@ -59,9 +60,18 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# A lower limit of an interval counts as 0 if it is less than this fraction of the interval's width.
-BOUND_TOLERANCE = 0.01
-INTERVAL_COVERAGE = 0.95
+INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
+
+DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2
+"""Widths of the windows in which the density of samples is averaged at 0 and at its maximum.
+
+The widths are fractions of the 97.5 % quantile. The density varies little near its maximum, so this window can be
+wider, which makes the maximum less random.
+"""
+
+BOUND_HEADER_ENTRIES = {"mu0": "rows with mu0 = 0", "tau0": "rows with tau0 = 0"}
+"""Header entries of an interface file: the numbers of rows, after the rows of the fit, in which mu0 or tau0 is 0."""
+
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
@@ -126,6 +136,9 @@ class StrengthFit:
     # The names of the scores are given by `shared_input_name` and `area_error_name`.
     # Another pair with the same input uses the same scores.
     scores: Mapping[str, Floats] = field(default_factory=dict)
+    # Fits to the same tests with mu0 = 0 and with tau0 = 0, by the name of the coefficient that is 0.
+    # A fit is missing if the tests exclude 0, or if only the other coefficient was fitted.
+    fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -193,6 +206,9 @@ class InterfaceStrength:
             sample_table = np.array([[float(cell) for cell in row] for row in csv.reader(rows[1:])])
             area_per_load, variation = (float(header.pop(name)) for name in _NUMERIC_HEADER_ENTRIES)
             sliding, separated = header.pop("sliding"), header.pop("separated") == "yes"
+            bound_row_counts = {
+                name: int(header.pop(entry)) for name, entry in BOUND_HEADER_ENTRIES.items() if entry in header
+            }
             check_choice("sliding", sliding, SlidingRule)
             parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
@@ -205,12 +221,26 @@ class InterfaceStrength:
             or np.isnan(sample_table[:, num_columns:]).any()
         ):
             raise ValueError(f"{printable_path(path)} is a damaged interface file (mu0 and tau0 must be at least 0)")
-        scores = {
-            title.removeprefix(_SCORE_COLUMN_PREFIX): column
-            for title, column in zip(titles[num_columns:], sample_table.T[num_columns:], strict=True)
-        }
-        fit = _build_strength_fit(sliding, *sample_table.T[:num_columns])
-        fit = replace(fit, scores=scores or _compute_normal_scores_of_old_interface_file(fit, header))
+        num_rows = len(sample_table) - sum(bound_row_counts.values())
+        if num_rows < 1 or min(bound_row_counts.values(), default=1) < 1:
+            raise ValueError(f"{printable_path(path)} is a damaged interface file (rows of samples are missing)")
+
+        def build_fit(rows: Floats) -> StrengthFit:
+            scores = {
+                title.removeprefix(_SCORE_COLUMN_PREFIX): column
+                for title, column in zip(titles[num_columns:], rows.T[num_columns:], strict=True)
+            }
+            fit = _build_strength_fit(sliding, *rows.T[:num_columns])
+            return replace(fit, scores=scores or _compute_normal_scores_of_old_interface_file(fit, header))
+
+        ends = np.cumsum([num_rows, *bound_row_counts.values()])
+        fit, *fits_at_bounds = (build_fit(rows) for rows in np.split(sample_table, ends[:-1]))
+        fit = replace(
+            fit,
+            fits_at_bounds=dict(zip(bound_row_counts, fits_at_bounds, strict=True))
+            if bound_row_counts
+            else _estimate_fits_at_bounds(fit),
+        )
         return cls((fit,), area_per_load, variation, separated, about=header)
 
     @classmethod
@@ -259,10 +289,11 @@ class InterfaceStrength:
 
         The value is NaN if A/F is unknown.
         """
-        area_per_load = self.fits[0].area_per_load
-        if not np.isfinite(area_per_load).all():
+        if not np.isfinite(self.fits[0].area_per_load).all():
             return self.at(self.area_per_load) if math.isfinite(self.area_per_load) else (math.nan,) * 3
-        return self.interval_of(lambda mu0, tau0: FrictionLaw(mu0, tau0).force(1.0, area_per_load))
+        return cover_credible_intervals(
+            [(FrictionLaw(fit.mu0, fit.tau0).force(1.0, fit.area_per_load), each) for fit, each in self.sampled_fits]
+        )
 
     @property
     def mu0(self) -> ValueWithLimits:
@@ -285,35 +316,37 @@ class InterfaceStrength:
         """Medians and 95 % intervals of mu0 and tau0 (GPa), even if the tests do not separate mu0 from tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
-    @property
-    def strength_samples(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Pairs of mu0 and tau0 samples (GPa): first the joint samples of the fit, and then `samples_at_bounds`."""
-        return (self.fits[0].mu0, self.fits[0].tau0), *self.samples_at_bounds
-
     @cached_property
-    def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) with mu0 = 0 if the interval of mu0 includes 0, and with tau0 = 0 likewise.
+    def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
+        """Fits whose samples every interval covers, each with the probability of its samples that an interval contains.
 
-        The other parameter is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
+        The first fit has 95 %. The fits with mu0 = 0 and with tau0 = 0 have the less, the less likely these values are,
+        and are missing if the tests exclude them (see `compute_coverage_at_bound`).
         """
         fit = self.fits[0]
-        area_per_load = fit.area_per_load
-        are_both_fitted = np.isfinite(area_per_load).all() and np.ptp(fit.mu0) > 0 and np.ptp(fit.tau0) > 0
-        zeros, sum_of_strengths = np.zeros(fit.mu0.size), FrictionLaw(fit.mu0, fit.tau0).force(1.0, area_per_load)
-        strengths = []
-        if are_both_fitted and compute_credible_interval(fit.mu0, 0.0)[1] == 0:
-            strengths.append((zeros, sum_of_strengths / area_per_load))
-        if are_both_fitted and compute_credible_interval(fit.tau0, 0.0)[1] == 0:
-            strengths.append((sum_of_strengths, zeros))
-        return tuple(strengths)
+        bounds = (
+            (bound_fit, compute_coverage_at_bound(getattr(fit, name))) for name, bound_fit in fit.fits_at_bounds.items()
+        )
+        return (fit, INTERVAL_COVERAGE), *((bound_fit, coverage) for bound_fit, coverage in bounds if coverage > 0)
+
+    @property
+    def possible_zeros(self) -> tuple[str, ...]:
+        """Names of mu0 and tau0 that may be 0 according to the tests; empty if only one of them was fitted."""
+        fit = self.fits[0]
+        return tuple(name for name in fit.fits_at_bounds if compute_coverage_at_bound(getattr(fit, name)) > 0)
+
+    @property
+    def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
+        """Samples of mu0 and tau0 (GPa) with mu0 = 0 and with tau0 = 0, unless the tests exclude these values."""
+        return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
         """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
 
-        The interval also covers the intervals for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
+        The interval also covers the coefficients for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
         check_callable("coefficient", coefficient)
-        return cover_credible_intervals([coefficient(*samples) for samples in self.strength_samples])
+        return cover_credible_intervals([(coefficient(fit.mu0, fit.tau0), each) for fit, each in self.sampled_fits])
 
     def at(self, area_per_load: float) -> ValueWithLimits:
         """Return the sum mu0 + tau0 A/F at a given true area per load A/F (1/GPa), with its 95 % interval."""
@@ -363,32 +396,54 @@ class InterfaceStrength:
         )
 
 
-def compute_credible_interval(values: Floats, bound: float = -math.inf) -> ValueWithLimits:
-    """Return the median of samples and the limits of their 95 % credible interval.
+def compute_coverage_at_bound(values: Floats) -> float:
+    """Return the probability of samples at 0 that a 95 % interval contains, given all samples of a nonnegative number.
 
-    The interval has equal tails, unless the shortest interval with 95 % of the samples starts at the bound. Then this
-    shortest interval is returned.
+    A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
+    exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
+    is the maximum, and 0 if it is below exp(-1.96²/2) = 15 % of the maximum. A number is then excluded from being 0.
     """
     sorted_values = np.sort(values)
-    num_steps_inside = math.ceil(INTERVAL_COVERAGE * len(sorted_values)) - 1
-    start_index = int(
-        (sorted_values[num_steps_inside:] - sorted_values[: len(sorted_values) - num_steps_inside]).argmin()
-    )
-    if sorted_values[start_index] - bound < BOUND_TOLERANCE * (
-        sorted_values[start_index + num_steps_inside] - sorted_values[start_index]
-    ):
-        low, high = bound, float(sorted_values[num_steps_inside])
-    else:
-        low, high = (
-            float(end) for end in np.quantile(sorted_values, [(1 - INTERVAL_COVERAGE) / 2, (1 + INTERVAL_COVERAGE) / 2])
-        )
-    return float(np.median(sorted_values)), low, high
+    scale = float(np.quantile(sorted_values, (1 + INTERVAL_COVERAGE) / 2))
+    if not (math.isfinite(scale) and sorted_values[0] < scale):
+        return 0.0
+
+    def density(starts: Floats, width: float) -> Floats:
+        window_ends = np.searchsorted(sorted_values, starts + width * scale, side="right")
+        return np.asarray((window_ends - np.searchsorted(sorted_values, starts)) / width)
+
+    density_at_bound = float(density(np.zeros(1), DENSITY_WINDOW_AT_BOUND)[0])
+    max_density = max(float(density(sorted_values, MAX_DENSITY_WINDOW).max()), density_at_bound)
+    if density_at_bound == 0:
+        return 0.0
+    squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
+    # Round-off of the error function must not change the 95 % of a density that is highest at 0.
+    return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 
-def cover_credible_intervals(samples: Sequence[Floats]) -> ValueWithLimits:
-    """Return the median of the first array of samples, and an interval that covers the 95 % intervals of all arrays."""
+def compute_credible_interval(
+    values: Floats, bound: float = -math.inf, coverage: float = INTERVAL_COVERAGE
+) -> ValueWithLimits:
+    """Return the median of samples and the limits of their credible interval, by default with 95 % of the samples.
+
+    The interval has equal tails, unless the samples include the bound. Then the interval starts at the bound, and only
+    the fraction of the lower tail that lies outside a region of highest density is left.
+    """
+    tail = round((1 - coverage) / 2, 12)
+    low, high = (float(end) for end in np.quantile(values, [tail, 1 - tail]))
+    if math.isfinite(bound) and (coverage_at_bound := compute_coverage_at_bound(values - bound)) > 0:
+        upper_tail = tail * (1 + coverage_at_bound / INTERVAL_COVERAGE)
+        low, high = bound, float(np.quantile(values, 1 - upper_tail))
+    return float(np.median(values)), low, high
+
+
+def cover_credible_intervals(samples: Sequence[tuple[Floats, float]]) -> ValueWithLimits:
+    """Return the median of the first array of samples, and an interval that covers the intervals of all arrays.
+
+    Each array is given with the probability of its interval.
+    """
     medians, lower_limits, upper_limits = zip(
-        *(compute_credible_interval(sample_set, 0.0) for sample_set in samples), strict=True
+        *(compute_credible_interval(values, 0.0, coverage) for values, coverage in samples), strict=True
     )
     return medians[0], min(lower_limits), max(upper_limits)
 
@@ -457,9 +512,12 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         "variation": repr(interface.variation),
         "separated": "yes" if interface.separated else "no",
     }
+    fits_at_bounds = interface.fits[0].fits_at_bounds
+    header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
-        if not key.strip() or key in header or ": " in f"{key} " or key != printable_text(key):
+        is_reserved = key in header or key in BOUND_HEADER_ENTRIES.values()
+        if not key.strip() or is_reserved or ": " in f"{key} " or key != printable_text(key):
             raise ValueError(
                 "each key of `about` must be printable and have no colon, and must not be sliding, area_per_load, "
                 f"variation or separated, got {short_repr(key)}"
@@ -471,13 +529,28 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         "\n".join([INTERFACE_FILE_HEADER, *(f"# {key}: {value}" for key, value in header.items()), ",".join(titles)])
         + "\n"
     )
-    columns = [fit.mu0, fit.tau0, fit.hardness, fit.junction_growth, fit.area_per_load, *fit.scores.values()]
-    np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
+    for each in (fit, *fits_at_bounds.values()):
+        columns = [each.mu0, each.tau0, each.hardness, each.junction_growth, each.area_per_load]
+        columns += [each.scores[name] for name in fit.scores]
+        np.savetxt(file_text, np.stack(columns, axis=1), fmt="%.9g", delimiter=",")
     return file_text.getvalue().encode()
 
 
 def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) -> StrengthFit:
     return StrengthFit(sliding, math.nan, 0, math.nan, 1.0, math.nan, mu0, tau0, *other_samples)
+
+
+def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
+    """Return fits with mu0 = 0 and with tau0 = 0 for an interface file without them.
+
+    The other coefficient is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
+    """
+    if not np.isfinite(fit.area_per_load).all() or np.ptp(fit.mu0) == 0 or np.ptp(fit.tau0) == 0:
+        return {}
+    zeros, sums = np.zeros(fit.mu0.size), FrictionLaw(fit.mu0, fit.tau0).force(1.0, fit.area_per_load)
+    return {
+        "mu0": replace(fit, mu0=zeros, tau0=sums / fit.area_per_load), "tau0": replace(fit, mu0=sums, tau0=zeros)
+    }  # fmt: skip
 
 
 def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:

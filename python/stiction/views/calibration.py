@@ -21,7 +21,7 @@ from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_V
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, point_load_text
-from stiction.views.sentence import junction_growth_text, lay_assumption
+from stiction.views.sentence import junction_growth_text, lay_assumption, possible_zeros_text
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
 if TYPE_CHECKING:
@@ -77,6 +77,9 @@ def calibration_text(
     if interface.separated:
         mu0, tau0 = Estimate(*interface.mu0), Estimate(*(1e3 * item for item in interface.tau0))
         lines += [f"μ0 = {mu0.table_text}", f"τ0 = {tau0.table_text} MPa"]
+        if zeros := possible_zeros_text(interface, " or "):
+            text = f"The tests do not exclude {zeros}, so all intervals include the results for this case."
+            lines += [wrap_text(text, hanging_indent="  ")]
     else:
         lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
     lines += [wrap_text(note, hanging_indent="  ") for note in pair_notes]
@@ -160,7 +163,6 @@ def _are_ratios_equal(ratios: Floats) -> bool:
 
 
 def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
-    sum_value, area_per_load = interface.identified[0], interface.area_per_load
     num_tests = len(interface.tests)
     shortage_text = (
         f"the standard deviation of A/F of the {num_tests} tests is {format_percent(interface.variation)} of the mean"
@@ -174,8 +176,27 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
         f"The tests determine only the sum μ0 + τ0 A/F: {shortage_text}. To determine μ0 and τ0, {requirement_text} "
         f"{'is' if num_tests > 2 else 'are'} required."
     )
-    tau0 = format_with_unit(sum_value / area_per_load, "GPa")
-    yield f"The tests allow all values from μ0 = {sum_value:.3g}, τ0 = 0, to μ0 = 0, τ0 = {tau0}."
+    (high_mu0, low_tau0), (low_mu0, high_tau0) = _find_ends_of_strengths(interface)
+    zeros = possible_zeros_text(interface, " and ")
+    covered_text = f"; all intervals include the results for {zeros}" if zeros else ""
+    yield f"The tests allow all values from {high_mu0}, {low_tau0}, to {low_mu0}, {high_tau0}{covered_text}."
+
+
+def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Return mu0 and tau0 at both ends of the range that the tests allow, the end with the highest mu0 first.
+
+    An end that is not at mu0 = 0 or tau0 = 0 is the limit of a 95 % interval.
+    """
+    fit, bounds = interface.fits[0], {name: interface.fits[0].fits_at_bounds[name] for name in interface.possible_zeros}
+
+    def end(bound: str, mu0_quantile: float) -> tuple[str, str]:
+        if bound in bounds:
+            mu0, tau0 = np.median(bounds[bound].mu0), np.median(bounds[bound].tau0)
+        else:
+            mu0, tau0 = np.quantile(fit.mu0, mu0_quantile), np.quantile(fit.tau0, 1 - mu0_quantile)
+        return f"μ0 = {mu0:.3g}", f"τ0 = {format_with_unit(tau0, 'GPa') if tau0 else 0}"
+
+    return end("tau0", 0.975), end("mu0", 0.025)
 
 
 def _junction_growth_text(interface: Interface) -> str:
@@ -252,8 +273,9 @@ def calibration_json(
     return record_json(
         "calibrate", estimate_records, kind="interface", variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
-        excluded=list(interface.excluded), fits=fits, would_separate=advice_records,
-        pair_caveats=list(pair_caveats), lays=list(lays), **_build_prediction_fields(prediction),
+        possible_zeros=list(interface.possible_zeros), excluded=list(interface.excluded), fits=fits,
+        would_separate=advice_records, pair_caveats=list(pair_caveats), lays=list(lays),
+        **_build_prediction_fields(prediction),
     )  # fmt: skip
 
 

@@ -29,6 +29,7 @@ from stiction.views.point import (
 from stiction.views.pull_off import pull_off_text
 
 if TYPE_CHECKING:
+    from stiction.study.interfaces import InterfaceStrength
     from stiction.study.study import Study
 
 # The sentence states the definition of the load if it changes the coefficient by more than this fraction.
@@ -222,8 +223,16 @@ def _interface_text(point: PointSummary) -> str:
     items += [] if point.calibrated_rule is None else [SLIDING_RULE_DESCRIPTIONS[point.calibrated_rule]]
     if not point.are_strengths_separated:
         items.append(f"its tests determine only μ0 + τ0 A/F = {Estimate(*interface.identified).text()}")
+    elif zeros := possible_zeros_text(interface, " or "):
+        items.append(f"intervals include results for {zeros}")
     items += ["its range is unknown"] if interface.has_unknown_range else []
     return f"interface {name} ({', '.join(filter(None, items))})"
+
+
+def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
+    """Return "μ0 = 0", "τ0 = 0" or both for values that the tests of an interface do not exclude; "" if they do."""
+    symbols = {"mu0": "μ0", "tau0": "τ0"}
+    return conjunction.join(f"{symbols[name]} = 0" for name in interface.possible_zeros)
 
 
 def _hardness_range_text(study: Study) -> str:
