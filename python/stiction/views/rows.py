@@ -98,12 +98,17 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a data frame of one quantity, with one row per combination of its coordinates.
-
-    The rows are created from NumPy arrays, because xarray datasets are ten times slower.
-    """
+    """Return a data frame of one quantity, with one row per combination of its coordinates."""
     import pandas
 
+    return pandas.DataFrame(_quantity_columns(dataset, name))
+
+
+def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
+    """Return the columns of `_quantity_rows` by name: an array, or one value that all rows have.
+
+    The columns are created from NumPy arrays, because xarray datasets are ten times slower.
+    """
     table = dataset.variables[name]
     dims = [str(dim) for dim in table.dims if dim != "statistic"]
     shape = tuple(dataset.sizes[dim] for dim in dims)
@@ -140,7 +145,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
         is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
-    return pandas.DataFrame(columns)
+    return columns
 
 
 # ---- CSV -------------------------------------------------------------------------------------------------------------
@@ -209,26 +214,27 @@ def _merge_quantities(
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
     """
+    import pandas
+
     titles = [str(name) for name in table]
-    tables_by_keys: dict[tuple[str, ...], list[pandas.DataFrame]] = {}
+    # Columns of the quantities with the same rows, by the columns that identify the rows.
+    columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
-        rows = _quantity_rows(dataset, name)
-        quantity_keys = tuple(key for key in keys if key in rows and rows[key].notna().all())
+        rows = _quantity_columns(dataset, name)
+        quantity_keys = tuple(key for key in keys if key in rows and pandas.notna(rows[key]).all())
         label = quantity_label(name, study).replace("μ", "mu").replace("τ", "tau")
-        columns = estimate_column_titles(label, rows["unit"].iloc[0])
-        titles += columns.values()
-        quantity_table = rows[[*quantity_keys, *columns]].rename(columns=columns)
-        tables = tables_by_keys.setdefault(quantity_keys, [])
-        key_columns = quantity_table[[*quantity_keys]]
-        for position, other_table in enumerate(tables):
-            if key_columns.equals(other_table[[*quantity_keys]]):
-                tables[position] = other_table.assign(**quantity_table[list(columns.values())])
+        columns = {title: rows[column] for column, title in estimate_column_titles(label, rows["unit"]).items()}
+        titles += columns
+        groups = columns_by_keys.setdefault(quantity_keys, [])
+        for group in groups:
+            if all(np.array_equal(group[key], rows[key]) for key in quantity_keys):
+                group |= columns
                 break
         else:
-            tables.append(quantity_table)
-    for quantity_keys, tables in tables_by_keys.items():
-        for quantity_table in tables:
-            table = table.merge(quantity_table, on=[*quantity_keys], how="left")
+            groups.append({key: rows[key] for key in quantity_keys} | columns)
+    for quantity_keys, groups in columns_by_keys.items():
+        for group in groups:
+            table = table.merge(pandas.DataFrame(group), on=[*quantity_keys], how="left")
     return table[titles]
 
 
