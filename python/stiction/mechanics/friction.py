@@ -318,24 +318,27 @@ def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
 
     The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
     """
-    num_rows, num_columns = table.shape
+    num_columns = table.shape[1]
     is_nan = np.isnan(rows) | np.isnan(columns)
+    # `np.fmax` replaces NaN by the first index.
     rows, columns = (
-        np.clip(np.where(is_nan, 0.0, indices), 0.0, size - 1)
-        for indices, size in ((rows, num_rows), (columns, num_columns))
+        np.fmin(np.fmax(indices, 0.0), size - 1.0) for indices, size in zip((rows, columns), table.shape, strict=True)
     )
     first_rows, first_columns = (
-        np.minimum(indices, size - 2).astype(np.intp) for indices, size in ((rows, num_rows), (columns, num_columns))
+        np.minimum(indices, size - 2.0).astype(np.intp)
+        for indices, size in zip((rows, columns), table.shape, strict=True)
     )
-    row_weights, column_weights = rows - first_rows, columns - first_columns
+    upper_weights = rows - first_rows, columns - first_columns
+    row_weights, column_weights = ((1.0 - weights, weights) for weights in upper_weights)
     entries, first_entries = table.ravel(), first_rows * num_columns + first_columns
-    values = (
-        entries[first_entries] * (1 - row_weights) * (1 - column_weights)
-        + entries[first_entries + 1] * (1 - row_weights) * column_weights
-        + entries[first_entries + num_columns] * row_weights * (1 - column_weights)
-        + entries[first_entries + num_columns + 1] * row_weights * column_weights
-    )
-    return np.where(is_nan, np.nan, values)
+    values = np.zeros(is_nan.shape)
+    for row, column in np.ndindex(2, 2):
+        corner = entries.take(first_entries + (row * num_columns + column))
+        corner *= row_weights[row]
+        corner *= column_weights[column]
+        values += corner
+    values[is_nan] = np.nan
+    return values
 
 
 @lru_cache(maxsize=1)
