@@ -25,6 +25,7 @@ from stiction.evaluate.member_means import LoadNeighbors, average_members
 from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.quantities import is_requested, quantity_attributes
+from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
 from stiction.study.study import find_step_dimension
 
@@ -102,17 +103,17 @@ def at_load(
             )
         point = average_members(study, members, names, neighbors)
         if is_measured:
-            gradient, slope = (point[name].sel(statistic="mean") for name in ("rms_gradient", "rms_slope"))
-            cell_dims = [str(dim) for dim in gradient.dims]
-            directional_slope = slope.transpose(*cell_dims, "direction").values
+            cell_dims = [str(dim) for dim in point.variables["rms_gradient"].dims if dim != "statistic"]
+            gradient = arrange_axes(point.variables["rms_gradient"], ("statistic", *cell_dims))[0]
+            directional_slope = arrange_axes(point.variables["rms_slope"], ("statistic", *cell_dims, "direction"))[0]
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
             point = point.assign(
-                estimate_small_slope_friction(cell_dims, gradient.values, directional_slope, rules, *strengths, modulus)
+                estimate_small_slope_friction(cell_dims, gradient, directional_slope, rules, *strengths, modulus)
             )
     if study.contact.indent is not None and is_requested("contact_hardness", names):
         hardness = np.stack([area.contact_hardness(unique_loads) for area in result.compute_once(build_area_functions)])
         point["contact_hardness"] = (
-            (*(str(dim) for dim in point["rms_gradient"].dims if dim != "statistic"), "load", "statistic"),
+            (*(str(dim) for dim in point.variables["rms_gradient"].dims if dim != "statistic"), "load", "statistic"),
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
@@ -125,12 +126,13 @@ def at_load(
             else result.with_study(study.with_changes({"contact.junction_growth": None, "contact.area_loss": None}))
         )
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
-        other_coefficient = members["friction_coefficient"].mean(("repetition", "direction"))
-        coefficient = point["mean_friction"].sel(statistic="mean")
+        other_coefficient = members.variables["friction_coefficient"].mean(("repetition", "direction"))
+        coefficient = point.variables["mean_friction"].isel(statistic=0)
         # A coefficient of 0 would give the quotient 0/0.
-        coefficient = coefficient.where(abs(coefficient) > MAX_RELATIVE_ROUND_OFF)
+        is_zero = np.abs(coefficient.values) <= MAX_RELATIVE_ROUND_OFF
+        coefficient = coefficient.copy(data=np.where(is_zero, np.nan, coefficient.values))
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
-        point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims).variable
+        point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims)
     return point.assign_attrs(load_definition=load_definition)
 
 

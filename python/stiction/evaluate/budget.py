@@ -35,7 +35,7 @@ from stiction.evaluate.response import ContactResponse, InputValues, build_closu
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
-from stiction.solve.layout import share_read_only
+from stiction.solve.layout import arrange_axes, share_read_only
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs, StudyInput
 from stiction.study.interfaces import (
@@ -363,10 +363,10 @@ def _average_pairs_of_scans(
     if math.prod(surfaces.scan_counts) == 1:
         return {}
     members = member_values(result, at["load"].values, mu0=at["mu0"].values, tau0=at["tau0"].values)
-    table = members["friction_coefficient"].transpose(*dims, "repetition", "direction")
-    scans = surfaces.scan_indices_of_members(table["repetition"].values)
+    table = arrange_axes(members.variables["friction_coefficient"], (*dims, "repetition", "direction"))
+    scans = surfaces.scan_indices_of_members(members["repetition"].values)
     shape = table.shape[: len(dims)]
-    return {position: average_scan_pairs(table.values[position], *scans) for position in np.ndindex(*shape)}
+    return {position: average_scan_pairs(table[position], *scans) for position in np.ndindex(*shape)}
 
 
 class _QuantitiesWithCombinedIntervals:
@@ -379,9 +379,9 @@ class _QuantitiesWithCombinedIntervals:
         self._dims = dims
         self.tables: _Tables = {}
         for name in COMBINED_QUANTITIES:
-            if name in at and "statistic" in at[name].dims:
-                own_dims = (*(dim for dim in dims if dim in at[name].dims), "statistic")
-                self.tables[name] = own_dims, at[name].transpose(*own_dims).values.copy()
+            if name in at and "statistic" in (variable := at.variables[name]).dims:
+                own_dims = (*(dim for dim in dims if dim in variable.dims), "statistic")
+                self.tables[name] = own_dims, arrange_axes(variable, own_dims).copy()
 
     def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
         """Widen the intervals of all quantities so that they include the intervals computed with one coefficient."""
@@ -429,8 +429,8 @@ def _iterate_intervals(
         {name: at.variables[name] for name in _INTERVAL_VARIABLES if name in at.variables}, at, dims
     )
     member_sums = interpolate_member_sums(result, loads)
-    contact_sums = member_sums.mean(("repetition", "direction"))
-    sums_by_name = _get_arrays_over_dims({name: contact_sums.variables[name] for name in LOAD_SUM_NAMES}, at, dims)
+    contact_sums = {name: member_sums.variables[name].mean(("repetition", "direction")) for name in LOAD_SUM_NAMES}
+    sums_by_name = _get_arrays_over_dims(contact_sums, at, dims)
     area_errors = None
     if any(each.area_scores is not None for _, strengths in inputs_by_strength.values() for each in strengths):
         adhesive_sums = member_sums["tangential_adhesive"].mean("direction")
@@ -587,18 +587,21 @@ def _get_arrays_over_dims(
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """
-    sizes = {dim: at.sizes[dim] for dim in dims}
-    return {
-        name: variable.set_dims(sizes | dict(variable.sizes)).transpose(*dims, ...).values
-        for name, variable in variables.items()
-    }
+    arrays = {}
+    for name, variable in variables.items():
+        own_dims, other_dims = [dim for dim in dims if dim in variable.dims], set(variable.dims).difference(dims)
+        values = arrange_axes(variable, (*own_dims, *(dim for dim in variable.dims if dim in other_dims)))
+        expanded_values = values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)]
+        shape = (*(at.sizes[dim] for dim in dims), *values.shape[len(own_dims) :])
+        arrays[name] = np.broadcast_to(expanded_values, shape)
+    return arrays
 
 
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
     """Return the reported coefficients together with the limits of their combined intervals (on the last axis)."""
-    combined_friction = at["mean_friction"].transpose(*dims, "statistic").values.copy()
+    combined_friction = arrange_axes(at.variables["mean_friction"], (*dims, "statistic")).copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)
     # An interval counts as computed even if its upper limit is infinite.

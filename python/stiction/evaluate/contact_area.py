@@ -23,6 +23,7 @@ from stiction.mechanics.hardness import (
     yielded_area,
 )
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
+from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs
 
@@ -181,7 +182,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
     for piece in result.pieces(["contact_area", *(["elastic_area"] if has_elastic_areas else [])]):
         is_used = piece["repetition"].values >= first_index
         areas, elastic_areas = (
-            np.asarray(piece[name].transpose("cut_off", "repetition", "load").values, np.float64)[:, is_used]
+            np.asarray(arrange_axes(piece.variables[name], ("cut_off", "repetition", "load")), np.float64)[:, is_used]
             if name in piece
             else np.full((*shape[1:2], int(is_used.sum()), shape[2]), np.nan)
             for name in ("contact_area", "elastic_area")
@@ -300,7 +301,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
     """Return the exponents d ln(q) / d ln F at given loads F (mN), where q is the mean of a stored quantity."""
     steps = result.study.contact.loading_steps()
-    quantity = result.means([name])[name]
+    quantity = result.means([name]).variables[name]
     mean = np.asarray(quantity.mean([dim for dim in quantity.dims if dim != "load"]).values)
     return np.asarray(np.interp(np.log(loads), np.log(steps), compute_exponents(steps, mean)))
 

@@ -25,6 +25,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import STATUS_DTYPE, ContactSums, FrictionLaw, compute_ratios
 from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES, VALIDITY_RATIO_OPERANDS, quantity_attributes
 from stiction.solve.executors import executor_or_thread_pool
+from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
 from stiction.study.study import find_step_dimension
 
@@ -216,12 +217,12 @@ def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
     return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
 
 
-def move_repetitions_last(array: xarray.DataArray, dims: Sequence[str]) -> NDArray[Any]:
-    """Return an array with the repetitions on the last axis.
+def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDArray[Any]:
+    """Return the values of a variable with the repetitions on the last axis.
 
     The array is contiguous, so that sums are fast.
     """
-    return np.ascontiguousarray(array.transpose(*dims, "repetition").values)
+    return np.ascontiguousarray(arrange_axes(variable, (*dims, "repetition")))
 
 
 def iterate_solved_pieces(
@@ -229,7 +230,7 @@ def iterate_solved_pieces(
 ) -> Iterator[xarray.Dataset]:
     """Yield groups of the members for which the solver succeeded at all loads."""
     for piece in iterate_pieces_with_true_areas(result, names):
-        elastic_loads = piece["normal_elastic"]
+        elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
             move_repetitions_last(elastic_loads, [str(dim) for dim in elastic_loads.dims if dim != "repetition"])
         )
@@ -473,8 +474,9 @@ def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) 
     shape = [dataset.sizes[dim] for dim in dims]
     if name not in dataset:
         return np.broadcast_to(np.nan, shape)
-    own_dims = [dim for dim in dims if dim in dataset[name].dims]
-    values = move_repetitions_last(dataset[name], own_dims[:-1]).astype(float, copy=False)
+    variable = dataset.variables[name]
+    own_dims = [dim for dim in dims if dim in variable.dims]
+    values = move_repetitions_last(variable, own_dims[:-1]).astype(float, copy=False)
     return np.broadcast_to(values.reshape([dataset.sizes[dim] if dim in own_dims else 1 for dim in dims]), shape)
 
 

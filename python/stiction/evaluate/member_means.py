@@ -17,6 +17,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
 from stiction.mechanics.quantities import STIFFNESS_QUANTITIES, find_upper_bound, is_requested, quantity_attributes
 from stiction.solve.contact_statistics import compute_sample_quantiles
+from stiction.solve.layout import arrange_axes
 from stiction.study.study import Study
 
 if TYPE_CHECKING:
@@ -66,7 +67,9 @@ def average_members(
         return include_interpolation_error(means, values, below, above, position, dependence.mean_with_interval)
 
     coordinates: dict[str, Any] = {
-        str(name): coordinate for name, coordinate in members.coords.items() if "repetition" not in coordinate.dims
+        str(name): members.variables[name]
+        for name in members.coords
+        if "repetition" not in members.variables[name].dims
     }
     nominal_area = float(members.coords.get("nominal_area", math.inf))
     find_limit = partial(find_upper_bound, nominal_area=nominal_area, uses_half_space=study.uses_half_space)
@@ -81,9 +84,9 @@ def average_members(
     direction_axis = dims.index("direction") + 1
 
     def get_coefficients(members: xarray.Dataset) -> Floats:
-        return np.asarray(members.variables["friction_coefficient"].transpose("repetition", *dims).values)
+        return arrange_axes(members.variables["friction_coefficient"], ("repetition", *dims))
 
-    coefficient, status = get_coefficients(members), members.variables["status"].transpose("repetition", *dims).values
+    coefficient, status = get_coefficients(members), arrange_axes(members.variables["status"], ("repetition", *dims))
 
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
@@ -193,7 +196,7 @@ def _average_compliances(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:
-    return np.asarray(members.variables[name].transpose(*dims).values)
+    return arrange_axes(members.variables[name], dims)
 
 
 def include_interpolation_error(

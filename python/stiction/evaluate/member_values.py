@@ -39,6 +39,7 @@ from stiction.mechanics.quantities import (
     is_requested,
     quantity_attributes,
 )
+from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs
 from stiction.study.study import Study, find_step_dimension
@@ -178,9 +179,9 @@ def interpolate_member_sums(
         dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
         values = np.broadcast_arrays(*map(load_crossings.interpolate, sums.values()))
         coordinates = {
-            str(name): coordinate
-            for name, coordinate in piece.coords.items()
-            if {*coordinate.dims} <= {*dims} - {"load"}
+            str(name): piece.variables[name]
+            for name in piece.coords
+            if {*piece.variables[name].dims} <= {*dims} - {"load"}
         }
         return xarray.Dataset(
             {name: (dims, array) for name, array in zip(sums, values, strict=True)},
@@ -207,12 +208,13 @@ def _evaluate_pieces(
     )  # fmt: skip
     if "surrogate" not in values.coords:
         return values
-    is_surrogate = values["surrogate"].values.astype(bool)
+    is_surrogate = values.variables["surrogate"].values.astype(bool)
     is_wanted = bool(is_surrogate.all()) if member_kind is None else member_kind == "surrogates"
     if not (is_surrogate == is_wanted).any():
         other_kind: MemberKind = "shifts" if is_wanted else "surrogates"
         raise ValueError(f"member_kind must be {other_kind!r} for this result, got {short_repr(member_kind)}")
-    return values.isel(repetition=np.flatnonzero(is_surrogate == is_wanted))
+    is_selected = is_surrogate == is_wanted
+    return values if is_selected.all() else values.isel(repetition=np.flatnonzero(is_selected))
 
 
 def _evaluate_piece(
@@ -277,8 +279,8 @@ def _evaluate_piece(
         )  # fmt: skip
     variables = {name: variable for name, variable in variables.items() if is_requested(name, requested_names)}
     coordinates: dict[str, Any] = {
-        str(name): coordinate.variable
-        for name, coordinate in piece.coords.items()
+        str(name): piece.variables[name]
+        for name in piece.coords
         if name not in (find_step_dimension(piece), "mu0", "tau0")
     }
     parameters = {"load": loads, "mu0": mu0, "tau0": tau0}
@@ -583,7 +585,7 @@ def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: b
     If `missing` is true, missing dimensions are added with the length 1.
     """
     own_dims = [dim for dim in dims if dim in array.dims]
-    values = array.transpose(*own_dims).values.astype(np.float64)
+    values = arrange_axes(array, own_dims).astype(np.float64)
     if not missing:
         return values
     return np.asarray(values[tuple(slice(None) if dim in own_dims else np.newaxis for dim in dims)])

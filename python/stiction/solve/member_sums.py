@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import check_callable, check_instance, make_read_only, parse_names, parse_path
 from stiction._units import short_repr
-from stiction.solve.layout import compute_members_per_piece, share_read_only
+from stiction.solve.layout import arrange_axes, compute_members_per_piece, share_read_only
 from stiction.solve.store import StoredResult, export
 from stiction.study.study import Study, parse_study_of_dataset
 
@@ -141,19 +141,23 @@ class MemberSums:
         names, sums, counts = parse_names("names", names), dict[str, xarray.Variable](), dict[str, xarray.Variable]()
         for piece in self.pieces(names):
             for name in names:
-                dims = [str(dim) for dim in piece[name].dims if dim != "repetition"]
+                variable = piece.variables[name]
+                dims = [str(dim) for dim in variable.dims if dim != "repetition"]
                 # Sums are faster if the repetitions are contiguous in memory.
-                values = np.ascontiguousarray(piece[name].transpose(*dims, "repetition").values)
+                values = np.ascontiguousarray(arrange_axes(variable, (*dims, "repetition")))
                 is_solved = ~np.isnan(values)
                 piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))
                 piece_count = xarray.Variable(dims, is_solved.sum(axis=-1))
                 sums[name] = piece_sum if name not in sums else sums[name] + piece_sum
                 counts[name] = piece_count if name not in counts else counts[name] + piece_count
         head = self.head
-        coordinates = {name: variable for name, variable in head.coords.items() if "repetition" not in variable.dims}
+        coordinates = {
+            name: head.variables[name] for name in head.coords if "repetition" not in head.variables[name].dims
+        }
         with np.errstate(invalid="ignore"):
             variables = {
-                name: (value.dims, value.values / counts[name].values, head[name].attrs) for name, value in sums.items()
+                name: (value.dims, value.values / counts[name].values, head.variables[name].attrs)
+                for name, value in sums.items()
             }
         return xarray.Dataset(variables, coordinates, head.attrs)
 
