@@ -1,6 +1,7 @@
 """Test that packaging files agree with each other and with the sources."""
 
 import importlib.util
+import os
 import platform
 import re
 import sys
@@ -98,7 +99,9 @@ def test_wheel_that_requires_a_newer_glibc_is_rejected(release_script, name, pas
 def test_core_extension_requires_no_symbols_that_the_oldest_supported_systems_lack(release_script):
     core = Path(stiction._core.__file__)
     assert b"GLIBCXX_3.4\0" in core.read_bytes()
-    assert sys.modules["prove"].find_newer_symbol_versions(core) == []
+    # The assertions of the standard library call a function of GCC 12. Wheels are built without assertions.
+    allowed_versions = {"GLIBCXX_3.4.30"} if os.environ.get("STICTION_ASSERTIONS") else set()
+    assert set(sys.modules["prove"].find_newer_symbol_versions(core)) <= allowed_versions
 
 
 def test_symbol_check_finds_newer_versions_in_an_extension(release_script, tmp_path):
