@@ -25,7 +25,8 @@ from stiction.views.style import (
 )
 
 IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/fractures.png"
-DISC_DIAMETER = 122e3  # µm
+# Diameter (µm) from which the authors compute the stress. In the coordinates of the map, the face has 124 to 125 mm.
+DISC_DIAMETER = 122e3
 YOUNG_MODULUS, POISSON_RATIO = (
     11.0,
     0.33,
