@@ -7,7 +7,17 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import Profile, Study, approach_at_load, contacts, half_space, open_result, pair, self_affine
+from stiction import (
+    Profile,
+    Study,
+    approach_at_load,
+    contacts,
+    half_space,
+    open_result,
+    pair,
+    self_affine,
+    self_affine_surface,
+)
 from stiction._estimate import Estimate
 from stiction.companions.onset import (
     ONSET_FILE,
@@ -221,6 +231,23 @@ def test_onset_text_states_the_sliding_rule_of_the_onset_if_the_interface_has_an
     ]
     assert "friction at all contacts" not in texts[0]
     assert "These values assume friction at all contacts." in " ".join(texts[1].split())
+
+
+@pytest.mark.parametrize(
+    ("law", "is_stated"), [({}, False), ({"law": "jackson-green", "yield_strength": "1 GPa"}, True)]
+)
+def test_onset_text_states_that_the_stiffness_is_not_that_of_another_contact_law(law, is_stated):
+    bodies = [
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    ]
+    options = {"mechanics": "asperities", "young": "100 GPa", "poisson": 0.3, "mu0": 0.2, "shifts": 2, "onset": 2}
+    result = pair(*bodies, load="10 MPa", **options, **law)
+    for verbose in (False, True):
+        summary = result.summary()
+        paragraph = onset_paragraph(summary.onset_values, summary.study, verbose=verbose)
+        text = " ".join(format_paragraph(paragraph).split())
+        assert ("law jackson-green, but the stiffness of elastic Hertzian contacts" in text) == is_stated
 
 
 def test_sliding_load_is_the_friction_coefficient_times_the_normal_load(tmp_path):

@@ -137,8 +137,11 @@ class LoadCurve(FrictionCurve, ContactSums):
         s² + 2/π tau0 A s), and the tangential load mu0 F (1 - (1 - s²)^(3/2)) + 2/π tau0 A (arcsin s + s sqrt(1 - s²)).
         The terms with mu0 are Mindlin's solution, those with tau0 the solution for a uniform strength. Their sum is
         exact for separate Hertzian contacts that are equally compliant along and across the motion. Elliptic contacts
-        have the mean stiffness over the ellipse (Mindlin 1949; Johnson, Contact Mechanics, 1985, section 7.2), and
-        `JacksonGreen` contacts a Hertzian pressure distribution with the force and the area of the law.
+        have the mean stiffness over the ellipse (Mindlin 1949; Johnson, Contact Mechanics, 1985, section 7.2).
+
+        Of other laws, such as `JacksonGreen`, the onset uses the force, the area and the semi-axes. Pressure
+        distribution and tangential stiffness are those of an elastic Hertzian contact with these semi-axes: the slope
+        of the law's force, which includes plastic deformation, does not enter.
         """
         mu0, tau0 = validate_nonzero_strengths(mu0, tau0, self.effective_modulus)
         angle = parse_direction(direction, line=not isinstance(self, SurfaceLoadCurve))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stiction._number_format import format_with_unit
 from stiction.companions.onset import OnsetValues
 from stiction.evaluate.point import list_rules_with_reported_first
+from stiction.mechanics.law import HertzSphere, parse_contact_law
 from stiction.views.layout import Paragraph, Table
 from stiction.views.point import coordinate_text
 
@@ -72,14 +73,28 @@ def onset_note(onset: OnsetValues, study: Study) -> str:
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
         text += f" Poisson's ratio is assumed to be {onset.poisson_ratio[0]:g}."
-    return text
+    return text + _law_text(study)
+
+
+def _law_text(study: Study) -> str:
+    """Return a sentence on the contact law if the onset of sliding neglects its stiffness, or an empty text."""
+    contact: Any = study.contact
+    if study.uses_half_space:
+        return ""
+    law = parse_contact_law(contact.contact_model().law)
+    if isinstance(law, HertzSphere):
+        return ""
+    return (
+        f" The onset uses the force and the area of the law {law.name}, but the stiffness of elastic Hertzian contacts."
+    )
 
 
 def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Paragraph:
     """Return the sentence on the onset of sliding and, if `verbose`, the note and the table."""
     if not verbose:
         is_reported_rule = list_rules_with_reported_first(study)[0] == "all"
-        return [onset_text(onset) + ("" if is_reported_rule else " These values assume friction at all contacts.")]
+        rule_text = "" if is_reported_rule else " These values assume friction at all contacts."
+        return [onset_text(onset) + rule_text + _law_text(study)]
     return [f"{onset_text(onset)} {onset_note(onset, study)}", Table(onset_rows(onset))]
 
 
